@@ -1,0 +1,37 @@
+/// Whole files: read at once, written whole or not at all, and named by their content.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "core/result.h"
+
+namespace partscribe {
+
+using Path = std::filesystem::path;
+
+/// All bytes of a file; an error names the file and says why.
+Result<std::string> read_file(const Path& path, std::uint64_t max_bytes = 16ull << 30);
+
+/// Writes to a temporary name beside `path` and renames it, so that nobody ever sees half a file.
+Result<Done> write_file(const Path& path, std::string_view bytes);
+
+/// SHA-256 as 64 hexadecimal digits.
+std::string sha256(std::string_view bytes);
+
+/// A new empty directory that is removed with its contents when the object ends.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory();
+  ~TemporaryDirectory();
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  const Path& path() const { return path_; }
+
+ private:
+  Path path_;
+};
+
+}  // namespace partscribe

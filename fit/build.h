@@ -1,0 +1,24 @@
+/// From a scan to the model of a part: the whole fitting pipeline behind one call.
+#pragma once
+
+#include <string>
+
+#include "core/context.h"
+#include "core/result.h"
+#include "geometry/point_cloud.h"
+#include "model/check.h"
+
+namespace partscribe {
+
+struct BuildOptions {
+  double tolerance = 0.1;       ///< mm; the model must lie within this of the data everywhere
+  std::string name = "part";    ///< of the part, for the artifacts
+  bool nominal = true;          ///< replace a fitted value by a nominal one where the data cannot tell them apart
+  std::string force;            ///< only this procedure ("revolve", "extrude", ...); empty: the best
+};
+
+/// The scan's cloud gets normals, noise and outlier flags on the way (they belong into cloud.ply).
+/// Every usable scan yields a model; Model::fallback says when it is only a triangulation.
+Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context);
+
+}  // namespace partscribe

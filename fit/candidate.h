@@ -1,0 +1,38 @@
+/// What every procedure works on, and the form in which it proposes a description of the part.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/context.h"
+#include "geometry/normals.h"
+#include "geometry/point_cloud.h"
+#include "model/model.h"
+
+namespace partscribe {
+
+/// A scan prepared for fitting.
+struct FitInput {
+  PointCloud cloud;             ///< kept points only, thinned to at most some 60,000, evenly, with normals (sign may be
+                                ///< unknown) and sigma; order never depends on the order in the file
+  SamplingSummary sampling;     ///< of the full cloud
+  double thin_spacing = 0;      ///< mm between neighbouring points of `cloud`
+  double tolerance = 0.1;       ///< mm
+  Box3 bounds;
+  const Scan* scan = nullptr;   ///< the whole thing, for procedures that need the mesh or all points
+  bool oriented = false;        ///< normals point outward (rays or a mesh told so)
+};
+
+/// A proposal: one shape with named parameters, standing somewhere in the scan. Values are starts; refine() makes
+/// them exact.
+struct Candidate {
+  std::string procedure;              ///< "sphere", "surface of revolution", ... as users read it
+  std::string object_name;            ///< "pin_body"
+  Shape shape;
+  std::vector<Parameter> parameters;  ///< all that `shape` names
+  Pose scan_from_part;
+  int extra_numbers = 0;              ///< numbers that are no parameters (control points, triangles)
+};
+
+}  // namespace partscribe

@@ -1,0 +1,36 @@
+/// Nearest points of a fixed set, with ties broken by index so that answers never depend on chance.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "geometry/vec.h"
+
+namespace partscribe {
+
+struct Neighbour {
+  std::uint32_t index;
+  double sq_distance;  ///< mm^2
+};
+
+/// Built once over points that the caller keeps alive; queries may run on many threads.
+class KdTree {
+ public:
+  explicit KdTree(const std::vector<Vec3>& points);
+  ~KdTree();
+  KdTree(KdTree&&) noexcept;
+
+  /// The `count` nearest points (fewer if there are fewer), nearest first.
+  void nearest(const Vec3& query, std::size_t count, std::vector<Neighbour>& result) const;
+  /// All points within `radius`, nearest first.
+  void within(const Vec3& query, double radius, std::vector<Neighbour>& result) const;
+  /// Index of the nearest point; the set must not be empty.
+  Neighbour nearest_one(const Vec3& query) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace partscribe

@@ -1,0 +1,36 @@
+/// Runs an artifact by its own program and returns the geometry that really came out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/context.h"
+#include "core/files.h"
+#include "core/result.h"
+#include "geometry/triangle_mesh.h"
+
+namespace partscribe {
+
+struct EvaluateOptions {
+  double tolerance = 0.1;     ///< mm; surfaces are meshed to a tenth of it
+  double seconds = 600;       ///< limit for one program
+  double memory_mb = 8192;
+};
+
+/// The evaluated geometry of one artifact.
+struct Evaluation {
+  std::string backend;                  ///< "openscad", "alpha1", "iges", "step", "mesh"
+  std::string program, version;         ///< what ran: "openscad", "2021.01"
+  TriangleMesh mesh;                    ///< mm, outward
+  bool solid = false;                   ///< closed and oriented, positive volume
+  double error = 0;                     ///< mm, measured bound between `mesh` and the exact geometry
+  double seconds = 0;
+  bool failed = false;                  ///< the program ran and refused or warned: out of tolerance, never passed
+  std::vector<std::string> complaints;  ///< what it said, one line each
+};
+
+/// By suffix: .scad .scl .igs .iges .step .stp and mesh files (.stl .off .obj .3mf .ply). Errors: missing_program,
+/// bad_input, stopped. A program that ran and complained is no error but `failed`.
+Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& options, Context& context);
+
+}  // namespace partscribe
