@@ -1,0 +1,239 @@
+#include "model/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/number.h"
+#include "geometry/convex.h"
+#include "model/sketch.h"
+
+namespace partscribe {
+namespace {
+
+bool is_identifier(const std::string& name) {
+  if (name.empty() || !(name[0] >= 'a' && name[0] <= 'z')) return false;
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+/// Words that mean something in one of the languages we write.
+const std::set<std::string>& reserved_words() {
+  static const std::set<std::string> words = {
+      "module", "function", "include", "use",   "if",    "else",  "for",    "let",      "each",  "true",  "false", "undef",
+      "cube",   "sphere",   "cylinder", "union", "difference", "intersection", "hull", "part",  "set",   "unset", "quit",
+      "while",  "return",   "seq",     "and",   "or",    "not",   "procedure", "const", "as_scanned", "as_designed",
+      "translate", "rotate", "mirror", "circle", "square", "polygon", "render", "echo", "assert", "import", "scale",
+      "box", "group", "surface", "profile", "instance", "show", "linear", "quadratic", "cubic", "origin", "chord_error"};
+  return words;
+}
+
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  auto side = [](const Vec2& p, const Vec2& q, const Vec2& r) {
+    return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
+  };
+  return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+}
+
+}  // namespace
+
+struct Check {
+  Model model;
+  std::vector<std::string> complaints;
+  Values values;
+
+  void complain(std::string line) { complaints.push_back(std::move(line)); }
+
+  void check_name(const std::string& what, const std::string& name, std::set<std::string>& taken) {
+    if (!is_identifier(name))
+      complain(what + " " + quoted(name) + ": expected a name of lower-case letters, digits and _, starting with a letter");
+    else if (reserved_words().count(name))
+      complain(what + " " + quoted(name) + ": this word is reserved");
+    else if (!taken.insert(name).second)
+      complain(what + " " + quoted(name) + ": the name is used twice");
+  }
+
+  /// True if every parameter in it is known and the value is finite.
+  bool check_expr(const std::string& where, const Expr& e) {
+    bool known = true;
+    visit_parameters(e, [&](const std::string& name) {
+      if (!values.count(name)) {
+        complain(where + ": unknown parameter " + quoted(name));
+        known = false;
+      }
+    });
+    if (!known) return false;
+    if (!std::isfinite(evaluate(e, values))) {
+      complain(where + ": the expression has no finite value");
+      return false;
+    }
+    return true;
+  }
+
+  void check_domain(const std::string& where, double v, Domain domain) {
+    auto want = [&](bool good, const char* expected) {
+      if (!good) complain(where + ": expected " + expected + ", found " + print_number(v));
+    };
+    switch (domain) {
+      case Domain::length: return want(v > 0, "a length above 0");
+      case Domain::length_or_zero: return want(v >= 0, "a length of at least 0");
+      case Domain::exponent: return want(v >= 0.1 - 1e-12 && v <= 2 + 1e-12, "an exponent of 0.1 to 2");
+      case Domain::taper: return want(std::abs(v) <= 0.95 + 1e-12, "a taper of -0.95 to 0.95");
+      case Domain::component: return want(std::abs(v) <= 1 + 1e-9, "a component of a unit vector");
+      case Domain::coordinate:
+      case Domain::angle: return;
+    }
+  }
+
+  void check_sketch(const std::string& where, const EvaluatedSketch& sketch, bool profile) {
+    if (sketch.loops.empty()) return complain(where + ": a sketch needs a loop");
+    for (const auto& loop : sketch.loops) {
+      if (loop.elements.empty()) return complain(where + ": loop " + quoted(loop.name) + " is empty");
+      for (const auto& element : loop.elements) {
+        const auto* n = std::get_if<SketchNurbsOf<double>>(&element);
+        if (!n) continue;
+        const std::size_t count = n->control.size(), degree = static_cast<std::size_t>(std::max(n->degree, 0));
+        if (n->degree < 1 || n->degree > 9 || count < degree + 1)
+          return complain(where + ": a curve of degree " + print_number(n->degree) + " cannot have " +
+                          print_number(double(count)) + " control points");
+        if (n->knots.size() != count + degree + 1)
+          return complain(where + ": expected " + print_number(double(count + degree + 1)) + " knots, found " +
+                          print_number(double(n->knots.size())));
+        if (!std::is_sorted(n->knots.begin(), n->knots.end()) || n->knots.front() != n->knots[degree] ||
+            n->knots.back() != n->knots[count] || n->knots.front() >= n->knots.back())
+          return complain(where + ": knots must rise and be clamped at both ends");
+        if (!n->weights.empty() && (n->weights.size() != count ||
+                                    *std::min_element(n->weights.begin(), n->weights.end()) <= 0))
+          return complain(where + ": expected one weight above 0 per control point");
+      }
+    }
+    const Outline2 outline = outline_of(sketch);
+    // One list of chords for all loops: no two may cross.
+    struct Chord {
+      Vec2 a, b;
+    };
+    std::vector<Chord> chords;
+    Vec2 low = Vec2::Constant(1e300), high = -low;
+    for (const auto& c : outline.curves)
+      for (const auto& p : {start_of(c.curve), end_of(c.curve)}) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    for (const auto& c : outline.curves)
+      if (const auto* a = std::get_if<Arc2>(&c.curve)) {
+        if (!(a->radius > 0)) return;  // already reported
+        low = low.cwiseMin(a->center - Vec2::Constant(a->radius)), high = high.cwiseMax(a->center + Vec2::Constant(a->radius));
+        if (std::abs(a->to - a->from) > 2 * pi + 1e-9) return complain(where + ": an arc turns more than once");
+      }
+    const double chord_error = std::max((high - low).norm() * 1e-4, 1e-9);
+    for (const auto& c : outline.curves) {
+      const auto points = polyline(c.curve, chord_error);
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) chords.push_back({points[i], points[i + 1]});
+    }
+    for (std::size_t i = 0; i < chords.size(); ++i)
+      for (std::size_t k = i + 1; k < chords.size(); ++k)
+        if (segments_cross(chords[i].a, chords[i].b, chords[k].a, chords[k].b))
+          return complain(where + ": the sketch crosses itself near (" + print_number(snapped(chords[i].a.x(), 1e-3)) +
+                          ", " + print_number(snapped(chords[i].a.y(), 1e-3)) + ")");
+    for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
+      const double enclosed = signed_area(outline, static_cast<int>(l));
+      const std::string& name = sketch.loops[l].name;
+      if (std::abs(enclosed) < 1e-12) complain(where + ": loop " + quoted(name) + " encloses nothing");
+      else if (l == 0 && enclosed < 0) complain(where + ": the outer loop must run counter-clockwise");
+      else if (l > 0 && enclosed > 0) complain(where + ": loop " + quoted(name) + " is a hole and must run clockwise");
+    }
+    if (profile)
+      for (const auto& chord : chords)
+        if (chord.a.x() < -1e-7) return complain(where + ": the profile crosses the axis");
+  }
+
+  void check_shape(const std::string& where, const EvaluatedShape& shape, const std::set<std::string>& earlier) {
+    auto check_names = [&](const std::vector<std::string>& names, std::size_t least) {
+      if (names.size() < least) complain(where + ": expected at least " + print_number(double(least)) + " objects");
+      for (const auto& name : names)
+        if (!earlier.count(name)) complain(where + ": " + quoted(name) + " is not an earlier object");
+    };
+    if (const auto* s = std::get_if<ConeOf<double>>(&shape)) {
+      if (s->bottom_radius <= 0 && s->top_radius <= 0) complain(where + ": one radius of a cone must be above 0");
+    } else if (const auto* t = std::get_if<TorusOf<double>>(&shape)) {
+      if (t->minor_radius >= t->major_radius) complain(where + ": the tube's radius must be below the ring's");
+    } else if (const auto* h = std::get_if<HalfSpacesOf<double>>(&shape)) {
+      std::vector<Plane3> planes;
+      for (const auto& p : h->planes) {
+        const Vec3 n(p.normal_x, p.normal_y, p.normal_z);
+        if (std::abs(n.norm() - 1) > 1e-6)
+          return complain(where + ": the normal of face " + quoted(p.name) + " is no unit vector");
+        planes.push_back({n.normalized(), p.offset});
+      }
+      if (!convex_polyhedron(planes)) complain(where + ": the half-spaces leave no bounded body");
+    } else if (const auto* e = std::get_if<ExtrudeOf<double>>(&shape)) {
+      check_sketch(where, e->sketch, false);
+    } else if (const auto* r = std::get_if<RevolveOf<double>>(&shape)) {
+      check_sketch(where, r->sketch, true);
+    } else if (const auto* m = std::get_if<TriSurfaceOf<double>>(&shape)) {
+      TriangleMesh mesh{m->vertices.empty() ? std::vector<Vec3>{} : std::vector<Vec3>(m->vertices.size()), m->triangles};
+      for (std::size_t i = 0; i < m->vertices.size(); ++i) mesh.vertices[i] = Vec3(m->vertices[i].data());
+      if (mesh.triangles.empty()) return complain(where + ": a triangulation needs a triangle");
+      for (const auto& t3 : mesh.triangles)
+        for (const auto v : t3)
+          if (v >= mesh.vertices.size()) return complain(where + ": a triangle names vertex " + print_number(v) + ", there are " + print_number(double(mesh.vertices.size())));
+      const auto topo = topology(mesh);
+      if (topo.nonmanifold_edges > 0 || topo.inconsistent_edges > 0)
+        complain(where + ": " + print_number(double(topo.nonmanifold_edges + topo.inconsistent_edges)) + " edges are not manifold");
+      if (m->closed && topo.boundary_edges > 0)
+        complain(where + ": called closed, but has " + print_number(double(topo.boundary_edges)) + " open edges");
+      if (m->closed && topo.closed() && volume(mesh) <= 0) complain(where + ": the triangles face inward");
+    } else if (const auto* u = std::get_if<UnionOf<double>>(&shape)) {
+      check_names(u->objects, 1);
+    } else if (const auto* d = std::get_if<DifferenceOf<double>>(&shape)) {
+      check_names(d->objects, 2);
+    } else if (const auto* n = std::get_if<IntersectionOf<double>>(&shape)) {
+      check_names(n->objects, 1);
+    }
+  }
+
+  std::variant<CheckedModel, Complaints> run() {
+    std::set<std::string> names;
+    if (!is_identifier(model.name)) complain("model " + quoted(model.name) + ": expected a lower_snake_case name");
+    if (!(model.tolerance > 0) || !std::isfinite(model.tolerance)) complain("tolerance: expected a length above 0");
+    for (const auto& p : model.parameters) {
+      check_name("parameter", p.name, names);
+      for (const double v : {p.value, p.fitted, p.sigma, p.sigma_noise, p.sigma_systematic})
+        if (!std::isfinite(v)) complain("parameter " + quoted(p.name) + ": a number is not finite");
+      values[p.name] = p.value;
+    }
+    if (model.objects.empty()) complain("objects: a model needs at least one");
+    std::set<std::string> earlier;
+    for (const auto& object : model.objects) {
+      const std::string where = "object " + quoted(object.name);
+      check_name("object", object.name, names);
+      bool good = true;
+      visit_expressions(object.shape, [&](const Expr& e, Domain domain) {
+        if (!check_expr(where, e)) good = false;
+        else check_domain(where, evaluate(e, values), domain);
+      });
+      for (const Expr* e : {&object.frame.x, &object.frame.y, &object.frame.z, &object.frame.rx, &object.frame.ry, &object.frame.rz})
+        check_expr(where + " frame", *e);
+      if (good) check_shape(where, evaluate(object.shape, values), earlier);
+      earlier.insert(object.name);
+    }
+    const Frame& f = model.scan_from_part;
+    for (const Expr* e : {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz}) check_expr("scan_from_part", *e);
+    if (!complaints.empty()) return Complaints{std::move(complaints)};
+    return CheckedModel(std::move(model));
+  }
+};
+
+std::variant<CheckedModel, Complaints> check(Model model) { return Check{std::move(model), {}, {}}.run(); }
+
+Result<CheckedModel> checked(Model model, const std::string& where) {
+  auto outcome = check(std::move(model));
+  if (auto* good = std::get_if<CheckedModel>(&outcome)) return std::move(*good);
+  const auto& lines = std::get<Complaints>(outcome).lines;
+  std::string text = where + ": " + lines.front();
+  if (lines.size() > 1) text += " (and " + print_number(double(lines.size() - 1)) + " more)";
+  return bad_input(text);
+}
+
+}  // namespace partscribe

@@ -1,0 +1,18 @@
+#include "model/model.h"
+
+namespace partscribe {
+
+bool Frame::identity() const { return *this == Frame{}; }
+
+Values values_of(const Model& model) {
+  Values values;
+  for (const auto& p : model.parameters) values[p.name] = p.value;
+  return values;
+}
+
+Pose evaluate(const Frame& f, const Values& values) {
+  return {rotation_from_euler({evaluate(f.rx, values), evaluate(f.ry, values), evaluate(f.rz, values)}),
+          {evaluate(f.x, values), evaluate(f.y, values), evaluate(f.z, values)}};
+}
+
+}  // namespace partscribe

@@ -1,0 +1,60 @@
+#include "model/sketch.h"
+
+#include "core/number.h"
+
+namespace partscribe {
+namespace {
+
+Curve2 curve_of(const SketchArcOf<double>& a) {
+  return Arc2{{a.center_x, a.center_y}, a.radius, a.from, a.to};
+}
+
+Curve2 curve_of(const SketchNurbsOf<double>& n) {
+  Nurbs2 curve{n.degree, n.knots, n.weights, {}};
+  for (const auto& p : n.control) curve.control.emplace_back(p[0], p[1]);
+  return curve;
+}
+
+Vec2 start_of_element(const SketchElementOf<double>& element) {
+  if (const auto* p = std::get_if<SketchPointOf<double>>(&element)) return {p->x, p->y};
+  if (const auto* a = std::get_if<SketchArcOf<double>>(&element)) return start_of(curve_of(*a));
+  return start_of(curve_of(std::get<SketchNurbsOf<double>>(element)));
+}
+
+}  // namespace
+
+Outline2 outline_of(const EvaluatedSketch& sketch) {
+  Outline2 outline;
+  for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
+    const auto& loop = sketch.loops[l];
+    const std::string loop_name = loop.name.empty() ? "loop " + print_number(double(l + 1)) : loop.name;
+    int unnamed = 0;
+    auto add = [&](Curve2 curve, const std::string& name) {
+      ++unnamed;
+      outline.curves.push_back({std::move(curve), name.empty() ? loop_name + " edge " + print_number(unnamed) : name,
+                                static_cast<int>(l)});
+    };
+    for (std::size_t i = 0; i < loop.elements.size(); ++i) {
+      const auto& element = loop.elements[i];
+      Vec2 end = start_of_element(element);
+      std::string edge;
+      if (const auto* p = std::get_if<SketchPointOf<double>>(&element)) {
+        edge = p->edge;
+      } else if (const auto* a = std::get_if<SketchArcOf<double>>(&element)) {
+        add(curve_of(*a), a->name.empty() ? loop.elements.size() == 1 ? loop_name : "" : a->name);
+        end = end_of(outline.curves.back().curve);
+        edge = a->edge;
+      } else {
+        const auto& n = std::get<SketchNurbsOf<double>>(element);
+        add(curve_of(n), n.name);
+        end = end_of(outline.curves.back().curve);
+        edge = n.edge;
+      }
+      const Vec2 next = start_of_element(loop.elements[(i + 1) % loop.elements.size()]);
+      if ((next - end).norm() > sketch_join) add(Line2{end, next}, edge);
+    }
+  }
+  return outline;
+}
+
+}  // namespace partscribe
