@@ -157,17 +157,28 @@ double walk_to_foot(const Octant& shape, const Vec3& p, Vec3 x) {
     const Vec3 move = t1 * ((b1 * m22 - b2 * m12) / det) + t2 * ((b2 * m11 - b1 * m12) / det);
     if (!(move.norm() > 1e-13 * size)) break;
 
-    double share = 1;
-    bool better = false;
     Vec3 next = x;
     double next_sq = sq;
-    for (int attempt = 0; attempt < 12 && !better; ++attempt, share *= 0.4) {
-      const Vec3 trial = (x + share * move).cwiseMax(0.02 * x).cwiseMax(smallest * shape.a);
-      next = shape.onto(shape.untapered(trial));
-      next_sq = (p - next).squaredNorm();
-      better = next_sq < sq;
+    const auto try_steps = [&](const Vec3& step_vector) {
+      double share = 1;
+      for (int attempt = 0; attempt < 12; ++attempt, share *= 0.4) {
+        const Vec3 trial =
+            shape.onto(shape.untapered((x + share * step_vector).cwiseMax(0.02 * x).cwiseMax(smallest * shape.a)));
+        const double trial_sq = (p - trial).squaredNorm();
+        if (trial_sq >= sq) continue;
+        if (trial_sq < next_sq) next = trial, next_sq = trial_sq;
+        return;
+      }
+    };
+    try_steps(move);
+    // Near a sharp edge in a symmetry plane the foot slides along the edge.
+    for (int i = 0; i < 3; ++i) {
+      if (x[i] + move[i] >= 0.02 * x[i] || x[i] > 1e-3 * shape.a[i]) continue;
+      const Vec3 along = n.cross(Vec3::Unit(i)).normalized();
+      const double slope = along.dot(r), bend = 1 + lambda * along.dot(hessian * along);
+      if (std::abs(slope) > 1e-13 * size) try_steps(along * (slope / std::max(bend, 0.05)));
     }
-    if (!better) break;
+    if (!(next_sq < sq)) break;
     const double moved = (next - x).norm();
     x = next, sq = next_sq;
     if (moved <= 1e-12 * size) break;
