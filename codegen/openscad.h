@@ -1,0 +1,10 @@
+/// Writes a model as an OpenSCAD script (2021.01 or later) and, where it needs one, the library beside it.
+#pragma once
+
+#include "codegen/emit.h"
+
+namespace partscribe {
+
+Result<Artifact> emit_openscad(const CheckedModel& model, const EmitOptions& options, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,23 @@
+/// Sketches as OpenSCAD polygons and circles.
+#pragma once
+
+#include <string>
+
+#include "codegen/openscad_text.h"
+#include "codegen/template.h"
+
+namespace partscribe {
+
+/// What a script's text calls for: helper functions and the library beside it.
+struct OpenscadNeeds {
+  bool facets = false, arc = false, on_axis = false, disc = false, ball = false, library = false;
+};
+
+/// A module `name` that draws the sketch; `about_axis`: the first coordinate is a radius.
+Result<std::string> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis,
+                                    const OpenscadText& text, const TemplatePack& pack, OpenscadNeeds& needs);
+
+/// An expression for the largest first coordinate of a profile.
+std::string openscad_largest_radius(const Sketch& sketch, const OpenscadText& text);
+
+}  // namespace partscribe

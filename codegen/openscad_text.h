@@ -1,0 +1,45 @@
+/// Expressions and names of a model as OpenSCAD text.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "model/model.h"
+
+namespace partscribe {
+
+/// How a model's names are spelled in a script: as they are, unless OpenSCAD or our helpers use the word.
+struct OpenscadNames {
+  explicit OpenscadNames(const Model& model);
+  std::map<std::string, std::string> parameter, object;
+};
+
+/// Turns expressions into text with no more parentheses than needed; angles are degrees in the script.
+class OpenscadText {
+ public:
+  explicit OpenscadText(const Model& model);
+
+  /// A length, ratio, coordinate: anything but an angle.
+  std::string plain(const Expr& expr) const;
+  /// An angle, in degrees.
+  std::string angle(const Expr& expr) const;
+  std::string of(const Expr& expr, Domain domain) const { return domain == Domain::angle ? angle(expr) : plain(expr); }
+
+  const OpenscadNames& names() const { return names_; }
+  double value(const Expr& expr) const { return evaluate(expr, values_); }
+
+ private:
+  /// Text with the binding strength of its outermost operator.
+  struct Piece {
+    std::string text;
+    int strength;
+  };
+  Piece piece(const Expr& expr, bool as_angle) const;
+  bool carries_angle(const Expr& expr) const;
+
+  OpenscadNames names_;
+  Values values_;
+  std::map<std::string, Quantity> quantity_;
+};
+
+}  // namespace partscribe

@@ -1,0 +1,21 @@
+/// What an open triangulated sheet needs to become a solid: where its boundary runs, which way each corner moves.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "geometry/vec.h"
+
+namespace partscribe {
+
+/// Per vertex the direction by which all adjoining triangles move outward by about 1 when the vertex moves by it
+/// (the miter of their planes; at sharp corners no longer than 2).
+std::vector<Vec3> sheet_normals(const std::vector<std::array<double, 3>>& vertices,
+                                const std::vector<std::array<std::uint32_t, 3>>& triangles);
+
+/// Directed edges with one triangle, as the triangle runs through them, in order of the triangles.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> sheet_rim(const std::vector<std::array<std::uint32_t, 3>>& triangles);
+
+}  // namespace partscribe

@@ -1,0 +1,111 @@
+// Shapes that OpenSCAD does not have: superellipsoids, NURBS curves, half-spaces and thickened sheets.
+//
+// Belongs beside the script that uses it. Millimetres and degrees; OpenSCAD 2021.01 or later.
+
+// Distance of p from the straight line through a and b, in two or three dimensions.
+function _off_line(p, a, b) =
+  let (d = b - a, l = d * d, q = p - a)
+  l == 0 ? norm(q) : norm(q - d * min(1, max(0, (q * d) / l)));
+
+// Parameters between a and b at which the curve f has to be cut so that no chord is farther from it than error.
+function _cuts(f, a, b, error, depth = 0) =
+  let (p = f(a), q = f(b), m = (a + b) / 2,
+       far = max(_off_line(f(m), p, q), _off_line(f((a + m) / 2), p, q), _off_line(f((m + b) / 2), p, q)))
+  depth > 14 || (depth > 0 && far <= error) ? []
+  : concat(_cuts(f, a, m, error, depth + 1), [m], _cuts(f, m, b, error, depth + 1));
+
+// ---- superellipsoid -------------------------------------------------------------------------------------------
+
+// The point of the unit superellipse |x|^(2/e) + |y|^(2/e) = 1 in a direction.
+function _superellipse(angle, e) =
+  let (c = cos(angle), s = sin(angle), p = 2 / e)
+  [c, s] / (abs(c) ^ p + abs(s) ^ p) ^ (1 / p);
+
+// The surface ((x/a1)^(2/e2) + (y/a2)^(2/e2))^(e2/e1) + (z/a3)^(2/e1) = 1 with half sizes [a1, a2, a3], then x grown
+// by 1 + taper.x z / a3 and y by 1 + taper.y z / a3. Corners lie on the surface, facets within chord_error of it.
+module superellipsoid(size, e1 = 1, e2 = 1, taper = [0, 0], chord_error = 0.01) {
+  assert(min(size) > 0, "the half sizes of a superellipsoid must be positive");
+  assert(e1 >= 0.1 && e1 <= 2 && e2 >= 0.1 && e2 <= 2, "the exponents of a superellipsoid must lie in 0.1 .. 2");
+  assert(max(abs(taper.x), abs(taper.y)) < 1, "the taper of a superellipsoid must lie between -1 and 1");
+  grown = [for (i = [0, 1]) size[i] * (1 + abs(taper[i]))];
+  meridian = function (t) let (p = _superellipse(t, e1))
+    [p.x * size.x * (1 + taper.x * p.y), p.x * size.y * (1 + taper.y * p.y), p.y * size.z];
+  ring = function (t) let (p = _superellipse(t, e2)) [p.x * grown.x, p.y * grown.y];
+  latitudes = concat(_cuts(meridian, -90, 0, chord_error / 2), [0], _cuts(meridian, 0, 90, chord_error / 2));
+  quarter = concat([0], _cuts(ring, 0, 90, chord_error / 2));
+  longitudes = [for (k = [0 : 3]) each [for (t = quarter) t + 90 * k]];
+  n = len(longitudes);
+  m = len(latitudes);
+  unit = [for (t = longitudes) _superellipse(t, e2)];
+  points = concat([[0, 0, -size.z]],
+    [for (t = latitudes) let (p = _superellipse(t, e1), gx = 1 + taper.x * p.y, gy = 1 + taper.y * p.y)
+      each [for (u = unit) [p.x * u.x * size.x * gx, p.x * u.y * size.y * gy, p.y * size.z]]],
+    [[0, 0, size.z]]);
+  top = len(points) - 1;
+  faces = concat(
+    [for (j = [0 : n - 1]) [0, 1 + j, 1 + (j + 1) % n]],
+    [for (i = [0 : m - 2], j = [0 : n - 1]) let (a = 1 + i * n, k = (j + 1) % n)
+      each [[a + j, a + n + j, a + n + k], [a + j, a + n + k, a + k]]],
+    [for (j = [0 : n - 1]) [top, top - n + (j + 1) % n, top - n + j]]);
+  polyhedron(points = points, faces = faces);
+}
+
+// ---- NURBS curve ----------------------------------------------------------------------------------------------
+
+// The knot span that holds u: the last i with knots[i] <= u < knots[i + 1].
+function _span(knots, degree, count, u) =
+  let (inside = [for (i = [degree : count - 1]) if (knots[i] <= u && knots[i] < knots[i + 1]) i])
+  inside[len(inside) - 1];
+
+// De Boor's scheme on homogeneous points.
+function _de_boor(points, knots, degree, span, u, round = 1) =
+  round > degree ? points[degree]
+  : _de_boor([for (j = [0 : degree])
+      j < round ? points[j]
+      : let (k = span - degree + j, t = (u - knots[k]) / (knots[k + degree - round + 1] - knots[k]))
+        (1 - t) * points[j - 1] + t * points[j]], knots, degree, span, u, round + 1);
+
+function nurbs_point(degree, knots, homogeneous, u) =
+  let (span = _span(knots, degree, len(homogeneous), u),
+       h = _de_boor([for (j = [0 : degree]) homogeneous[span - degree + j]], knots, degree, span, u))
+  [h.x, h.y] / h.z;
+
+// Points along a clamped plane NURBS curve, both ends included, so that no chord is farther from it than error.
+function nurbs_curve(degree, knots, control, weights = undef, error = 0.01) =
+  let (count = len(control),
+       w = weights == undef ? [for (p = control) 1] : weights,
+       homogeneous = [for (i = [0 : count - 1]) [control[i].x * w[i], control[i].y * w[i], w[i]]],
+       curve = function (u) nurbs_point(degree, knots, homogeneous, u),
+       spans = [for (i = [degree : count - 1]) if (knots[i] < knots[i + 1]) i])
+  assert(len(knots) == count + degree + 1, "a NURBS curve has as many knots as control points + degree + 1")
+  concat([control[0]],
+    [for (i = spans) each concat([for (u = _cuts(curve, knots[i], knots[i + 1], error)) curve(u)],
+      [i == count - 1 || knots[i + 1] >= knots[count] ? control[count - 1] : curve(knots[i + 1])])]);
+
+// ---- half-spaces ----------------------------------------------------------------------------------------------
+
+// The convex body of all points p with normal * p <= distance, for every [normal, distance] in planes.
+module half_spaces(planes) {
+  n = len(planes);
+  scale = max([for (p = planes) abs(p[1])]) + 1;
+  corners = [for (i = [0 : n - 1], j = [i + 1 : 1 : n - 1], k = [j + 1 : 1 : n - 1])
+    let (a = planes[i][0], b = planes[j][0], c = planes[k][0], det = a * cross(b, c))
+    if (abs(det) > 1e-6)
+      let (p = (planes[i][1] * cross(b, c) + planes[j][1] * cross(c, a) + planes[k][1] * cross(a, b)) / det)
+      if (max([for (q = planes) q[0] * p - q[1]]) < 1e-7 * scale) p];
+  assert(len(corners) >= 4, "the half-spaces have no common body");
+  hull() polyhedron(points = corners, faces = [[for (i = [0 : len(corners) - 1]) i]]);
+}
+
+// ---- sheet ----------------------------------------------------------------------------------------------------
+
+// A closed solid between an open sheet and its copy, moved back by thickness; rim lists the sheet's boundary edges.
+module thick_sheet(points, normals, faces, rim, thickness) {
+  assert(thickness > 0, "a sheet needs a thickness to become a solid");
+  n = len(points);
+  back = [for (i = [0 : n - 1]) points[i] - thickness * normals[i]];
+  polyhedron(points = concat(points, back),
+    faces = concat(faces, [for (f = faces) [f[2] + n, f[1] + n, f[0] + n]],
+      [for (e = rim) each [[e[1], e[0], e[0] + n], [e[1], e[0] + n, e[1] + n]]]),
+    convexity = 10);
+}

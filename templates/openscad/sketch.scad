@@ -1,0 +1,10 @@
+{{#single}}
+module {{name}}()
+  {{loop}}
+{{/single}}
+{{#several}}
+module {{name}}() difference() {
+  {{outer}}
+  {{holes}}
+}
+{{/several}}
