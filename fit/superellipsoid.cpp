@@ -1,0 +1,423 @@
+/// One superellipsoid out of noisy, partial points: a Gaussian-uniform mixture from several starts.
+#include "fit/superellipsoid.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <tuple>
+
+#include "core/number.h"
+
+namespace partscribe {
+
+namespace {
+
+constexpr std::size_t most_points = 1500;  // more do not sharpen a hypothesis
+constexpr std::size_t screen_points = 400; // enough to rank starts
+constexpr int unknowns = 13;               // shift 3, turn 3, ln size 3, exponents 2, tapers 2
+using Gradient = Eigen::Matrix<double, unknowns, 1>;
+using Normal = Eigen::Matrix<double, unknowns, unknowns>;
+
+/// Position, shape and mixture, on data of unit size.
+struct State {
+  Mat3 rotation = Mat3::Identity();  // data_from_shape
+  Vec3 centre = Vec3::Zero();
+  Vec3 a = Vec3::Ones();
+  double e1 = 1, e2 = 1, k1 = 0, k2 = 0;
+  double sigma = 0.3;         // of inliers
+  double outliers = 0.1;      // share of the uniform part
+  double cost = 0;            // nats per point, less is better
+  double inliers = 0;         // mean membership
+};
+
+std::uint64_t mixed(std::uint64_t h) {
+  h ^= h >> 33, h *= 0xff51afd7ed558ccdull;
+  h ^= h >> 33, h *= 0xc4ceb9fe1a85ec53ull;
+  return h ^ (h >> 33);
+}
+
+/// A selection, and an order, that depend on the coordinates alone: whoever shuffles the file gets the same points.
+std::vector<Vec3> drawn(const std::vector<Vec3>& points) {
+  using Key = std::tuple<std::uint64_t, double, double, double>;
+  std::vector<Key> keys;
+  keys.reserve(points.size());
+  for (const Vec3& p : points) {
+    if (!p.allFinite()) continue;
+    std::uint64_t h = 0;
+    for (int k = 0; k < 3; ++k) h = mixed(h + std::bit_cast<std::uint64_t>(p[k] + 0.0) + 0x9e3779b97f4a7c15ull);
+    keys.emplace_back(h, p.x(), p.y(), p.z());
+  }
+  const std::size_t count = std::min(keys.size(), most_points);
+  std::partial_sort(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(count), keys.end());
+  std::vector<Vec3> result;
+  for (std::size_t i = 0; i < count; ++i)
+    result.emplace_back(std::get<1>(keys[i]), std::get<2>(keys[i]), std::get<3>(keys[i]));
+  return result;
+}
+
+/// (x^p + y^p)^(1/p) of x, y >= 0 and its derivatives by x, y and p.
+struct Gauge {
+  double value, gx, gy, gp;
+};
+
+Gauge gauge(double x, double y, double p) {
+  const double big = std::max({x, y, 1e-12}), small = std::min(x, y);
+  Gauge g;
+  g.value = big * std::pow(1 + std::pow(small / big, p), 1 / p);
+  const double ux = std::max(x / g.value, 1e-12), uy = std::max(y / g.value, 1e-12);
+  g.gx = std::pow(ux, p - 1), g.gy = std::pow(uy, p - 1);
+  g.gp = g.value / p * (g.gx * ux * std::log(ux) + g.gy * uy * std::log(uy));
+  return g;
+}
+
+/// Signed distance to first order, (N - 1) / |grad N| with the gauge N = F^(1/2) of equation (5), which is finite
+/// even at the centre; the radial distance overrates what lies beside elongated bodies.
+double residual(const State& s, const Vec3& point, Gradient* gradient) {
+  const Vec3 q = s.rotation.transpose() * (point - s.centre);
+  const double z = q[2] / s.a[2], t = std::clamp(z, -1.0, 1.0);
+  const double h1 = 1 + s.k1 * t, h2 = 1 + s.k2 * t;
+  const double x = q[0] / (s.a[0] * h1), y = q[1] / (s.a[1] * h2);
+  const double p1 = 2 / s.e1, p2 = 2 / s.e2;
+  const Gauge in = gauge(std::abs(x), std::abs(y), p2), out = gauge(in.value, std::abs(z), p1);
+  const double nx = std::copysign(out.gx * in.gx, x), ny = std::copysign(out.gx * in.gy, y);
+  const double nz = std::copysign(out.gy, z);
+  const double grow1 = t == z ? s.k1 / (s.a[2] * h1) : 0, grow2 = t == z ? s.k2 / (s.a[2] * h2) : 0;
+  const Vec3 slope(nx / (s.a[0] * h1), ny / (s.a[1] * h2), nz / s.a[2] - nx * x * grow1 - ny * y * grow2);
+  const double steep = std::max(slope.norm(), 1e-9), d = (out.value - 1) / steep;
+  if (gradient) {
+    Gradient& g = *gradient;
+    const Vec3 n = slope / steep;
+    g.segment<3>(0) = -n;
+    g.segment<3>(3) = -q.cross(n);
+    g[6] = -nx * x / steep;
+    g[7] = -ny * y / steep;
+    g[8] = -q[2] * n[2];
+    g[9] = out.gp / steep * (-2 / (s.e1 * s.e1));
+    g[10] = out.gx * in.gp / steep * (-2 / (s.e2 * s.e2));
+    g[11] = -nx * x * t / h1 / steep;
+    g[12] = -ny * y * t / h2 / steep;
+  }
+  return d;
+}
+
+State stepped(const State& s, const Gradient& step) {
+  State n = s;
+  n.centre += s.rotation * step.segment<3>(0);
+  n.rotation = s.rotation * rotation_of(step.segment<3>(3));
+  for (int k = 0; k < 3; ++k) n.a[k] = std::clamp(s.a[k] * std::exp(std::clamp(step[6 + k], -0.7, 0.7)), 0.01, 8.0);
+  n.e1 = std::clamp(s.e1 + std::clamp(step[9], -0.4, 0.4), 0.1, 2.0);
+  n.e2 = std::clamp(s.e2 + std::clamp(step[10], -0.4, 0.4), 0.1, 2.0);
+  n.k1 = std::clamp(s.k1 + std::clamp(step[11], -0.3, 0.3), -0.95, 0.95);
+  n.k2 = std::clamp(s.k2 + std::clamp(step[12], -0.3, 0.3), -0.95, 0.95);
+  return n;
+}
+
+/// Of the surface, to a few per cent: inliers are spread over it, so of two bodies through the same points the
+/// smaller explains them better.
+double rough_area(const State& s) {
+  const double box = 8 * (s.a[0] * s.a[1] + s.a[1] * s.a[2] + s.a[2] * s.a[0]);
+  return box * std::clamp(1 - 0.26 * (s.e1 + s.e2 - 0.1), 0.3, 1.0);
+}
+
+/// Expectation and maximisation in turn; sigma falls by no more than a third per round, so that early rounds see
+/// all points.
+void improve(State& s, const std::vector<Vec3>& points, std::size_t count, double volume, bool taper, int rounds) {
+  const auto n = static_cast<double>(count);
+  std::vector<double> d(count), weight(count);
+  double damping = 1e-3;
+  for (std::size_t i = 0; i < count; ++i) d[i] = residual(s, points[i], nullptr);
+  double last_cost = 1e300;
+  for (int round = 0; round < rounds; ++round) {
+    const double gauss = (1 - s.outliers) / (std::sqrt(2 * pi) * s.sigma * rough_area(s));
+    const double flat = s.outliers / volume;
+    double sum_w = 0, sum_wd2 = 0;
+    s.cost = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double g = gauss * std::exp(-0.5 * d[i] * d[i] / (s.sigma * s.sigma));
+      weight[i] = g / (g + flat);
+      sum_w += weight[i], sum_wd2 += weight[i] * d[i] * d[i];
+      s.cost -= std::log(g + flat);
+    }
+    s.cost /= n;
+    s.inliers = sum_w / n;
+    if (round == rounds - 1) break;
+
+    Normal h = Normal::Zero();
+    Gradient b = Gradient::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (weight[i] < 1e-4) continue;
+      Gradient g;
+      residual(s, points[i], &g);
+      h.selfadjointView<Eigen::Lower>().rankUpdate(g, weight[i]);
+      b -= weight[i] * d[i] * g;
+    }
+    h = h.selfadjointView<Eigen::Lower>();
+    const auto freeze = [&](int k) { h.row(k).setZero(), h.col(k).setZero(), h(k, k) = 1, b[k] = 0; };
+    if (!taper) freeze(11), freeze(12);
+    const std::array<std::pair<int, double>, 4> bounded = {{{9, s.e1}, {10, s.e2}, {11, s.k1}, {12, s.k2}}};
+    for (const auto& [k, value] : bounded) {  // at its bound and pushed outward: leave it there
+      const double low = k < 11 ? 0.1 : -0.95, high = k < 11 ? 2.0 : 0.95;
+      if ((value <= low && b[k] < 0) || (value >= high && b[k] > 0)) freeze(k);
+    }
+    bool better = false;
+    double gain = 0;
+    for (int attempt = 0; attempt < 6 && !better; ++attempt) {
+      Normal damped = h;
+      damped.diagonal() += damping * h.diagonal() + Gradient::Constant(1e-6 * sum_w + 1e-12);
+      const State trial = stepped(s, damped.ldlt().solve(b));
+      std::vector<double> trial_d(count);
+      double sum = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        trial_d[i] = residual(trial, points[i], nullptr);
+        sum += weight[i] * trial_d[i] * trial_d[i];
+      }
+      if (sum < sum_wd2) {
+        better = true, gain = (sum_wd2 - sum) / sum_wd2;
+        s = trial, d.swap(trial_d), sum_wd2 = sum;
+        damping = std::max(damping * 0.2, 1e-8);
+      } else {
+        damping = std::min(damping * 6, 1e6);
+      }
+    }
+    const double sigma = std::max(std::sqrt(sum_wd2 / std::max(sum_w, 1e-9)), 1e-5);
+    const bool settled = std::abs(sigma - s.sigma) < 1e-3 * s.sigma;
+    s.sigma = std::max(sigma, 0.67 * s.sigma);
+    s.outliers = std::clamp(1 - sum_w / n, 0.005, 0.7);
+    if ((!better || gain < 1e-5) && settled && std::abs(s.cost - last_cost) < 1e-6) round = std::max(round, rounds - 2);
+    last_cost = s.cost;
+  }
+}
+
+/// The same axes in another order: new x, y, z are the old i, i+1, i+2.
+State permuted(const State& s, int i) {
+  State n = s;
+  for (int k = 0; k < 3; ++k) {
+    n.rotation.col(k) = s.rotation.col((i + k) % 3);
+    n.a[k] = s.a[(i + k) % 3];
+  }
+  return n;
+}
+
+double start_sigma(const State& s, const std::vector<Vec3>& points, std::size_t count) {
+  std::vector<double> d(count);
+  for (std::size_t i = 0; i < count; ++i) d[i] = std::abs(residual(s, points[i], nullptr));
+  std::sort(d.begin(), d.end());
+  return std::max(1e-3, 1.5 * d[count * 2 / 3]);
+}
+
+/// Axes by PCA, centre and sizes by percentiles, so that a fifth of outliers does not move them far.
+State upright_start(const std::vector<Vec3>& points) {
+  Mat3 scatter = Mat3::Zero();
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  for (const Vec3& p : points) scatter += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(scatter);
+  State s;
+  s.rotation = eigen.eigenvectors();
+  for (int k = 0; k < 3; ++k) {  // of the two signs the one whose largest component is positive
+    int big = 0;
+    s.rotation.col(k).cwiseAbs().maxCoeff(&big);
+    if (s.rotation(big, k) < 0) s.rotation.col(k) *= -1;
+  }
+  if (s.rotation.determinant() < 0) s.rotation.col(2) *= -1;
+  Vec3 middle;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> v;
+    for (const Vec3& p : points) v.push_back(s.rotation.col(k).dot(p));
+    std::sort(v.begin(), v.end());
+    const double low = v[v.size() / 25], high = v[v.size() - 1 - v.size() / 25];
+    middle[k] = 0.5 * (low + high);
+    s.a[k] = std::max(0.05, 0.525 * (high - low));
+  }
+  s.centre = s.rotation * middle;
+  return s;
+}
+
+/// The ball through the points by least squares, reweighted: finds the far side of a body seen from one side only.
+State ball_start(const std::vector<Vec3>& points) {
+  State s;
+  std::vector<double> weight(points.size(), 1);
+  for (int round = 0; round < 12; ++round) {
+    Eigen::Matrix4d h = 1e-9 * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d b = Eigen::Vector4d::Zero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector4d row(2 * points[i].x(), 2 * points[i].y(), 2 * points[i].z(), 1);
+      h += weight[i] * row * row.transpose(), b += weight[i] * points[i].squaredNorm() * row;
+    }
+    const Eigen::Vector4d x = h.ldlt().solve(b);
+    s.centre = x.head<3>();
+    const double r = std::sqrt(std::max(1e-4, x[3] + s.centre.squaredNorm()));
+    s.a = Vec3::Constant(std::clamp(r, 0.05, 4.0));
+    std::vector<double> d(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) d[i] = std::abs((points[i] - s.centre).norm() - r);
+    std::vector<double> sorted = d;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(d.size() / 2), sorted.end());
+    const double scale = std::max(1e-6, 2.5 * sorted[d.size() / 2]);
+    for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * std::pow(d[i] / scale, 2));
+  }
+  return s;
+}
+
+double radial_distance(const State& s, const Vec3& point, double& gauge_value) {
+  const Vec3 q = s.rotation.transpose() * (point - s.centre);
+  const double z = q[2] / s.a[2], t = std::clamp(z, -1.0, 1.0);
+  const Vec3 w(q[0] / (s.a[0] * (1 + s.k1 * t)), q[1] / (s.a[1] * (1 + s.k2 * t)), z);
+  gauge_value = std::max(1e-9, gauge(gauge(std::abs(w[0]), std::abs(w[1]), 2 / s.e2).value, std::abs(z), 2 / s.e1).value);
+  return w.cwiseProduct(s.a).norm() * (1 - 1 / gauge_value);
+}
+
+/// Of the descriptions of the same body the one with the wide end at the bottom and x at least as long as y.
+void tidy_axes(State& s) {
+  if (s.k1 + s.k2 > 0) {
+    s.rotation.col(1) *= -1, s.rotation.col(2) *= -1;
+    s.k1 = -s.k1, s.k2 = -s.k2;
+  }
+  if (s.a[0] < s.a[1]) {
+    const Vec3 x = s.rotation.col(0);
+    s.rotation.col(0) = s.rotation.col(1), s.rotation.col(1) = -x;
+    std::swap(s.a[0], s.a[1]), std::swap(s.k1, s.k2);
+  }
+}
+
+}  // namespace
+
+SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& context) {
+  SuperellipsoidFit fit;
+  fit.hypothesis.suggests = "none";
+  fit.shape = {1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0};
+  std::vector<Vec3> points = drawn(all);
+  if (points.size() < 20) return fit;
+
+  // Centred, divided by the median radius: outliers have no say.
+  const auto n = points.size();
+  Vec3 origin;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> v;
+    for (const Vec3& p : points) v.push_back(p[k]);
+    std::sort(v.begin(), v.end());
+    origin[k] = 0.5 * (v[n / 20] + v[n - 1 - n / 20]);
+  }
+  std::vector<double> radii;
+  for (const Vec3& p : points) radii.push_back((p - origin).norm());
+  std::sort(radii.begin(), radii.end());
+  const double unit = radii[n / 2];
+  if (!(unit > 0)) return fit;
+  Box3 box;
+  for (Vec3& p : points) p = (p - origin) / unit, box.add(p);
+  const double volume = std::max(0.5, box.size().cwiseMax(0.2).prod());
+
+  const std::size_t few = std::min(n, screen_points);
+  const State upright = upright_start(points);
+  std::vector<State> starts;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const auto& [e1, e2] : {std::pair{1.0, 1.0}, std::pair{0.3, 0.3}, std::pair{0.3, 1.0}}) {
+      starts.push_back(permuted(upright, axis));
+      starts.back().e1 = e1, starts.back().e2 = e2;
+    }
+  for (int axis = 0; axis < 3; ++axis)  // wedges: outliers hide a taper from the starts without
+    for (const auto& [k1, k2] : {std::pair{-0.5, 0.0}, std::pair{0.0, -0.5}, std::pair{0.5, 0.0}, std::pair{0.0, 0.5}}) {
+      starts.push_back(permuted(upright, axis));
+      starts.back().e1 = starts.back().e2 = 0.3, starts.back().k1 = k1, starts.back().k2 = k2;
+    }
+  starts.push_back(ball_start(points));
+  for (State& s : starts) {
+    s.sigma = start_sigma(s, points, few);
+    s.outliers = 0.15;
+    if (s.k1 == 0 && s.k2 == 0) improve(s, points, few, volume, false, 12);
+    improve(s, points, few, volume, true, 25);
+    context.report("hypothesis", 0.8 * static_cast<double>(&s - starts.data() + 1) / static_cast<double>(starts.size()));
+  }
+  const auto by_cost = [](const State& a, const State& b) { return a.cost < b.cost; };
+  std::stable_sort(starts.begin(), starts.end(), by_cost);
+  starts.resize(4);
+  for (State& s : starts) improve(s, points, n, volume, true, 40);
+  std::stable_sort(starts.begin(), starts.end(), by_cost);
+  State best = starts.front();
+
+  // Other poses of nearly the same body: each axis in turn as z, and a quarter's half turn of the section, where a
+  // diamond becomes a square. They lead out of the valleys in which the exponents are wrong for the axis.
+  for (int move = 0; move < 3; ++move) {
+    State other = move < 2 ? permuted(best, move + 1) : best;
+    if (move < 2) {
+      std::swap(other.e1, other.e2);
+    } else {
+      if (best.e2 < 1.4 && best.e2 > 0.3) continue;
+      other.rotation = best.rotation * rotation_of({0, 0, pi / 4});
+      const double side = best.e2 > 1 ? std::sqrt(0.5) : 1.2;
+      other.a[0] = other.a[1] = side * 0.5 * (best.a[0] + best.a[1]);
+      other.e2 = 2 - best.e2;
+    }
+    other.k1 = other.k2 = 0;
+    other.sigma = start_sigma(other, points, n);
+    improve(other, points, few, volume, true, 25);
+    if (other.cost > best.cost + 0.5) continue;
+    improve(other, points, n, volume, true, 30);
+    if (other.cost < best.cost - 1e-4) best = other;
+  }
+
+  // A taper must earn its two numbers; neighbouring residuals are correlated, so points count half.
+  if (best.k1 != 0 || best.k2 != 0) {
+    State plain = best;
+    plain.k1 = plain.k2 = 0;
+    improve(plain, points, n, volume, false, 40);
+    if (0.5 * static_cast<double>(n) * (plain.cost - best.cost) < 10) best = plain;
+  }
+  tidy_axes(best);
+
+  double sum_w = 0, sum_f = 0, sum_r = 0;
+  for (const Vec3& p : points) {
+    const double d = residual(best, p, nullptr);
+    if (std::abs(d) > 5 * best.sigma && best.inliers < 0.999) continue;  // outliers would drown both measures
+    double g = 0;
+    const double r = radial_distance(best, p, g);
+    sum_w += 1, sum_f += std::abs(g * g - 1), sum_r += std::abs(r);
+  }
+  sum_w = std::max(sum_w, 1.0);
+
+  fit.shape = {unit * best.a[0], unit * best.a[1], unit * best.a[2], best.e1, best.e2, best.k1, best.k2};
+  fit.scan_from_shape = {best.rotation, origin + unit * best.centre};
+  fit.inlier_share = best.inliers;
+  Hypothesis& h = fit.hypothesis;
+  h.a1 = fit.shape.a1, h.a2 = fit.shape.a2, h.a3 = fit.shape.a3;
+  h.e1 = best.e1, h.e2 = best.e2, h.taper_x = best.k1, h.taper_y = best.k2;
+  h.gof = std::sqrt(best.a.prod()) * sum_f / sum_w;
+  h.gof_mm = unit * sum_r / sum_w;
+  h.suggests = best.inliers < 0.4 ? "none" : suggested_procedure(fit.shape, h.gof_mm, 2 * unit * best.a.norm());
+  context.report("hypothesis", 1);
+  return fit;
+}
+
+std::string suggested_procedure(const SuperellipsoidOf<double>& s, double gof_mm, double size) {
+  // Table 1 of the paper prints cylinder and box with e1 and e2 exchanged; equation (5) and Table 2 agree with
+  // what stands here: a cylinder about z is square in latitude (e1 small) and round in longitude (e2 near 1).
+  const double poor = gof_mm / size;
+  if (!(poor < 0.06)) return "none";
+  const bool good = poor < 0.02;
+  const auto round = [](double e) { return e > 0.7 && e < 1.3; };
+  const auto square = [](double e) { return e < 0.45; };
+  const bool turned = round(s.e2) && std::abs(s.a1 - s.a2) < 0.12 * std::max(s.a1, s.a2);
+  const double taper = std::max(std::abs(s.taper_x), std::abs(s.taper_y));
+  const bool same_taper = std::abs(s.taper_x - s.taper_y) < 0.4 * taper;
+  if (taper > 0.25) {
+    if (turned && same_taper) return good && s.e1 < 0.6 ? "frustum" : "surface of revolution";
+    if (s.e2 < 0.6 && s.e1 < 0.6 && good) return "wedge";
+    return turned ? "surface of revolution" : "none";
+  }
+  const double big = std::max({s.a1, s.a2, s.a3}), small = std::min({s.a1, s.a2, s.a3});
+  if (s.e1 > 0.75 && s.e1 < 1.3 && s.e2 > 0.75 && s.e2 < 1.3 && good) {
+    if (big - small < 0.05 * big) return "sphere";
+    return taper < 0.1 ? "ellipsoid" : (turned ? "surface of revolution" : "ellipsoid");
+  }
+  if (square(s.e1) && square(s.e2)) return "box";
+  if (square(s.e1) && s.e2 > 1.6) return "box";  // turned by 45 degrees
+  if (turned) return square(s.e1) && good && taper < 0.1 ? "cylinder" : "surface of revolution";
+  return "none";
+}
+
+}  // namespace partscribe

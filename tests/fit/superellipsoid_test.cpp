@@ -1,0 +1,182 @@
+/// The hypothesis: right class from noisy, soiled, shuffled and one-sided data.
+#include "fit/superellipsoid.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <functional>
+
+#include "core/number.h"
+#include "core/random.h"
+
+using namespace partscribe;
+
+namespace {
+
+/// A point of a polygonal or round prism-like body, drawn evenly enough over the surface.
+struct Solid {
+  std::string expected;
+  std::function<Vec3(Random&)> at;
+};
+
+Vec3 unit_vector(Random& random) { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); }
+
+/// Sides and caps of a frustum with bottom and top radius 20 -> r, height h, about z.
+Vec3 on_frustum(Random& random, double r0, double r1, double h) {
+  const double slant = std::hypot(h, r0 - r1), side = pi * (r0 + r1) * slant;
+  const double pick = random.uniform(0, side + pi * (r0 * r0 + r1 * r1)), angle = random.uniform(0, 2 * pi);
+  double radius, z;
+  if (pick < side) {
+    const double t = random.uniform();
+    radius = std::sqrt(r0 * r0 + t * (r1 * r1 - r0 * r0));
+    z = r0 == r1 ? t * h : h * (r0 - radius) / (r0 - r1);
+  } else {
+    const bool top = pick > side + pi * r0 * r0;
+    radius = (top ? r1 : r0) * std::sqrt(random.uniform()), z = top ? h : 0;
+  }
+  return {radius * std::cos(angle), radius * std::sin(angle), z};
+}
+
+/// A block 2 b wide in x at the bottom and 2 t at the top, 2 w in y, h high.
+Vec3 on_wedge(Random& random, double b, double t, double w, double h) {
+  const double slant = std::hypot(h, b - t), cheeks = 2 * (b + t) * h, slopes = 4 * w * slant;
+  const double pick = random.uniform(0, cheeks + slopes + 4 * w * (b + t));
+  if (pick < cheeks + slopes) {
+    double z, half;
+    do {
+      z = random.uniform(0, h), half = b + (t - b) * z / h;
+    } while (pick < cheeks && random.uniform() * std::max(b, t) > half);
+    const double sign = random.uniform() < 0.5 ? -1 : 1;
+    if (pick < cheeks) return {random.uniform(-half, half), sign * w, z};
+    return {sign * half, random.uniform(-w, w), z};
+  }
+  const bool top = pick > cheeks + slopes + 4 * w * b;
+  return {random.uniform(-1, 1) * (top ? t : b), random.uniform(-w, w), top ? h : 0};
+}
+
+std::vector<Solid> solids() {
+  return {{"sphere", [](Random& r) { return Vec3(25 * unit_vector(r)); }},
+          {"ellipsoid",
+           [](Random& r) {
+             while (true) {  // thinned to even density
+               const Vec3 u = unit_vector(r), a(40, 25, 15);
+               if (r.uniform() < Vec3(u.cwiseQuotient(a)).norm() * 15) return Vec3(u.cwiseProduct(a));
+             }
+           }},
+          {"box", [](Random& r) { return on_wedge(r, 30, 30, 20, 25); }},
+          {"cylinder", [](Random& r) { return on_frustum(r, 20, 20, 60); }},
+          {"cylinder", [](Random& r) { return on_frustum(r, 40, 40, 16); }},  // a disc
+          {"frustum", [](Random& r) { return on_frustum(r, 25, 10, 50); }},
+          {"wedge", [](Random& r) { return on_wedge(r, 25, 8, 20, 45); }}};
+}
+
+std::vector<Vec3> sampled(const Solid& solid, int count, double noise, double outliers, std::uint64_t seed) {
+  Random random(seed);
+  const Pose pose{rotation_of(Vec3(random.normal(), random.normal(), random.normal())), {100, -50, 20}};
+  std::vector<Vec3> points;
+  Box3 box;
+  for (int i = 0; i < count; ++i) {
+    points.push_back(pose * solid.at(random) + noise * Vec3(random.normal(), random.normal(), random.normal()));
+    box.add(points.back());
+  }
+  for (int i = 0; i < count; ++i)
+    if (random.uniform() < outliers)
+      for (int k = 0; k < 3; ++k)
+        points[static_cast<std::size_t>(i)][k] = box.center()[k] + 0.6 * box.size()[k] * random.uniform(-1, 1);
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("superellipsoid: names seven kinds of solids from full data with 1 % noise, with and without outliers") {
+  Context context;
+  for (double outliers : {0.0, 0.2})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed)
+      for (const Solid& solid : solids()) {
+        const SuperellipsoidFit fit = recover_superellipsoid(sampled(solid, 4000, 0.4, outliers, seed), context);
+        const auto& h = fit.hypothesis;
+        INFO(solid.expected << " seed " << seed << " outliers " << outliers << ": a " << h.a1 << " " << h.a2 << " " << h.a3
+             << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " " << h.taper_y << " gof " << h.gof << " mm "
+             << h.gof_mm << " inliers " << fit.inlier_share);
+        CHECK(h.suggests == solid.expected);
+        CHECK(h.gof_mm < 1.5);
+      }
+}
+
+TEST_CASE("superellipsoid: sizes, exponents and place come back from a fifth of outliers") {
+  Context context;
+  const SuperellipsoidFit fit = recover_superellipsoid(sampled(solids()[1], 4000, 0.2, 0.2, 7), context);
+  std::array<double, 3> a = {fit.shape.a1, fit.shape.a2, fit.shape.a3};
+  std::sort(a.begin(), a.end());
+  CHECK(a[0] == Approx(15).margin(0.3));
+  CHECK(a[1] == Approx(25).margin(0.4));
+  CHECK(a[2] == Approx(40).margin(0.6));
+  CHECK((fit.scan_from_shape.translation - Vec3(100, -50, 20)).norm() < 0.3);
+  CHECK(fit.inlier_share == Approx(0.81).margin(0.04));
+}
+
+TEST_CASE("superellipsoid: shuffling the points changes not one bit") {
+  Context context;
+  std::vector<Vec3> points = sampled(solids()[3], 5000, 0.3, 0.05, 4);
+  const SuperellipsoidFit first = recover_superellipsoid(points, context);
+  Random random(9);
+  for (std::size_t i = points.size(); i > 1; --i) std::swap(points[i - 1], points[random.below(i)]);
+  const SuperellipsoidFit second = recover_superellipsoid(points, context);
+  CHECK(first.shape == second.shape);
+  CHECK(first.scan_from_shape.translation == second.scan_from_shape.translation);
+  CHECK(first.scan_from_shape.rotation == second.scan_from_shape.rotation);
+  CHECK(first.hypothesis.gof == second.hypothesis.gof);
+}
+
+TEST_CASE("superellipsoid: the goodness of fit does not change with the unit, the one in mm does") {
+  Context context;
+  std::vector<Vec3> points = sampled(solids()[3], 2000, 0.3, 0, 4);
+  const SuperellipsoidFit small = recover_superellipsoid(points, context);
+  for (Vec3& p : points) p *= 8;
+  const SuperellipsoidFit large = recover_superellipsoid(points, context);
+  // Another draw of points makes some noise; scaling by a power of two keeps the fit but not the draw.
+  CHECK(large.hypothesis.gof == Approx(small.hypothesis.gof).epsilon(0.1));
+  CHECK(large.hypothesis.gof_mm == Approx(8 * small.hypothesis.gof_mm).epsilon(0.1));
+}
+
+TEST_CASE("superellipsoid: a ball seen from one side with a tenth of outliers is still a ball") {
+  Context context;
+  Random random(11);
+  std::vector<Vec3> points;
+  while (points.size() < 3000) {
+    const Vec3 u = unit_vector(random);
+    if (u.z() < 0) continue;
+    points.push_back(30 * u + 0.15 * unit_vector(random));
+    if (random.uniform() < 0.1) points.back() = Vec3(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(-5, 35));
+  }
+  const SuperellipsoidFit fit = recover_superellipsoid(points, context);
+  const auto& h = fit.hypothesis;
+  INFO("a " << h.a1 << " " << h.a2 << " " << h.a3 << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " " << h.taper_y << " gof_mm " << h.gof_mm);
+  CHECK(h.gof_mm < 0.5);
+  CHECK((h.suggests == "sphere" || h.suggests == "ellipsoid" || h.suggests == "surface of revolution"));
+}
+
+TEST_CASE("superellipsoid: too few points give no hypothesis") {
+  Context context;
+  CHECK(recover_superellipsoid({}, context).hypothesis.suggests == "none");
+  CHECK(recover_superellipsoid(std::vector<Vec3>(500, Vec3(1, 2, 3)), context).hypothesis.suggests == "none");
+}
+
+TEST_CASE("superellipsoid: the class follows equation (5), not the printed Table 1") {
+  CHECK(suggested_procedure({10, 10, 30, 0.1, 1.0, 0, 0}, 0.05, 66) == "cylinder");
+  CHECK(suggested_procedure({10, 10, 30, 1.0, 0.1, 0, 0}, 0.05, 66) != "cylinder");
+  CHECK(suggested_procedure({10, 20, 30, 0.1, 0.1, 0, 0}, 0.05, 75) == "box");
+  CHECK(suggested_procedure({10, 10, 30, 0.1, 1.0, 0, 0}, 2.5, 66) == "surface of revolution");
+  CHECK(suggested_procedure({10, 10, 10, 1.0, 1.0, 0, 0}, 9, 35) == "none");
+}
+
+TEST_CASE("superellipsoid: takes less than a second", "[.][speed]") {
+  Context context;
+  for (const Solid& solid : solids()) {
+    const auto points = sampled(solid, 60000, 0.3, 0.05, 1);
+    const auto start = std::chrono::steady_clock::now();
+    recover_superellipsoid(points, context);
+    WARN(solid.expected << " " << std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() << " s");
+  }
+}
