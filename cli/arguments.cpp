@@ -1,0 +1,229 @@
+#include "cli/arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <new>
+
+#include "cli/commands.h"
+#include "core/number.h"
+
+namespace partscribe {
+namespace {
+
+constexpr const char* program_help =
+    R"(Partscribe reads 3-D scans of a part, writes the part as an editable CAD procedure and proves it by running it.
+
+Examples
+  partscribe build bracket.ply                         everything, with defaults that work
+  partscribe build view*.ply --tolerance 0.1 --out cad  several views in one frame, 0.1 mm
+  partscribe verify edited.scad bracket.ply            does my edited script still fit the scan?
+  partscribe explain bracket-partscribe/model.json     why each dimension is what it is
+  partscribe simulate pin.stl --sigma 0.02             a scan of a shape that you know)";
+
+constexpr const char* program_footer =
+    R"(Exit codes: 0 verified, 1 out of tolerance, 2 usage, 3 input cannot be used, 4 a needed program is missing,
+5 cancelled or limit reached, 6 the scan cannot decide at this tolerance.
+'partscribe COMMAND --help' explains a command.)";
+
+std::string range_text(double low, double high) {
+  return "a number from " + print_number(low) + " to " + print_number(high);
+}
+
+/// Reads a number the way all files are read; the answer is CLI11's: an empty string is agreement.
+std::string parse_into(double& target, const std::string& text, double low, double high) {
+  const auto value = parse_number(text);
+  if (!value || *value < low || *value > high)
+    return "expected " + range_text(low, high) + ", found '" + text + "'";
+  target = *value;
+  return {};
+}
+
+std::string one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  for (auto& c : text)
+    if (c == '\n') c = ' ';
+  return text;
+}
+
+void declare_shared(Arguments& arguments, SharedOptions& options) {
+  arguments.number(options.tolerance, "--tolerance", "MM", 1e-6, 1e6,
+                   "the model must lie within this of the data everywhere, in mm; smaller follows the scan more "
+                   "closely and needs a better scan (default: chosen from the scan's noise, and said)");
+  arguments.choice(options.units, "--units", {"mm", "cm", "m", "inch"},
+                   "unit of the numbers in the input files (default: what the file says, else mm)");
+  arguments.path(options.out, "--out", "DIR", "folder for the results (default: named after the input)");
+  arguments.flag(options.force, "--force", "overwrite results that exist already");
+  arguments.count(options.threads, "--threads", "N", 0, 1024,
+                  "processors to use; never changes a result (default 0: all)");
+  arguments.flag(options.quiet, "--quiet", "print warnings and errors only");
+  arguments.flag(options.json, "--json", "print the result as JSON on standard output and nothing else there");
+  arguments.path(options.log, "--log", "FILE", "append what happened, with times, to this file");
+}
+
+/// The words of the command line. `verify` writes its JSON to a file when one is named: "--json verdict.json".
+std::vector<std::string> words_of(int argc, const char* const* argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.empty() || words.front() != "verify") return words;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (words[i].starts_with("--json=")) words[i] = "--json-file=" + words[i].substr(7);
+    if (words[i] == "--json" && i + 1 < words.size() && words[i + 1].ends_with(".json")) words[i] = "--json-file";
+  }
+  return words;
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "partscribe: %s\n", one_line(error.message).c_str());
+  return static_cast<int>(error.kind);
+}
+
+}  // namespace
+
+void Arguments::flag(bool& target, const std::string& name, const std::string& help) {
+  app_.add_flag(name, target, help);
+}
+
+void Arguments::text(std::string& target, const std::string& name, const std::string& value_name,
+                     const std::string& help) {
+  app_.add_option(name, target, help)->type_name(value_name);
+}
+
+void Arguments::choice(std::string& target, const std::string& name, const std::vector<std::string>& words,
+                       const std::string& help) {
+  std::string all;
+  for (const auto& word : words) all += (all.empty() ? "" : "|") + word;
+  app_.add_option(name, target, help)->type_name(all)->check([words, all](const std::string& text) {
+    for (const auto& word : words)
+      if (word == text) return std::string();
+    return "expected one of " + all + ", found '" + text + "'";
+  });
+}
+
+void Arguments::number(std::optional<double>& target, const std::string& name, const std::string& value_name,
+                       double low, double high, const std::string& help) {
+  app_.add_option_function<std::string>(
+          name,
+          [&target, name, low, high](const std::string& text) {
+            double value = 0;
+            const auto complaint = parse_into(value, text, low, high);
+            if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
+            target = value;
+          },
+          help)
+      ->type_name(value_name);
+}
+
+void Arguments::number(double& target, const std::string& name, const std::string& value_name, double low, double high,
+                       const std::string& help) {
+  app_.add_option_function<std::string>(
+          name,
+          [&target, name, low, high](const std::string& text) {
+            const auto complaint = parse_into(target, text, low, high);
+            if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
+          },
+          help)
+      ->type_name(value_name);
+}
+
+void Arguments::count(int& target, const std::string& name, const std::string& value_name, int low, int high,
+                      const std::string& help) {
+  app_.add_option_function<std::string>(
+          name,
+          [&target, name, low, high](const std::string& text) {
+            double value = 0;
+            auto complaint = parse_into(value, text, low, high);
+            if (complaint.empty() && value != static_cast<int>(value))
+              complaint = "expected a whole number, found '" + text + "'";
+            if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
+            target = static_cast<int>(value);
+          },
+          help)
+      ->type_name(value_name);
+}
+
+void Arguments::path(Path& target, const std::string& name, const std::string& value_name, const std::string& help) {
+  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, help)
+      ->type_name(value_name);
+}
+
+void Arguments::list(std::vector<std::string>& target, const std::string& name, const std::string& value_name,
+                     const std::string& help) {
+  app_.add_option(name, target, help)->type_name(value_name)->delimiter(',')->expected(1);
+}
+
+void Arguments::paths(std::vector<Path>& target, const std::string& name, const std::string& help) {
+  app_.add_option_function<std::vector<std::string>>(
+          name, [&target](const std::vector<std::string>& texts) { target.assign(texts.begin(), texts.end()); }, help)
+      ->type_name("")
+      ->required();
+}
+
+void Arguments::operand(Path& target, const std::string& name, const std::string& help) {
+  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, help)
+      ->type_name("")
+      ->required();
+}
+
+int run_program(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version) {
+  CLI::App app(program_help, "partscribe");
+  app.set_version_flag("--version", "partscribe " + version, "print the version");
+  app.footer(program_footer);
+  app.get_formatter()->column_width(28);
+  SharedOptions shared;
+  for (const auto& command : commands) {
+    auto* sub = app.add_subcommand(command.name, command.summary);
+    Arguments arguments(*sub);
+    command.declare(arguments);
+    declare_shared(arguments, shared);
+  }
+  try {
+    if (argc <= 1) {
+      std::fputs(app.help().c_str(), stdout);
+      return 0;
+    }
+    auto words = words_of(argc, argv);
+    std::reverse(words.begin(), words.end());  // as the parser wants them
+    app.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    for (const auto& command : commands) {
+      auto* sub = app.get_subcommand(command.name);
+      if (!sub->parsed()) continue;
+      sub->description(command.summary + "\n\n" + command.help);
+      std::fputs(sub->help().c_str(), stdout);
+      return 0;
+    }
+    std::fputs(app.help().c_str(), stdout);
+    return 0;
+  } catch (const CLI::CallForVersion& call) {
+    std::printf("%s\n", call.what());
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    std::string where = "partscribe --help";
+    for (const auto& command : commands)
+      if (app.get_subcommand(command.name)->parsed()) where = "partscribe " + command.name + " --help";
+    return fail(usage_error(one_line(error.what()) + "; see '" + where + "'"));
+  }
+  for (const auto& command : commands) {
+    if (!app.get_subcommand(command.name)->parsed()) continue;
+    try {
+      Session session(shared, version);
+      if (auto started = session.start(); !started) return fail(started.error());
+      const auto result = command.run(session);
+      session.finish_stage();
+      if (!result) {
+        if (session.options.json) session.note(result.error().message);
+        return fail(result.error());
+      }
+      return result.value();
+    } catch (const std::bad_alloc&) {
+      return fail({"out of memory in '" + command.name + "': use fewer points or a machine with more memory",
+                   ErrorKind::stopped});
+    } catch (const std::exception& error) {
+      return fail({"internal error in '" + command.name + "': " + error.what() + "; please report it with the input",
+                   ErrorKind::stopped});
+    }
+  }
+  return fail(usage_error("expected a command, found none: see 'partscribe --help'"));
+}
+
+}  // namespace partscribe

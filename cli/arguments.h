@@ -1,0 +1,47 @@
+/// What a command may be told on the command line, declared without the parser's header.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/files.h"
+
+namespace CLI {
+class App;
+}
+
+namespace partscribe {
+
+/// Options and operands of one command; each declaration binds a variable that must outlive the parsing. Numbers are
+/// read by parse_number and must lie in the stated range.
+class Arguments {
+ public:
+  explicit Arguments(CLI::App& app) : app_(app) {}
+
+  /// "--quiet": true when given.
+  void flag(bool& target, const std::string& name, const std::string& help);
+  void text(std::string& target, const std::string& name, const std::string& value_name, const std::string& help);
+  /// One of a few words.
+  void choice(std::string& target, const std::string& name, const std::vector<std::string>& words,
+              const std::string& help);
+  void number(std::optional<double>& target, const std::string& name, const std::string& value_name, double low,
+              double high, const std::string& help);
+  void number(double& target, const std::string& name, const std::string& value_name, double low, double high,
+              const std::string& help);
+  void count(int& target, const std::string& name, const std::string& value_name, int low, int high,
+             const std::string& help);
+  void path(Path& target, const std::string& name, const std::string& value_name, const std::string& help);
+  /// Comma-separated words.
+  void list(std::vector<std::string>& target, const std::string& name, const std::string& value_name,
+            const std::string& help);
+  /// Operands: required, at least one.
+  void paths(std::vector<Path>& target, const std::string& name, const std::string& help);
+  /// A single required operand.
+  void operand(Path& target, const std::string& name, const std::string& help);
+
+ private:
+  CLI::App& app_;
+};
+
+}  // namespace partscribe

@@ -1,0 +1,126 @@
+/// build: from scans to a verified procedure in one go.
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/describe.h"
+#include "cli/inputs.h"
+#include "cli/report_page.h"
+#include "cli/stages.h"
+#include "core/number.h"
+#include "geometry/read_geometry.h"
+#include "model/json.h"
+
+namespace partscribe {
+namespace {
+
+constexpr const char* help =
+    R"(Examples
+  partscribe build bracket.ply                            writes bracket-partscribe/
+  partscribe build bracket.stl --tolerance 0.1            within 0.1 mm everywhere, or it says so
+  partscribe build view1.ply view2.ply --units inch       several views in one common frame, inches
+  partscribe build scan.json --to openscad,step --out cad  range images with poses; two kinds of file
+  partscribe build worn.ply --no-nominal                  the measured sizes, nothing rounded to nominal ones
+  partscribe build pin.ply --procedure revolve            only a surface of revolution
+
+Reads point clouds, meshes (PLY STL OBJ OFF 3MF PCD XYZ VTK) and range images (scan.json, .conf, 16-bit PNG or PGM
+with a sidecar). Writes into DIR: cloud.ply model.json part.scad part.scl prelude.scl part.igs part.step verdict.json
+report.html. Every artifact is run by its own program and compared with the scan; the exit code is the verdict.)";
+
+struct BuildArguments {
+  std::vector<Path> scans;
+  std::vector<std::string> to;
+  FitArguments fit;
+  Path templates;
+};
+
+/// A dash of JSON, a page of words: what build says at the end.
+void print_result(const Model& model, const Verdict& verdict, const Path& folder, const std::vector<Path>& scripts,
+                  Session& session) {
+  session.print("\nFound: " + procedure_text(model) + ".\n");
+  if (const auto dimensions = dimension_table(model); !dimensions.empty()) session.print("\n" + dimensions);
+  for (const auto& u : model.unexplained)
+    session.print("Unexplained: " + u.reason + " (" + readable(u.area) + " mm2, " + std::to_string(u.points) + " points)\n");
+  session.print("\n" + verdict_table(verdict));
+  std::string names;
+  for (const auto& script : scripts) names += " " + script.filename().string();
+  session.print("\nFiles in " + folder.string() + ":" + names + " model.json cloud.ply verdict.json report.html\n");
+  session.print("Open " + (folder / "report.html").string() + " for pictures and reasons.\n");
+  session.print(seconds_line(session) + "\n");
+}
+
+Result<int> run(const BuildArguments& arguments, Session& session) {
+  const auto backends = chosen_backends(arguments.to);
+  if (!backends) return backends.error();
+  const std::string name =
+      arguments.fit.name.empty() ? part_name(arguments.scans.front()) : part_name(arguments.fit.name);
+  // A build starts from scans, so an earlier run's cloud.ply is an input like any other: its folder is its own.
+  const Path folder = output_folder(session.options, arguments.scans.front(), name);
+  const Path cloud_file = folder / "cloud.ply";
+  std::error_code ignored;
+  bool reads_cloud = false;
+  for (const auto& scan : arguments.scans) reads_cloud = reads_cloud || std::filesystem::equivalent(scan, cloud_file, ignored);
+  auto outputs = artifact_names();
+  for (const char* file : {"model.json", "verdict.json", "report.html"}) outputs.push_back(file);
+  if (!reads_cloud) outputs.push_back("cloud.ply");
+
+  if (auto ok = session.stage("read"); !ok) return ok.error();
+  auto scan = read_scans(arguments.scans, session);
+  if (!scan) return scan.error();
+  if (auto ok = prepare_folder(folder, outputs, session.options.force); !ok) return ok.error();
+  const auto tolerance = tolerance_for(*scan, session);
+  session.print("Read " + std::to_string(scan->cloud.size()) + " points" +
+                (scan->mesh.empty() ? "" : " of a mesh with " + std::to_string(scan->mesh.triangles.size()) + " triangles") +
+                " in " + std::to_string(scan->views.size()) + (scan->views.size() == 1 ? " view" : " views") + "; " +
+                tolerance.reason + ".\n");
+
+  if (auto ok = session.stage("fit"); !ok) return ok.error();
+  const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session);
+  if (!model) return model.error();
+  if (auto ok = session.stage("write"); !ok) return ok.error();
+  if (!reads_cloud)
+    if (auto ok = write_file(cloud_file, write_cloud_ply(scan->cloud)); !ok) return ok.error();
+  if (auto ok = write_file(folder / "model.json", write_model_json(**model)); !ok) return ok.error();
+  const auto scripts = emit_stage(*model, *backends, arguments.templates, folder, session);
+  if (!scripts) return scripts.error();
+
+  if (auto ok = session.stage("verify"); !ok) return ok.error();
+  VerifyOptions options;
+  options.tolerance = tolerance.tolerance;
+  const auto verdict = verify(*scripts, *scan, **model, options, session.context);
+  if (!verdict) return verdict.error();
+  const std::string json = write_verdict_json(*verdict);
+  if (auto ok = write_file(folder / "verdict.json", json); !ok) return ok.error();
+
+  if (auto ok = session.stage("report"); !ok) return ok.error();
+  const auto pictures = draw_report(**model, *verdict, scan->cloud);
+  const auto script = read_file(scripts->front());
+  const bool textual = scripts->front().extension() == ".scad" || scripts->front().extension() == ".scl";
+  const std::string page = report_page({**model, *verdict, scan->cloud, pictures, scripts->front().filename().string(),
+                                        script && textual ? *script : std::string(), scan->warnings});
+  if (auto ok = write_file(folder / "report.html", page); !ok) return ok.error();
+  session.finish_stage();
+
+  print_result(**model, *verdict, folder, *scripts, session);
+  session.print_json(json);
+  return exit_code_of(verdict->verdict);
+}
+
+}  // namespace
+
+Command build_command() {
+  auto arguments = std::make_shared<BuildArguments>();
+  return {"build", "read scans, find the procedure, write it for every CAD system, verify it, report", help,
+          [arguments](Arguments& a) {
+            a.paths(arguments->scans, "scan", "scan files of one part, in one common frame");
+            a.list(arguments->to, "--to", "LIST", "which of openscad,alpha1,iges,step to write (default: all)");
+            a.text(arguments->fit.name, "--name", "NAME", "name of the part (default: from the first file)");
+            a.flag(arguments->fit.no_nominal, "--no-nominal",
+                   "keep every measured value; else a nominal size is taken where the data cannot tell the difference");
+            a.text(arguments->fit.procedure, "--procedure", "NAME",
+                   "only this procedure (sphere, cylinder, revolve, extrude, triangulation, ...); default: the best");
+            a.path(arguments->templates, "--templates", "DIR", "a folder of template packs in place of the built-in ones");
+          },
+          [arguments](Session& session) { return run(*arguments, session); }};
+}
+
+}  // namespace partscribe

@@ -1,0 +1,142 @@
+#include "cli/describe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/number.h"
+
+namespace partscribe {
+namespace {
+
+/// Shapes as people call them.
+std::string noun_of(const Shape& shape) {
+  const auto kind = kind_of(shape);
+  if (kind == "box") return "a box";
+  if (kind == "half_spaces") return "a polyhedron cut from half-spaces";
+  if (kind == "ellipsoid") return "an ellipsoid";
+  if (kind == "extrude") return "an extrusion of a sketch";
+  if (kind == "revolve") return "a surface of revolution";
+  if (kind == "tri_surface") {
+    const auto& surface = std::get<TriSurface>(shape);
+    return "a triangulation of " + std::to_string(surface.triangles.size()) + " triangles" +
+           (surface.closed ? "" : " (an open sheet)");
+  }
+  if (kind == "union") return "a union";
+  if (kind == "difference") return "a body with cuts";
+  if (kind == "intersection") return "an intersection";
+  return "a " + std::string(kind);
+}
+
+std::string unit_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::length: return "mm";
+    case Quantity::angle: return "deg";
+    case Quantity::count:
+    case Quantity::ratio: break;
+  }
+  return "";
+}
+
+double shown(double value, Quantity quantity) { return quantity == Quantity::angle ? degrees(value) : value; }
+
+/// Width in columns: every byte that is no UTF-8 continuation.
+std::size_t columns(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }));
+}
+
+}  // namespace
+
+std::string readable(double value) {
+  if (!std::isfinite(value)) return "unknown";
+  if (value == 0) return "0";
+  const double step = power_of_ten_below(std::abs(value)) / 100;
+  return print_number(snapped(value, std::min(std::max(step, 1e-9), 1.0)));
+}
+
+std::string with_sigma(double value, double sigma) {
+  if (!(sigma > 0) || !std::isfinite(sigma)) return print_number(snapped(value, 1e-9));
+  const double step = std::max(power_of_ten_below(sigma) / 10, 1e-12);
+  return print_number(snapped(value, step)) + " ± " + print_number(snapped(sigma, step));
+}
+
+std::string procedure_text(const Model& model) {
+  if (model.objects.empty()) return "nothing";
+  const Object& last = model.objects.back();
+  std::string text = noun_of(last.shape);
+  if (model.fallback) text += ", because no procedure met " + print_number(model.tolerance) + " mm";
+  if (model.objects.size() > 1) {
+    text += " in " + std::to_string(model.objects.size()) + " steps: ";
+    for (std::size_t i = 0; i < model.objects.size(); ++i)
+      text += (i ? ", " : "") + model.objects[i].name + " (" + std::string(kind_of(model.objects[i].shape)) + ")";
+  }
+  return text;
+}
+
+Dimension describe(const Parameter& parameter) {
+  Dimension row;
+  const auto quantity = parameter.quantity;
+  row.name = parameter.name;
+  row.value = print_number(snapped(shown(parameter.value, quantity), 1e-10));
+  row.unit = unit_of(quantity);
+  row.note = parameter.note;
+  if (parameter.sigma > 0) row.fitted = with_sigma(shown(parameter.fitted, quantity), shown(parameter.sigma, quantity));
+  if (parameter.points > 0) row.points = std::to_string(parameter.points);
+  if (parameter.nominal) {
+    const auto& nominal = *parameter.nominal;
+    row.nominal = print_number(snapped(shown(nominal.candidate, quantity), 1e-10)) +
+                  (nominal.series.empty() ? "" : " (" + nominal.series + ")") + ", " + readable(std::abs(nominal.z)) +
+                  " sigma away: " + (nominal.kept ? "taken" : "not taken");
+  }
+  return row;
+}
+
+std::string table(const std::vector<std::vector<std::string>>& rows, const std::string& indent) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()), 0);
+    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], columns(row[k]));
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line = indent;
+    for (std::size_t k = 0; k < row.size(); ++k)
+      line += row[k] + std::string(widths[k] - columns(row[k]) + 2, ' ');
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string dimension_table(const Model& model) {
+  if (model.parameters.empty()) return {};
+  std::vector<std::vector<std::string>> rows = {{"dimension", "value", "", "fitted", "what it is"}};
+  for (const auto& parameter : model.parameters) {
+    const auto row = describe(parameter);
+    rows.push_back({row.name, row.value, row.unit, row.fitted, row.note});
+  }
+  return table(rows);
+}
+
+std::vector<std::string> rival_lines(const Model& model) {
+  std::vector<std::string> lines;
+  for (const auto& rival : model.rivals)
+    lines.push_back(rival.procedure + ": " +
+                    (rival.meets_tolerance ? "meets the tolerance" : "does not meet the tolerance") + ", off by up to " +
+                    readable(rival.deviation) + " mm, description length " + readable(rival.description_length) +
+                    (rival.reason.empty() ? "" : "; " + rival.reason));
+  return lines;
+}
+
+std::string hypothesis_line(const Model& model) {
+  if (!model.hypothesis) return {};
+  const auto& h = *model.hypothesis;
+  std::string line = "superellipsoid with half axes " + readable(h.a1) + ", " + readable(h.a2) + ", " +
+                     readable(h.a3) + " mm, e1 = " + readable(h.e1) + ", e2 = " + readable(h.e2);
+  if (h.taper_x != 0 || h.taper_y != 0)
+    line += ", taper " + readable(h.taper_x) + ", " + readable(h.taper_y);
+  return line + "; goodness of fit " + readable(h.gof) + " (" + readable(h.gof_mm) + " mm); suggests: " +
+         (h.suggests.empty() ? "none" : h.suggests);
+}
+
+}  // namespace partscribe

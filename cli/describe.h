@@ -1,0 +1,42 @@
+/// A model in plain words: the procedure, the named dimensions with their uncertainty, the rivals.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+
+namespace partscribe {
+
+/// "a surface of revolution", "4 steps: ...", "a triangulation of 724 triangles, because no procedure met 0.1 mm".
+std::string procedure_text(const Model& model);
+
+/// One parameter as a person reads it; lengths in mm, angles in degrees.
+struct Dimension {
+  std::string name, value, unit;
+  std::string fitted;   ///< "10.997 ± 0.004", empty if it was not fitted
+  std::string nominal;  ///< "11 on the 0.5 mm grid, 0.8 sigma away: kept"; empty if none was looked for
+  std::string points;   ///< "4120", empty if unknown
+  std::string note;
+};
+Dimension describe(const Parameter& parameter);
+
+/// Length or ratio with its standard deviation: both rounded to the second digit of the deviation.
+std::string with_sigma(double value, double sigma);
+
+/// A number for reading: three significant digits at most below 1000.
+std::string readable(double value);
+
+/// A table with aligned columns; the first row is the heading.
+std::string table(const std::vector<std::vector<std::string>>& rows, const std::string& indent = "  ");
+
+/// The named dimensions as a table; empty text if the model has none.
+std::string dimension_table(const Model& model);
+
+/// What was considered instead and why it lost, one line each.
+std::vector<std::string> rival_lines(const Model& model);
+
+/// The superellipsoid that was recovered first, in one line; empty if the model has none.
+std::string hypothesis_line(const Model& model);
+
+}  // namespace partscribe

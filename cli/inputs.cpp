@@ -1,0 +1,151 @@
+#include "cli/inputs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "core/number.h"
+#include "geometry/kd_tree.h"
+#include "geometry/normals.h"
+#include "model/json.h"
+#include "scan/read.h"
+
+namespace partscribe {
+namespace {
+
+const std::set<std::string> names_without_meaning = {"cloud", "scan", "merged", "model", "part"};
+constexpr const char* folder_ending = "-partscribe";
+
+/// Noise on patches spread over the part: as good as on all points for choosing a tolerance, and quick for millions.
+double sampled_noise(const PointCloud& cloud, Context& context) {
+  constexpr std::size_t patches = 64, patch_points = 160;
+  if (cloud.size() < 10) return 0;
+  // Sorted, so that the order of points in the file cannot matter.
+  std::vector<std::uint32_t> order(cloud.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Vec3 &p = cloud.points[a], &q = cloud.points[b];
+    return std::array{p.x(), p.y(), p.z()} < std::array{q.x(), q.y(), q.z()};
+  });
+  const KdTree tree(cloud.points);
+  std::set<std::uint32_t> chosen;
+  std::vector<Neighbour> neighbours;
+  for (std::size_t k = 0; k < patches; ++k) {
+    const auto seed = order[k * (order.size() - 1) / (patches - 1)];
+    tree.nearest(cloud.points[seed], patch_points, neighbours);
+    for (const auto& neighbour : neighbours) chosen.insert(neighbour.index);
+  }
+  PointCloud sample;
+  for (const auto i : order)
+    if (chosen.count(i)) {
+      sample.points.push_back(cloud.points[i]);
+      if (!cloud.rays.empty()) sample.rays.push_back(cloud.rays[i]);
+    }
+  return estimate_normals(sample, {}, context).sigma;
+}
+
+/// The least of 1, 2, 5 times a power of ten that is not below `value`.
+double rounded_up(double value) {
+  const double decade = power_of_ten_below(value);
+  for (const double step : {1.0, 2.0, 5.0})
+    if (value <= step * decade * (1 + 1e-9)) return snapped(step * decade, decade);
+  return snapped(10 * decade, decade);
+}
+
+}  // namespace
+
+std::string part_name(const Path& input) {
+  auto words = [](const std::string& text) {
+    std::string name;
+    for (const char c : text) {
+      const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'), digit = c >= '0' && c <= '9';
+      if (letter || digit)
+        name += letter ? static_cast<char>(c | 0x20) : c;
+      else if (!name.empty() && name.back() != '_')
+        name += '_';
+    }
+    while (!name.empty() && name.back() == '_') name.pop_back();
+    return name;
+  };
+  Path path = std::filesystem::absolute(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  for (; path.has_relative_path(); path = path.parent_path()) {
+    std::string stem = std::filesystem::is_directory(path) ? path.filename().string() : path.stem().string();
+    if (stem.ends_with(folder_ending)) stem.resize(stem.size() - std::string_view(folder_ending).size());
+    std::string name = words(stem);
+    if (name.empty() || names_without_meaning.count(name)) continue;
+    return name.front() >= '0' && name.front() <= '9' ? "part_" + name : name;
+  }
+  return "part";
+}
+
+Path output_folder(const SharedOptions& options, const Path& input, const std::string& name) {
+  if (!options.out.empty()) return options.out;
+  const auto file = input.filename();
+  if (file == "cloud.ply" || file == "model.json") return input.has_parent_path() ? input.parent_path() : Path(".");
+  return name + folder_ending;
+}
+
+Result<Done> prepare_folder(const Path& folder, const std::vector<std::string>& files, bool force) {
+  std::error_code failure;
+  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+    return usage_error(folder.string() + ": expected a folder for the results, found a file; give another --out");
+  for (const auto& file : files)
+    if (!force && std::filesystem::exists(folder / file))
+      return usage_error((folder / file).string() +
+                         " exists already; give --force to overwrite it or --out for another folder");
+  std::filesystem::create_directories(folder, failure);
+  if (failure) return usage_error(folder.string() + ": cannot be made: " + failure.message() + "; give another --out");
+  return Done{};
+}
+
+Result<Done> prepare_file(const Path& file, bool force) {
+  const Path folder = file.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    return usage_error(file.string() + ": there is no folder " + folder.string() + "; make it first");
+  if (!force && std::filesystem::exists(file))
+    return usage_error(file.string() + " exists already; give --force to overwrite it or another name");
+  return Done{};
+}
+
+Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session) {
+  ReadOptions options;
+  if (!session.options.units.empty()) options.unit = parse_unit(session.options.units);
+  auto scan = read_scan(inputs, options, session.context);
+  if (scan)
+    for (const auto& warning : scan->warnings) session.warn(warning);
+  return scan;
+}
+
+Result<CheckedModel> read_model(const Path& file) {
+  const auto text = read_file(file);
+  if (!text) return text.error();
+  auto model = read_model_json(*text, file.string());
+  if (!model) return model.error();
+  return checked(std::move(*model), file.string());
+}
+
+ChosenTolerance tolerance_for(const Scan& scan, Session& session) {
+  ChosenTolerance chosen;
+  if (session.options.tolerance) {
+    chosen.tolerance = *session.options.tolerance;
+    chosen.reason = "tolerance " + print_number(chosen.tolerance) + " mm, as given";
+    return chosen;
+  }
+  chosen.noise = sampled_noise(scan.cloud, session.context);
+  const double diagonal = scan.cloud.bounds().diagonal();
+  const double from_noise = 5 * chosen.noise, from_size = diagonal / 1000;
+  chosen.tolerance = rounded_up(std::max({from_noise, from_size, 1e-6}));
+  chosen.reason =
+      "tolerance " + print_number(chosen.tolerance) + " mm, chosen because none was given: " +
+      (from_noise >= from_size
+           ? "5 times the noise of the scan (" + print_number(snapped(chosen.noise, power_of_ten_below(std::max(
+                                                     chosen.noise, 1e-9)) / 10)) + " mm)"
+           : "a thousandth of the part's size (" +
+                 print_number(snapped(diagonal, power_of_ten_below(std::max(diagonal, 1e-9)) / 100)) + " mm)") +
+      ", rounded up; --tolerance sets it";
+  return chosen;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,44 @@
+/// What commands share before the work: names, folders, units, the tolerance nobody gave.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/session.h"
+#include "core/files.h"
+#include "core/result.h"
+#include "geometry/point_cloud.h"
+#include "model/check.h"
+
+namespace partscribe {
+
+/// A part's name made from an input file: "Pump cover (2).ply" is pump_cover_2. Files whose own name says nothing
+/// (cloud, scan, merged, model) take their folder's.
+std::string part_name(const Path& input);
+
+/// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder.
+Path output_folder(const SharedOptions& options, const Path& input, const std::string& name);
+
+/// Makes the folder; fails with a usage error if it holds one of `files` and --force was not given.
+Result<Done> prepare_folder(const Path& folder, const std::vector<std::string>& files, bool force);
+
+/// The same for a single file named by the user.
+Result<Done> prepare_file(const Path& file, bool force);
+
+/// read_scan with the session's units; its warnings are printed.
+Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session);
+
+Result<CheckedModel> read_model(const Path& file);
+
+/// The tolerance used when none was given.
+struct ChosenTolerance {
+  double tolerance = 0;  ///< mm
+  double noise = 0;      ///< mm, measured on a sample of patches; 0 if the tolerance was given
+  std::string reason;    ///< one line for the user
+};
+
+/// --tolerance, or five times the noise of the scan but at least a thousandth of its diagonal, rounded up to
+/// 1, 2 or 5 times a power of ten. Five, because a fit judged at twice the local noise is still an honest verdict.
+ChosenTolerance tolerance_for(const Scan& scan, Session& session);
+
+}  // namespace partscribe

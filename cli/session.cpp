@@ -1,0 +1,158 @@
+#include "cli/session.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+#include "core/number.h"
+
+namespace partscribe {
+namespace {
+
+/// What the signal handler may touch: a lock-free flag of the one running session.
+std::atomic<std::atomic<bool>*> cancel_flag = nullptr;
+
+void on_interrupt(int signal) {
+  if (auto* flag = cancel_flag.load()) *flag = true;
+  // A second Ctrl-C ends the program at once, should a stage not listen.
+  std::signal(signal, SIG_DFL);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::string in_tenths(double seconds) { return print_number(snapped(seconds, 0.1)); }
+
+int terminal_width() {
+  winsize size{};
+  if (::ioctl(2, TIOCGWINSZ, &size) == 0 && size.ws_col > 20) return size.ws_col;
+  return 80;
+}
+
+}  // namespace
+
+Session::Session(SharedOptions given, std::string program_version)
+    : options(std::move(given)), version(std::move(program_version)) {
+  begin_ = stage_begin_ = last_drawn_ = std::chrono::steady_clock::now();
+}
+
+Session::~Session() {
+  clear_bar();
+  cancel_flag = nullptr;
+}
+
+Result<Done> Session::start() {
+  context.threads = options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  terminal_ = ::isatty(2) == 1 && std::getenv("TERM") != nullptr;
+  if (!options.log.empty()) {
+    log_.open(options.log, std::ios::app);
+    if (!log_)
+      return usage_error("--log " + options.log.string() + ": cannot be written; name a file in an existing folder");
+  }
+  context.progress = [this](const std::string& name, double share) { show_progress(name, share); };
+  context.log = [this](const std::string& line) { note(line); };
+  cancel_flag = &context.cancelled;
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  // A reader that goes away (`partscribe explain m.json | head`) must not look like a crash.
+  std::signal(SIGPIPE, SIG_IGN);
+  return Done{};
+}
+
+Result<Done> Session::stage(const std::string& name) {
+  finish_stage();
+  if (context.cancelled) return Error{"cancelled before: " + name, ErrorKind::stopped};
+  stage_ = name;
+  stage_begin_ = std::chrono::steady_clock::now();
+  show_progress(name, 0);
+  return Done{};
+}
+
+void Session::finish_stage() {
+  if (stage_.empty()) return;
+  stages_.emplace_back(stage_, seconds_since(stage_begin_));
+  clear_bar();
+  log_line(stage_ + ": " + in_tenths(stages_.back().second) + " s");
+  stage_.clear();
+}
+
+void Session::print(const std::string& text) {
+  clear_bar();
+  if (options.quiet || options.json) return;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void Session::print_json(const std::string& text) {
+  clear_bar();
+  if (!options.json) return;
+  std::fputs(text.c_str(), stdout);
+  if (!text.ends_with('\n')) std::fputc('\n', stdout);
+  std::fflush(stdout);
+}
+
+void Session::output(const std::string& text) {
+  clear_bar();
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void Session::warn(const std::string& line) {
+  clear_bar();
+  std::fprintf(stderr, "partscribe: warning: %s\n", line.c_str());
+  log_line("warning: " + line);
+}
+
+void Session::note(const std::string& line) {
+  log_line(line);
+  if (options.quiet || options.json || !terminal_) return;
+  clear_bar();
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
+
+void Session::show_progress(const std::string& name, double share) {
+  if (options.quiet) return;
+  const std::lock_guard lock(mutex_);
+  const std::string title = stage_.empty() || name == stage_ ? name : stage_ + ": " + name;
+  if (!terminal_) {
+    // One plain line per stage: a log file or a build server wants no bar.
+    if (title == shown_ || options.json) return;
+    shown_ = title;
+    std::fprintf(stderr, "%s\n", title.c_str());
+    return;
+  }
+  const bool due = seconds_since(last_drawn_) > 0.1 || title != shown_;
+  if (!due) return;
+  shown_ = title;
+  last_drawn_ = std::chrono::steady_clock::now();
+  constexpr int bar_width = 24;
+  const int filled = static_cast<int>(std::clamp(share, 0.0, 1.0) * bar_width + 0.5);
+  std::string line = "[" + std::string(filled, '#') + std::string(bar_width - filled, '.') + "] " + title + "  " +
+                     in_tenths(seconds_since(begin_)) + " s";
+  const auto width = static_cast<std::size_t>(terminal_width() - 1);
+  if (line.size() > width) line.resize(width);
+  std::fprintf(stderr, "\r\033[K%s", line.c_str());
+  std::fflush(stderr);
+  bar_shown_ = true;
+}
+
+void Session::clear_bar() {
+  const std::lock_guard lock(mutex_);
+  if (!bar_shown_) return;
+  std::fputs("\r\033[K", stderr);
+  std::fflush(stderr);
+  bar_shown_ = false;
+}
+
+void Session::log_line(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  if (log_) log_ << in_tenths(seconds_since(begin_)) << " s  " << line << std::endl;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,105 @@
+#include "cli/stages.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "codegen/emit.h"
+#include "core/number.h"
+#include "fit/build.h"
+
+namespace partscribe {
+namespace {
+
+constexpr const char* stem = "part";
+/// Files that stand beside a script.
+const std::vector<std::string> companions = {"prelude.scl", "partscribe.scad"};
+
+}  // namespace
+
+Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& name, const FitArguments& arguments,
+                               Session& session) {
+  BuildOptions options;
+  options.tolerance = tolerance;
+  options.name = name;
+  options.nominal = !arguments.no_nominal;
+  options.force = arguments.procedure;
+  auto built = build_model(scan, options, session.context);
+  if (!built) return built.error();
+  Model model = **built;
+  // Only what changes the model: neither folders nor threads.
+  model.provenance.version = session.version;
+  model.provenance.options = "--tolerance " + print_number(tolerance) + " --name " + name;
+  if (!session.options.units.empty()) model.provenance.options += " --units " + session.options.units;
+  if (arguments.no_nominal) model.provenance.options += " --no-nominal";
+  if (!arguments.procedure.empty()) model.provenance.options += " --procedure " + arguments.procedure;
+  return checked(std::move(model), "the fitted model");
+}
+
+Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names) {
+  std::vector<std::string> all, chosen;
+  std::string list;
+  for (const auto& backend : backends()) {
+    all.push_back(backend.name);
+    list += (list.empty() ? "" : ", ") + backend.name;
+  }
+  for (const auto& name : names)
+    if (std::find(all.begin(), all.end(), name) == all.end())
+      return usage_error("--to: expected some of " + list + ", found '" + name + "'");
+  for (const auto& name : all)
+    if (names.empty() || std::find(names.begin(), names.end(), name) != names.end()) chosen.push_back(name);
+  return chosen;
+}
+
+std::vector<std::string> artifact_names() {
+  std::vector<std::string> names;
+  for (const auto& backend : backends()) names.push_back(stem + backend.suffix);
+  names.insert(names.end(), companions.begin(), companions.end());
+  return names;
+}
+
+Result<std::vector<Path>> emit_stage(const CheckedModel& model, const std::vector<std::string>& chosen,
+                                     const Path& templates, const Path& folder, Session& session) {
+  EmitOptions options;
+  options.templates = templates;
+  options.stem = stem;
+  std::vector<Artifact> artifacts;
+  for (const auto& backend : chosen) {
+    session.context.report(backend, static_cast<double>(artifacts.size()) / static_cast<double>(chosen.size()));
+    auto artifact = emit(model, backend, options, session.context);
+    if (!artifact) return artifact.error();
+    artifacts.push_back(std::move(*artifact));
+  }
+  for (const auto& name : artifact_names()) {
+    std::error_code ignored;
+    std::filesystem::remove(folder / name, ignored);
+  }
+  std::vector<Path> scripts;
+  for (const auto& artifact : artifacts) {
+    for (const auto& file : artifact.files)
+      if (auto written = write_file(folder / file.name, file.bytes); !written) return written.error();
+    scripts.push_back(folder / artifact.files.front().name);
+  }
+  return scripts;
+}
+
+std::string seconds_line(const Session& session) {
+  double total = 0;
+  std::string text;
+  for (const auto& [name, seconds] : session.stages()) {
+    total += seconds;
+    text += (text.empty() ? "" : ", ") + name + " " + print_number(snapped(seconds, 0.1));
+  }
+  return "Seconds: " + text + "; together " + print_number(snapped(total, 0.1)) + ".";
+}
+
+std::string summary_json(const std::string& command, const std::vector<Path>& files,
+                         const std::vector<std::string>& warnings) {
+  nlohmann::ordered_json json;
+  json["command"] = command;
+  json["files"] = nlohmann::ordered_json::array();
+  for (const auto& file : files) json["files"].push_back(file.string());
+  json["warnings"] = warnings;
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace partscribe

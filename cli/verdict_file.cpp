@@ -1,0 +1,81 @@
+#include "cli/verdict_file.h"
+
+#include <nlohmann/json.hpp>
+
+namespace partscribe {
+namespace {
+
+using Json = nlohmann::json;
+
+Outcome outcome_of(const Json& json, const char* key) {
+  const std::string name = json.at(key).get<std::string>();
+  for (const auto outcome : {Outcome::verified, Outcome::out_of_tolerance, Outcome::cannot_decide, Outcome::not_run})
+    if (name == name_of(outcome)) return outcome;
+  throw std::runtime_error("expected a verdict at \"" + std::string(key) + "\", found \"" + name + "\"");
+}
+
+/// Absent and null numbers are 0: an artifact that was not run has none.
+double number(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_number() ? found->get<double>() : 0.0;
+}
+
+std::size_t count(const Json& json, const char* key) { return static_cast<std::size_t>(std::max(0.0, number(json, key))); }
+
+std::string text(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+ArtifactVerdict artifact_of(const Json& json) {
+  ArtifactVerdict artifact;
+  artifact.file = text(json, "file");
+  artifact.backend = text(json, "backend");
+  artifact.program = text(json, "program");
+  artifact.version = text(json, "version");
+  artifact.verdict = outcome_of(json, "verdict");
+  artifact.seconds = number(json, "seconds");
+  artifact.evaluation_error = number(json, "evaluation_error");
+  if (const auto found = json.find("data_to_model"); found != json.end() && found->is_object()) {
+    auto& d = artifact.data_to_model;
+    d.points = count(*found, "points"), d.rejected = count(*found, "rejected");
+    d.local_max = number(*found, "local_max"), d.rms = number(*found, "rms"), d.p50 = number(*found, "p50");
+    d.p95 = number(*found, "p95"), d.p99 = number(*found, "p99"), d.max = number(*found, "max");
+  }
+  if (const auto found = json.find("model_to_data"); found != json.end() && found->is_object()) {
+    auto& m = artifact.model_to_data;
+    m.area = number(*found, "area"), m.supported = number(*found, "supported");
+    m.not_scanned = number(*found, "not_scanned"), m.contradicted = number(*found, "contradicted");
+  }
+  if (const auto found = json.find("objects"); found != json.end() && found->is_array())
+    for (const auto& row : *found)
+      artifact.objects.push_back({text(row, "name"), count(row, "points"), number(row, "rms"), number(row, "max"),
+                                  number(row, "covered"), outcome_of(row, "verdict")});
+  if (const auto found = json.find("reasons"); found != json.end() && found->is_array())
+    for (const auto& reason : *found) artifact.reasons.push_back(reason.get<std::string>());
+  return artifact;
+}
+
+}  // namespace
+
+Result<Verdict> read_verdict_json(const std::string& bytes, const std::string& where) {
+  try {
+    const Json json = Json::parse(bytes);
+    Verdict verdict;
+    verdict.verdict = outcome_of(json, "verdict");
+    verdict.tolerance = number(json, "tolerance");
+    verdict.smallest_honest_tolerance = number(json, "smallest_honest_tolerance");
+    verdict.noise = number(json, "noise");
+    if (!(verdict.tolerance > 0)) throw std::runtime_error("expected a tolerance above 0");
+    for (const auto& artifact : json.at("artifacts")) verdict.artifacts.push_back(artifact_of(artifact));
+    if (const auto found = json.find("between_backends"); found != json.end() && found->is_array())
+      for (const auto& pair : *found)
+        verdict.between_backends.push_back(
+            {text(pair, "first"), text(pair, "second"), number(pair, "distance"), pair.value("agree", true)});
+    return verdict;
+  } catch (const std::exception& error) {
+    return bad_input(where + ": expected a verdict as 'partscribe verify' writes it: " + error.what());
+  }
+}
+
+}  // namespace partscribe
