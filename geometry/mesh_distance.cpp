@@ -387,6 +387,11 @@ std::optional<MeshHit> MeshDistance::closest_within(const Vec3& query, double bo
 }
 
 double MeshDistance::signed_distance(const Vec3& query) const {
+  MeshHit hit;
+  return signed_distance(query, hit);
+}
+
+double MeshDistance::signed_distance(const Vec3& query, MeshHit& hit) const {
   ensure(!tree_->nodes.empty(), "the signed distance to a mesh without triangles was asked for");
   std::call_once(tree_->signs_made, [&] { tree_->make_signs(); });
   const auto found = tree_->nearest(query, std::numeric_limits<double>::max());
@@ -395,6 +400,7 @@ double MeshDistance::signed_distance(const Vec3& query) const {
                       : found.feature <= 3 ? tree_->edge_normals[found.triangle][found.feature - 1]
                                            : tree_->corner_normals[found.triangle][found.feature - 4];
   const double distance = std::sqrt(found.sq_distance);
+  hit = {distance, found.triangle, found.point};
   return (query - found.point).dot(normal) < 0 ? -distance : distance;
 }
 

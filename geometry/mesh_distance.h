@@ -29,6 +29,8 @@ class MeshDistance {
   std::optional<MeshHit> closest_within(const Vec3& query, double bound) const;
   /// Negative inside a closed, outward-facing mesh (angle-weighted pseudonormals, Baerentzen & Aanaes 2005).
   double signed_distance(const Vec3& query) const;
+  /// The same, and where the nearest place is.
+  double signed_distance(const Vec3& query, MeshHit& hit) const;
   /// The first triangle met by origin + t * direction with t in (0, max_t]; `distance` is t.
   std::optional<MeshHit> first_hit(const Vec3& origin, const Vec3& direction, double max_t) const;
 

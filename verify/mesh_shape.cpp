@@ -1,0 +1,163 @@
+#include "verify/mesh_shape.h"
+
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <Eigen/Geometry>
+#include <Geom_Surface.hxx>
+#include <Poly_PolygonOnTriangulation.hxx>
+#include <Poly_Triangulation.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace partscribe {
+namespace {
+
+Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
+
+/// Distance from `p` to the facet, taken to its plane unless the facet is too thin to have a dependable one.
+double facet_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p, const Vec3& on_facet) {
+  const Vec3 n = (b - a).cross(c - a);
+  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  const double direct = (p - on_facet).norm();
+  if (n.norm() < 1e-6 * longest) return direct;
+  return std::min(direct, std::abs(n.normalized().dot(p - a)));
+}
+
+/// Nodes of all faces in one list, united along shared edges and vertices by what the mesher recorded, not by
+/// coordinates: so a gap stays a gap and a seam closes.
+class NodeUnion {
+ public:
+  std::uint32_t add(const Vec3& p) {
+    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
+    points_.push_back(p);
+    return parent_.back();
+  }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    a = root(a), b = root(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);  // the first node's place is the place of all
+  }
+  const Vec3& point(std::uint32_t i) const { return points_[i]; }
+  std::size_t size() const { return parent_.size(); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<Vec3> points_;
+};
+
+ShapeMesh collect(const TopoDS_Shape& shape) {
+  ShapeMesh result;
+  TopTools_IndexedMapOfShape edges, vertices;
+  TopExp::MapShapes(shape, TopAbs_EDGE, edges);
+  TopExp::MapShapes(shape, TopAbs_VERTEX, vertices);
+  std::vector<std::vector<std::uint32_t>> edge_nodes(static_cast<std::size_t>(edges.Extent()) + 1);
+  std::vector<std::int64_t> vertex_node(static_cast<std::size_t>(vertices.Extent()) + 1, -1);
+  NodeUnion nodes;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+
+  for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
+    const TopoDS_Face face = TopoDS::Face(faces.Current());
+    TopLoc_Location location;
+    const auto triangulation = BRep_Tool::Triangulation(face, location);
+    if (triangulation.IsNull()) continue;
+    const gp_Trsf world_from_face = location.Transformation();
+    const auto first = static_cast<std::uint32_t>(nodes.size());
+    for (int i = 1; i <= triangulation->NbNodes(); ++i) nodes.add(vec(triangulation->Node(i).Transformed(world_from_face)));
+
+    for (TopExp_Explorer edge_explorer(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); edge_explorer.More(); edge_explorer.Next()) {
+      const TopoDS_Edge edge = TopoDS::Edge(edge_explorer.Current());
+      const auto polygon = BRep_Tool::PolygonOnTriangulation(edge, triangulation, location);
+      if (polygon.IsNull()) continue;
+      std::vector<std::uint32_t> own;
+      for (int i = 1; i <= polygon->NbNodes(); ++i)
+        own.push_back(first + static_cast<std::uint32_t>(polygon->Nodes().Value(i)) - 1);
+      if (BRep_Tool::Degenerated(edge)) {
+        for (const auto n : own) nodes.unite(own.front(), n);
+      } else {
+        auto& shared = edge_nodes[static_cast<std::size_t>(edges.FindIndex(edge))];
+        if (shared.empty()) shared = own;
+        if (shared.size() == own.size())
+          for (std::size_t i = 0; i < own.size(); ++i) nodes.unite(shared[i], own[i]);
+      }
+      // Nodes run along the edge's own direction, whatever way the face uses it.
+      TopoDS_Vertex from, to;
+      TopExp::Vertices(TopoDS::Edge(edge.Oriented(TopAbs_FORWARD)), from, to);
+      for (const auto& [vertex, node] : {std::pair{from, own.front()}, std::pair{to, own.back()}}) {
+        if (vertex.IsNull()) continue;
+        auto& known = vertex_node[static_cast<std::size_t>(vertices.FindIndex(vertex))];
+        if (known < 0) known = node;
+        nodes.unite(static_cast<std::uint32_t>(known), node);
+      }
+    }
+
+    // The triangulation follows the surface; a reversed face, or a mirroring placement, turns it over.
+    const bool turned = (face.Orientation() == TopAbs_REVERSED) != (world_from_face.VectorialPart().Determinant() < 0);
+    TopLoc_Location surface_location;
+    const Handle(Geom_Surface) surface = BRep_Tool::Surface(face, surface_location);
+    const gp_Trsf world_from_surface = surface_location.Transformation();
+    for (int i = 1; i <= triangulation->NbTriangles(); ++i) {
+      int n[3];
+      triangulation->Triangle(i).Get(n[0], n[1], n[2]);
+      if (turned) std::swap(n[1], n[2]);
+      triangles.push_back({first + std::uint32_t(n[0]) - 1, first + std::uint32_t(n[1]) - 1, first + std::uint32_t(n[2]) - 1});
+      if (surface.IsNull() || !triangulation->HasUVNodes()) continue;
+      Vec3 p[3];
+      gp_XY uv[3];
+      for (int k = 0; k < 3; ++k) {
+        p[k] = nodes.point(triangles.back()[static_cast<std::size_t>(k)]);
+        uv[k] = triangulation->UVNode(n[k]).XY();
+      }
+      auto measure = [&](const gp_XY& place, const Vec3& on_facet) {
+        const Vec3 exact = vec(surface->Value(place.X(), place.Y()).Transformed(world_from_surface));
+        result.error = std::max(result.error, facet_distance(p[0], p[1], p[2], exact, on_facet));
+      };
+      measure((uv[0] + uv[1] + uv[2]) / 3.0, (p[0] + p[1] + p[2]) / 3);
+      for (int k = 0; k < 3; ++k) measure((uv[k] + uv[(k + 1) % 3]) / 2.0, (p[k] + p[(k + 1) % 3]) / 2);
+    }
+  }
+
+  std::vector<std::uint32_t> index(nodes.size(), ~0u);
+  for (const auto& t : triangles) {
+    std::array<std::uint32_t, 3> w;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto r = nodes.root(t[k]);
+      if (index[r] == ~0u) {
+        index[r] = static_cast<std::uint32_t>(result.mesh.vertices.size());
+        result.mesh.vertices.push_back(nodes.point(r));
+      }
+      w[k] = index[r];
+    }
+    if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) result.mesh.triangles.push_back(w);
+  }
+  return result;
+}
+
+}  // namespace
+
+ShapeMesh mesh_shape(const TopoDS_Shape& shape, double tolerance) {
+  constexpr double angle = 0.35;  // rad; keeps small fillets round where the deflection would allow a chamfer
+  BRepMesh_IncrementalMesh(shape, tolerance / 10, Standard_False, angle, Standard_False);
+  ShapeMesh result = collect(shape);
+  if (result.error > tolerance / 5) {
+    BRepTools::Clean(shape);
+    const double factor = std::max(0.1, tolerance / 10 / result.error);
+    BRepMesh_IncrementalMesh(shape, factor * tolerance / 10, Standard_False, angle / 2, Standard_False);
+    result = collect(shape);
+  }
+  return result;
+}
+
+}  // namespace partscribe

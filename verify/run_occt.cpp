@@ -1,0 +1,190 @@
+#include "verify/run_occt.h"
+
+#include <BRepBuilderAPI_MakeSolid.hxx>
+#include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepLib.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <IFSelect_ReturnStatus.hxx>
+#include <IGESControl_Controller.hxx>
+#include <IGESControl_Reader.hxx>
+#include <Interface_Static.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_Printer.hxx>
+#include <OSD.hxx>
+#include <STEPControl_Reader.hxx>
+#include <Standard_Failure.hxx>
+#include <Standard_Version.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Shape.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+
+#include "core/number.h"
+#include "geometry/mesh_distance.h"
+#include "verify/iges_tree.h"
+#include "verify/mesh_shape.h"
+#include "verify/solid.h"
+
+namespace partscribe {
+namespace {
+
+/// The IGES reader corrupts memory when it runs on two threads, and both readers share global settings.
+std::mutex& reader_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+void silence() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_Printer));
+    IGESControl_Controller::Init();
+  });
+}
+
+int count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
+  int n = 0;
+  for (TopExp_Explorer e(shape, kind); e.More(); e.Next()) ++n;
+  return n;
+}
+
+/// Loose faces sewn together and closed shells made solids; files that hold solids come back as they are.
+TopoDS_Shape as_solids(const TopoDS_Shape& shape) {
+  if (count(shape, TopAbs_SOLID) > 0) return shape;
+  BRepBuilderAPI_Sewing sewing(1e-4);  // mm; faces mode keeps every edge twice, rounded to 9 digits
+  sewing.Add(shape);
+  sewing.Perform();
+  const TopoDS_Shape sewn = sewing.SewedShape();
+  if (sewn.IsNull()) return shape;
+  TopoDS_Compound all;
+  BRep_Builder builder;
+  builder.MakeCompound(all);
+  for (TopExp_Explorer shells(sewn, TopAbs_SHELL); shells.More(); shells.Next()) {
+    const TopoDS_Shell shell = TopoDS::Shell(shells.Current());
+    BRepBuilderAPI_MakeSolid maker(shell);
+    if (BRep_Tool::IsClosed(shell) && maker.IsDone()) {
+      TopoDS_Solid solid = maker.Solid();
+      BRepLib::OrientClosedSolid(solid);
+      builder.Add(all, solid);
+    } else {
+      builder.Add(all, shell);
+    }
+  }
+  for (TopExp_Explorer faces(sewn, TopAbs_FACE, TopAbs_SHELL); faces.More(); faces.Next()) builder.Add(all, faces.Current());
+  return all;
+}
+
+/// Largest distance from the corners and centres of `from` to `to`.
+double one_way(const TriangleMesh& from, const MeshDistance& to) {
+  double worst = 0;
+  for (const auto& v : from.vertices) worst = std::max(worst, to.closest(v).distance);
+  for (std::size_t t = 0; t < from.triangles.size(); ++t)
+    worst = std::max(worst, to.closest((from.corner(t, 0) + from.corner(t, 1) + from.corner(t, 2)) / 3).distance);
+  return worst;
+}
+
+void take_shape(Evaluation& evaluation, const TopoDS_Shape& shape, double tolerance) {
+  const TopoDS_Shape body = as_solids(shape);
+  if (!BRepCheck_Analyzer(body).IsValid()) {
+    evaluation.failed = true;
+    evaluation.complaints.push_back("OpenCASCADE's checker finds the geometry invalid");
+  }
+  const ShapeMesh meshed = mesh_shape(body, tolerance);
+  auto check = check_solid(meshed.mesh);
+  evaluation.mesh = std::move(check.mesh);
+  evaluation.error = meshed.error;
+  evaluation.solid = check.solid;
+  for (auto& fault : check.faults) evaluation.complaints.push_back(std::move(fault));
+}
+
+void compare_with_tree(Evaluation& evaluation, IGESControl_Reader& reader, bool has_body, double tolerance) {
+  TopoDS_Shape tree_shape;
+  const IgesTree tree = evaluate_iges_tree(reader, tree_shape);
+  if (!tree.present) return;
+  auto refuse = [&](std::string why) {
+    evaluation.failed = true;
+    evaluation.complaints.push_back(std::move(why));
+  };
+  if (tree.fault) return refuse("the file's boolean tree cannot be evaluated: " + *tree.fault);
+  if (!has_body) return take_shape(evaluation, tree_shape, tolerance);
+  const ShapeMesh meshed = mesh_shape(tree_shape, tolerance);
+  if (meshed.mesh.empty()) return refuse("the file's boolean tree describes nothing");
+  if (evaluation.mesh.empty()) return;
+  const double apart = std::max(one_way(meshed.mesh, MeshDistance(evaluation.mesh)),
+                                one_way(evaluation.mesh, MeshDistance(meshed.mesh)));
+  if (apart > tolerance / 5 + meshed.error + evaluation.error)
+    refuse("the file's boolean tree and its body differ by " + print_number(snapped(apart, 0.0001)) + " mm");
+}
+
+/// Runs `read` where no exception of OpenCASCADE escapes, and keeps the time.
+template <class Read>
+Result<Evaluation> guarded(const char* backend, Read&& read) {
+  const std::lock_guard lock(reader_mutex());
+  silence();
+  Evaluation evaluation;
+  evaluation.backend = backend;
+  evaluation.program = "OpenCASCADE";
+  evaluation.version = OCC_VERSION_COMPLETE;
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    Interface_Static::SetCVal("xstep.cascade.unit", "MM");
+    read(evaluation);
+  } catch (const Standard_Failure& failure) {
+    evaluation.failed = true;
+    const char* text = failure.GetMessageString();
+    evaluation.complaints.push_back(std::string("OpenCASCADE gave up: ") + (text && *text ? text : failure.DynamicType()->Name()));
+  }
+  evaluation.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return evaluation;
+}
+
+}  // namespace
+
+Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& options, Context& context) {
+  if (context.cancelled) return Error{"cancelled before '" + path.filename().string() + "' was read", ErrorKind::stopped};
+  return guarded("iges", [&](Evaluation& evaluation) {
+    IGESControl_Reader reader;
+    if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) {
+      evaluation.failed = true;
+      evaluation.complaints.push_back("OpenCASCADE cannot read the file as IGES");
+      return;
+    }
+    reader.TransferRoots();
+    const bool has_body = reader.NbShapes() > 0 && count(reader.OneShape(), TopAbs_FACE) > 0;
+    if (has_body) take_shape(evaluation, reader.OneShape(), options.tolerance);
+    compare_with_tree(evaluation, reader, has_body, options.tolerance);
+    if (evaluation.mesh.empty() && !evaluation.failed) {
+      evaluation.failed = true;
+      evaluation.complaints.push_back("the file holds no surface");
+    }
+  });
+}
+
+Result<Evaluation> evaluate_step(const Path& path, const EvaluateOptions& options, Context& context) {
+  if (context.cancelled) return Error{"cancelled before '" + path.filename().string() + "' was read", ErrorKind::stopped};
+  return guarded("step", [&](Evaluation& evaluation) {
+    STEPControl_Reader reader;
+    if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) {
+      evaluation.failed = true;
+      evaluation.complaints.push_back("OpenCASCADE cannot read the file as STEP");
+      return;
+    }
+    reader.TransferRoots();
+    if (reader.NbShapes() == 0 || count(reader.OneShape(), TopAbs_FACE) == 0) {
+      evaluation.failed = true;
+      evaluation.complaints.push_back("the file holds no surface");
+      return;
+    }
+    take_shape(evaluation, reader.OneShape(), options.tolerance);
+  });
+}
+
+}  // namespace partscribe
