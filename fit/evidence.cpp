@@ -1,0 +1,94 @@
+#include "fit/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "fit/refine.h"
+#include "geometry/kd_tree.h"
+#include "model/distance.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t local_points = 25;
+
+double median(std::vector<double>& v) {
+  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+double robust_mean(std::vector<double>& v) {
+  std::vector<double> work = v;
+  const double m = median(work);
+  for (std::size_t i = 0; i < v.size(); ++i) work[i] = std::abs(v[i] - m);
+  const double limit = 2.5 * 1.4826 * median(work);
+  double sum = 0, count = 0;
+  for (const double x : v)
+    if (std::abs(x - m) <= limit) sum += x, count += 1;
+  return count > 0 ? sum / count : m;
+}
+
+}  // namespace
+
+double description_length(const Candidate& candidate, std::size_t points) {
+  std::size_t pieces = 1, numbers = candidate.parameters.size();
+  auto count_sketch = [&](const Sketch& sketch) {
+    for (const auto& loop : sketch.loops)
+      for (const auto& e : loop.elements) {
+        ++pieces;
+        if (const auto* n = std::get_if<SketchNurbs>(&e)) numbers += 2 * n->control.size() + n->knots.size();
+      }
+  };
+  if (const auto* s = std::get_if<Revolve>(&candidate.shape)) count_sketch(s->sketch);
+  if (const auto* s = std::get_if<Extrude>(&candidate.shape)) count_sketch(s->sketch);
+  if (const auto* s = std::get_if<HalfSpaces>(&candidate.shape)) pieces += s->planes.size(), numbers += 2 * s->planes.size();
+  if (const auto* s = std::get_if<TriSurface>(&candidate.shape))
+    pieces += s->triangles.size(), numbers += 3 * s->vertices.size();
+  numbers += static_cast<std::size_t>(candidate.extra_numbers);
+  const double per_number = 0.5 * std::log(double(std::max<std::size_t>(points, 3)));
+  return 4.0 * double(pieces) + per_number * double(numbers);
+}
+
+CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input, Context& context) {
+  CandidateEvidence result;
+  const auto& cloud = input.cloud;
+  const ModelDistance distance(bare_model(candidate));
+  const Pose part_from_scan = candidate.scan_from_part.inverse();
+  const std::size_t n = cloud.size();
+  std::vector<double> d(n), local(n, 0.0);
+  parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) d[i] = distance(part_from_scan * cloud.points[i]).distance;
+  });
+  const KdTree tree(cloud.points);
+  const bool normals = cloud.normals.size() == n;
+  parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    std::vector<double> values;
+    for (std::size_t i = begin; i < end; ++i) {
+      tree.nearest(cloud.points[i], 2 * local_points, near);
+      values.clear();
+      for (const auto& k : near) {
+        if (normals && std::abs(cloud.normals[i].dot(cloud.normals[k.index])) < 0.7) continue;
+        values.push_back(d[k.index]);
+        if (values.size() == local_points) break;
+      }
+      // A point without like-minded neighbours is no surface.
+      if (values.size() >= 9) local[i] = robust_mean(values);
+    }
+  });
+  const double sigma = std::max(input.sampling.sigma, 0.05 * input.tolerance);
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double u = d[i] / sigma;
+    result.misfit += 0.5 * std::min(u * u / 2, 12.0);
+    if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
+    if (std::abs(local[i]) > result.local_max) result.local_max = std::abs(local[i]), result.worst = cloud.points[i];
+  }
+  result.rms = count > 0 ? std::sqrt(sum / count) : 0;
+  result.description = description_length(candidate, n);
+  return result;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,27 @@
+/// How well a candidate explains the data, and what its description costs.
+#pragma once
+
+#include <vector>
+
+#include "fit/candidate.h"
+
+namespace partscribe {
+
+/// Signed deviations of the input's points from a candidate, and the sums that decide.
+struct CandidateEvidence {
+  double rms = 0;                 ///< mm, of residuals within 4 sigmas
+  double local_max = 0;           ///< mm, largest local robust mean of the signed distance
+  Vec3 worst = Vec3::Zero();      ///< where
+  double misfit = 0;              ///< nats: sum of min(u^2 / 2, 12) / 2 over the points (neighbours are correlated)
+  double description = 0;         ///< nats: what writing the procedure down costs
+  double total() const { return misfit + description; }
+};
+
+/// Nats for a shape: a constant per sketch element or face, half the logarithm of the number of points per number.
+double description_length(const Candidate& candidate, std::size_t points);
+
+/// Local robust mean: the 25 nearest points whose normals agree within 45 degrees, median, then the mean of those
+/// within 2.5 median absolute deviations.
+CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,221 @@
+#include "fit/plane_chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+namespace partscribe {
+namespace {
+
+struct Cell {
+  double count = 0;
+  Vec2 sum = Vec2::Zero();
+  Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
+};
+
+using CellKey = std::pair<std::int64_t, std::int64_t>;
+
+/// Nodes: a cell's points averaged; cells that a curve only grazes are given to their neighbours.
+std::vector<ChainNode> nodes_of(const std::vector<PlanePoint>& points, const ChainOptions& o) {
+  std::map<CellKey, Cell> cells;
+  for (const auto& p : points) {
+    auto& cell = cells[{std::llround(std::floor(p.position.x() / o.cell)), std::llround(std::floor(p.position.y() / o.cell))}];
+    cell.count += 1;
+    cell.sum += p.position;
+    cell.normals += p.normal * p.normal.transpose();
+  }
+  double typical = 0;
+  {
+    std::vector<double> counts;
+    for (const auto& [key, cell] : cells) counts.push_back(cell.count);
+    if (counts.empty()) return {};
+    std::sort(counts.begin(), counts.end());
+    typical = counts[counts.size() / 2];
+  }
+  // The densest cells first; a cell whose mean lies close to that of a denser one is the same piece of curve.
+  struct Seed {
+    CellKey key;
+    double count;
+  };
+  std::vector<Seed> seeds;
+  for (const auto& [key, cell] : cells)
+    if (cell.count >= std::max(3.0, 0.04 * typical)) seeds.push_back({key, cell.count});
+  std::stable_sort(seeds.begin(), seeds.end(), [](const Seed& a, const Seed& b) { return a.count > b.count; });
+  std::map<CellKey, std::size_t> owner;
+  std::vector<Cell> merged;
+  for (const auto& seed : seeds) {
+    const Cell& cell = cells[seed.key];
+    const Vec2 mean = cell.sum / cell.count;
+    std::size_t best = merged.size();
+    double nearest = 0.6 * o.cell;
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) {
+        const auto found = owner.find({seed.key.first + dx, seed.key.second + dy});
+        if (found == owner.end()) continue;
+        const Cell& other = merged[found->second];
+        const double distance = (other.sum / other.count - mean).norm();
+        if (distance < nearest) nearest = distance, best = found->second;
+      }
+    owner[seed.key] = best;
+    if (best == merged.size()) merged.push_back(cell);
+    else merged[best].count += cell.count, merged[best].sum += cell.sum, merged[best].normals += cell.normals;
+  }
+  std::vector<ChainNode> nodes;
+  for (const auto& cell : merged) {
+    ChainNode node;
+    node.position = cell.sum / cell.count;
+    node.weight = cell.count;
+    const Eigen::Matrix2d m = cell.normals / cell.count;
+    const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1));
+    const double spread = std::hypot(half, m(0, 1));
+    const double angle = 0.5 * std::atan2(2 * m(0, 1), m(0, 0) - m(1, 1));
+    node.tangent = {-std::sin(angle), std::cos(angle)};
+    node.corner = mean - spread > 0.06;  // variance of the directions: some 14 degrees
+    node.sigma = o.noise / std::sqrt(cell.count);
+    nodes.push_back(node);
+  }
+  std::sort(nodes.begin(), nodes.end(), [](const ChainNode& a, const ChainNode& b) {
+    return a.position.x() != b.position.x() ? a.position.x() < b.position.x() : a.position.y() < b.position.y();
+  });
+  return nodes;
+}
+
+constexpr std::size_t none = ~std::size_t(0);
+
+}  // namespace
+
+double length_of(const Chain& chain) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < chain.nodes.size(); ++i) sum += (chain.nodes[i + 1].position - chain.nodes[i].position).norm();
+  if (chain.closed && chain.nodes.size() > 1) sum += (chain.nodes.back().position - chain.nodes.front().position).norm();
+  return sum;
+}
+
+std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainOptions& o) {
+  const std::vector<ChainNode> nodes = nodes_of(points, o);
+  const std::size_t n = nodes.size();
+  if (n < 3) return {};
+  // Candidate links: near, and not across the curve; cost grows with the turn away from both tangents.
+  struct Link {
+    double cost;
+    std::size_t a, b;
+  };
+  std::map<CellKey, std::vector<std::size_t>> grid;
+  const double reach = 2.6 * o.cell;
+  auto key_of = [&](const Vec2& p) { return CellKey{std::llround(std::floor(p.x() / reach)), std::llround(std::floor(p.y() / reach))}; };
+  for (std::size_t i = 0; i < n; ++i) grid[key_of(nodes[i].position)].push_back(i);
+  std::vector<Link> links;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto key = key_of(nodes[i].position);
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) {
+        const auto found = grid.find({key.first + dx, key.second + dy});
+        if (found == grid.end()) continue;
+        for (const std::size_t j : found->second) {
+          if (j <= i) continue;
+          const Vec2 d = nodes[j].position - nodes[i].position;
+          const double length = d.norm();
+          if (length > reach || length <= 0) continue;
+          auto along = [&](const ChainNode& node) { return node.corner ? 0.8 : std::abs(node.tangent.dot(d)) / length; };
+          const double a = along(nodes[i]), b = along(nodes[j]);
+          if (std::max(a, b) < 0.5) continue;
+          links.push_back({length * (1 + 2 * (1 - a) + 2 * (1 - b)), i, j});
+        }
+      }
+  }
+  std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) {
+    return a.cost != b.cost ? a.cost < b.cost : a.a != b.a ? a.a < b.a : a.b < b.b;
+  });
+  // Cheapest first; each node has one neighbour to either side. A link that would close a ring must close a long one.
+  std::vector<std::size_t> next[2];
+  next[0].assign(n, none), next[1].assign(n, none);
+  std::vector<std::size_t> parent(n), size(n, 1);
+  for (std::size_t i = 0; i < n; ++i) parent[i] = i;
+  auto root = [&](std::size_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  auto free_slot = [&](std::size_t i, const Vec2& d) -> int {
+    // The two neighbours of a node lie to different sides of it.
+    for (int s = 0; s < 2; ++s)
+      if (next[s][i] == none) {
+        const std::size_t other = next[1 - s][i];
+        if (other == none) return s;
+        const Vec2 e = (nodes[other].position - nodes[i].position).normalized();
+        return e.dot(d.normalized()) < 0.5 ? s : -1;
+      }
+    return -1;
+  };
+  auto connect = [&](std::size_t a, std::size_t b, int sa, int sb) {
+    next[sa][a] = b, next[sb][b] = a;
+    const std::size_t ra = root(a), rb = root(b);
+    if (ra != rb) parent[rb] = ra, size[ra] += size[rb];
+  };
+  for (const auto& link : links) {
+    const Vec2 d = nodes[link.b].position - nodes[link.a].position;
+    const int sa = free_slot(link.a, d), sb = free_slot(link.b, -d);
+    if (sa < 0 || sb < 0) continue;
+    if (root(link.a) == root(link.b) && size[root(link.a)] < 8) continue;
+    connect(link.a, link.b, sa, sb);
+  }
+  // Chains of one or two nodes are stray points; drop them before gaps are bridged.
+  auto ends_of = [&](std::size_t i) { return int(next[0][i] == none) + int(next[1][i] == none); };
+  std::vector<char> dropped(n, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    if (size[root(i)] < 3) dropped[i] = 1;
+  struct Gap {
+    double length;
+    std::size_t a, b;
+  };
+  std::vector<std::size_t> ends;
+  for (std::size_t i = 0; i < n; ++i)
+    if (!dropped[i] && ends_of(i) > 0 && !(o.axis >= 0 && nodes[i].position.x() < o.axis)) ends.push_back(i);
+  std::vector<Gap> gaps;
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    for (std::size_t j = i + 1; j < ends.size(); ++j)
+      gaps.push_back({(nodes[ends[i]].position - nodes[ends[j]].position).norm(), ends[i], ends[j]});
+  std::sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
+    return a.length != b.length ? a.length < b.length : a.a != b.a ? a.a < b.a : a.b < b.b;
+  });
+  std::map<std::size_t, std::vector<double>> bridged;  // by root, resolved at the end
+  std::vector<std::pair<std::size_t, double>> bridges;
+  for (const auto& gap : gaps) {
+    if (ends_of(gap.a) == 0 || ends_of(gap.b) == 0) continue;
+    const bool same = root(gap.a) == root(gap.b);
+    // A ring is closed over a gap only when the gap is small beside the ring; a profile's ends may belong to the axis.
+    if (same && gap.length > (o.axis >= 0 ? 6 * o.cell : 0.35 * double(size[root(gap.a)]) * o.cell)) continue;
+    if (same && size[root(gap.a)] < 6) continue;
+    const int sa = next[0][gap.a] == none ? 0 : 1;
+    const int sb = next[0][gap.b] == none ? 0 : 1;
+    connect(gap.a, gap.b, sa, gap.a == gap.b ? 1 - sa : sb);
+    if (gap.length > 3.5 * o.cell) bridges.emplace_back(gap.a, gap.length);
+  }
+  std::vector<Chain> chains;
+  std::vector<char> used(n, 0);
+  auto trace = [&](std::size_t start, bool closed) {
+    Chain chain;
+    chain.closed = closed;
+    std::size_t previous = none, at = start;
+    while (at != none && !used[at]) {
+      used[at] = 1;
+      chain.nodes.push_back(nodes[at]);
+      std::size_t to = next[0][at];
+      if (to == previous || to == none || used[to]) to = next[1][at];
+      if (to != none && (used[to] || to == previous)) to = none;
+      previous = at;
+      at = to;
+    }
+    for (const auto& [node, length] : bridges)
+      if (root(node) == root(start)) chain.gaps.push_back(length);
+    if (chain.nodes.size() >= 3) chains.push_back(std::move(chain));
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    if (!dropped[i] && !used[i] && ends_of(i) > 0) trace(i, false);
+  for (std::size_t i = 0; i < n; ++i)
+    if (!dropped[i] && !used[i]) trace(i, true);
+  std::stable_sort(chains.begin(), chains.end(), [](const Chain& a, const Chain& b) { return length_of(a) > length_of(b); });
+  return chains;
+}
+
+}  // namespace partscribe

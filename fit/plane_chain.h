@@ -1,0 +1,42 @@
+/// Puts scattered points of plane curves into order: chains of averaged nodes along each curve.
+#pragma once
+
+#include <vector>
+
+#include "geometry/vec.h"
+
+namespace partscribe {
+
+/// A point of a plane figure's boundary.
+struct PlanePoint {
+  Vec2 position;
+  Vec2 normal;  ///< unit, of unknown sign
+};
+
+/// The mean of many points.
+struct ChainNode {
+  Vec2 position;
+  Vec2 tangent;       ///< unit, of unknown sign
+  double sigma = 0;   ///< mm, of the position across the curve
+  double weight = 0;  ///< points
+  bool corner = false;  ///< its points do not agree on a direction
+};
+
+struct Chain {
+  std::vector<ChainNode> nodes;
+  bool closed = false;
+  std::vector<double> gaps;  ///< lengths (mm) of jumps over missing data that were bridged
+};
+
+struct ChainOptions {
+  double cell = 0;     ///< mm between nodes
+  double noise = 0;    ///< mm, of one point
+  double axis = -1;    ///< >= 0: ends within this of x = 0 end on the axis and are not joined to others
+};
+
+/// Chains by decreasing length. Ends that face each other over missing data are joined, nearest first.
+std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainOptions& options);
+
+double length_of(const Chain& chain);
+
+}  // namespace partscribe

@@ -1,0 +1,12 @@
+/// Prepares a scan for fitting: normals, noise, outliers, and an even, order-independent selection of points.
+#pragma once
+
+#include "core/result.h"
+#include "fit/candidate.h"
+
+namespace partscribe {
+
+/// Fills what the scan's cloud lacks (normals, sigma, rejected). Fails if fewer than 50 points are left.
+Result<FitInput> prepare(Scan& scan, double tolerance, Context& context);
+
+}  // namespace partscribe

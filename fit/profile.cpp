@@ -1,0 +1,230 @@
+#include "fit/profile.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/number.h"
+
+namespace partscribe {
+namespace {
+
+/// Weighted moments of a run of nodes about a common origin.
+struct Moments {
+  double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, zx = 0, zy = 0, zz = 0;  // z = x^2 + y^2
+  Moments operator-(const Moments& o) const {
+    return {w - o.w, x - o.x, y - o.y, xx - o.xx, xy - o.xy, yy - o.yy, zx - o.zx, zy - o.zy, zz - o.zz};
+  }
+  void add(double weight, const Vec2& p) {
+    const double z = p.squaredNorm();
+    w += weight, x += weight * p.x(), y += weight * p.y();
+    xx += weight * p.x() * p.x(), xy += weight * p.x() * p.y(), yy += weight * p.y() * p.y();
+    zx += weight * z * p.x(), zy += weight * z * p.y(), zz += weight * z * z;
+  }
+};
+
+struct LineFit {
+  double cost = 1e300;
+  Vec2 point, direction;
+};
+
+LineFit line_fit(const Moments& m) {
+  LineFit fit;
+  if (m.w <= 0) return fit;
+  const double mx = m.x / m.w, my = m.y / m.w;
+  const double xx = m.xx - m.w * mx * mx, xy = m.xy - m.w * mx * my, yy = m.yy - m.w * my * my;
+  const double mean = 0.5 * (xx + yy), half = 0.5 * (xx - yy);
+  fit.cost = std::max(mean - std::hypot(half, xy), 0.0);
+  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+  fit.point = {mx, my};
+  fit.direction = {std::cos(angle), std::sin(angle)};
+  return fit;
+}
+
+struct ArcFit {
+  double cost = 1e300;
+  Vec2 center = Vec2::Zero();
+  double radius = 0;
+};
+
+ArcFit arc_fit(const Moments& m) {
+  ArcFit fit;
+  if (m.w <= 0) return fit;
+  // Centred moments of (u, v) and z' = u^2 + v^2 from those of (x, y).
+  const double a = m.x / m.w, b = m.y / m.w;
+  const double xx = m.xx - m.w * a * a, xy = m.xy - m.w * a * b, yy = m.yy - m.w * b * b;
+  const double sz = m.xx + m.yy;
+  // z' = z - 2 a x - 2 b y + (a^2 + b^2)
+  const double c = a * a + b * b;
+  const double z = sz - 2 * a * m.x - 2 * b * m.y + c * m.w;
+  const double zx = m.zx - 2 * a * m.xx - 2 * b * m.xy + c * m.x, zy = m.zy - 2 * a * m.xy - 2 * b * m.yy + c * m.y;
+  const double zu = zx - a * z, zv = zy - b * z;
+  const double zz = m.zz - 4 * a * m.zx - 4 * b * m.zy + 2 * c * sz + 4 * a * a * m.xx + 8 * a * b * m.xy +
+                    4 * b * b * m.yy - 4 * c * (a * m.x + b * m.y) + c * c * m.w;
+  const double det = xx * yy - xy * xy;
+  if (!(det > 1e-12 * (xx + yy) * (xx + yy))) return fit;
+  const double p = 0.5 * (zu * yy - zv * xy) / det, q = 0.5 * (zv * xx - zu * xy) / det;
+  const double mean_z = z / m.w;
+  const double r2 = mean_z + p * p + q * q;
+  const double residual = zz - m.w * mean_z * mean_z - 2 * (p * zu + q * zv);
+  fit.cost = std::max(residual, 0.0) / (4 * r2);
+  fit.center = {a + p, b + q};
+  fit.radius = std::sqrt(r2);
+  return fit;
+}
+
+/// Orthogonal refinement of a circle by Gauss-Newton.
+void refine_arc(const std::vector<ChainNode>& nodes, std::size_t first, std::size_t last, double floor, ArcFit& fit) {
+  for (int round = 0; round < 20; ++round) {
+    Mat3 h = Mat3::Zero();
+    Vec3 g = Vec3::Zero();
+    for (std::size_t i = first; i <= last; ++i) {
+      if (nodes[i].corner) continue;
+      const Vec2 d = nodes[i].position - fit.center;
+      const double rho = d.norm();
+      if (rho <= 0) continue;
+      const double w = 1 / (nodes[i].sigma * nodes[i].sigma + floor * floor);
+      const Vec3 row(-d.x() / rho, -d.y() / rho, -1);
+      h += w * row * row.transpose();
+      g += w * (rho - fit.radius) * row;
+    }
+    h.diagonal() *= 1 + 1e-9;
+    if (!(std::abs(h.determinant()) > 0)) return;
+    const Vec3 step = -h.inverse() * g;
+    if (!step.allFinite() || step.norm() > 2 * fit.radius) return;
+    fit.center += step.head<2>();
+    fit.radius += step.z();
+    if (step.norm() < 1e-10 * (1 + std::abs(fit.radius))) return;
+  }
+}
+
+double swept_angle(const std::vector<ChainNode>& nodes, std::size_t first, std::size_t last, const Vec2& center) {
+  double sum = 0;
+  for (std::size_t i = first; i < last; ++i) {
+    const Vec2 a = nodes[i].position - center, b = nodes[i + 1].position - center;
+    sum += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+  }
+  return sum;
+}
+
+struct Piece {
+  std::size_t first, last;
+  bool arc;
+};
+
+std::vector<Piece> split(const std::vector<ChainNode>& nodes, const ProfileOptions& o) {
+  const std::size_t n = nodes.size();
+  Vec2 origin = Vec2::Zero();
+  for (const auto& node : nodes) origin += node.position / double(n);
+  std::vector<Moments> sum(n + 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    sum[i + 1] = sum[i];
+    // A corner's mean lies inside the corner: it belongs to neither side.
+    const double w = nodes[i].corner ? 0 : 1 / (nodes[i].sigma * nodes[i].sigma + o.floor * o.floor);
+    sum[i + 1].add(w, nodes[i].position - origin);
+  }
+  std::vector<double> best(n + 1, 1e300);
+  std::vector<std::size_t> from(n + 1, 0);
+  std::vector<char> is_arc(n + 1, 0);
+  best[0] = 0;
+  for (std::size_t j = 1; j <= n; ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      if (best[i] >= 1e300) continue;
+      const Moments m = sum[j] - sum[i];
+      if (j - i < 2 && n > 2) {
+        // A lone node is paid for as an outlier, so that one bad node never costs two segments.
+        const double cost = best[i] + 0.75 * o.line_cost;
+        if (cost < best[j]) best[j] = cost, from[j] = i, is_arc[j] = 2;
+        continue;
+      }
+      const double line = best[i] + 0.5 * line_fit(m).cost + o.line_cost;
+      if (line < best[j]) best[j] = line, from[j] = i, is_arc[j] = 0;
+      if (j - i < 5 || best[i] + o.arc_cost >= best[j]) continue;
+      const ArcFit arc = arc_fit(m);
+      if (!(arc.radius > 0) || arc.radius > 4 * o.size) continue;
+      const double cost = best[i] + 0.5 * arc.cost + o.arc_cost;
+      if (cost >= best[j]) continue;
+      const double sweep = std::abs(swept_angle(nodes, i, j - 1, arc.center + origin));
+      if (sweep < 0.15 || sweep > 6.4) continue;
+      best[j] = cost, from[j] = i, is_arc[j] = 1;
+    }
+  std::vector<Piece> pieces;
+  for (std::size_t j = n; j > 0; j = from[j])
+    if (is_arc[j] != 2) pieces.push_back({from[j], j - 1, is_arc[j] == 1});
+  std::reverse(pieces.begin(), pieces.end());
+  return pieces;
+}
+
+}  // namespace
+
+double ProfileSegment::length() const { return arc ? std::abs(sweep) * radius : (end - start).norm(); }
+
+std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions& o) {
+  std::vector<ChainNode> nodes = chain.nodes;
+  if (nodes.size() < 3) return {};
+  if (chain.closed) {
+    // One circle?
+    Moments all;
+    Vec2 origin = nodes[0].position;
+    double w_sum = 0;
+    for (const auto& node : nodes) {
+      const double w = 1 / (node.sigma * node.sigma + o.floor * o.floor);
+      all.add(w, node.position - origin), w_sum += w;
+    }
+    ArcFit circle = arc_fit(all);
+    if (circle.radius > 0 && circle.cost < 2.0 * double(nodes.size()) + 2 * o.line_cost) {
+      circle.center += origin;
+      refine_arc(nodes, 0, nodes.size() - 1, o.floor, circle);
+      ProfileSegment s;
+      s.arc = true, s.center = circle.center, s.radius = circle.radius;
+      const double turn = swept_angle(nodes, 0, nodes.size() - 1, circle.center);
+      s.sweep = turn > 0 ? 2 * pi : -2 * pi;
+      s.start = s.end = circle.center + Vec2(circle.radius, 0);
+      s.nodes = nodes.size();
+      for (const auto& node : nodes) s.points += node.weight;
+      if (std::abs(std::abs(turn) - 2 * pi) < 1.5) return {s};
+    }
+    const auto pieces = split(nodes, o);
+    if (pieces.size() > 1) {
+      // Start again at a break in the middle, where the arbitrary start cannot have made one.
+      const std::size_t at = pieces[pieces.size() / 2].first;
+      std::rotate(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(at), nodes.end());
+    }
+  }
+  std::vector<ProfileSegment> segments;
+  for (const auto& piece : split(nodes, o)) {
+    // A run that covers mostly corners says nothing of its own.
+    std::size_t good = 0;
+    for (std::size_t i = piece.first; i <= piece.last; ++i) good += !nodes[i].corner;
+    if (good < 2) continue;
+    const std::size_t trim = piece.last - piece.first >= 6 ? 1 : 0;
+    const std::size_t first = piece.first + trim, last = piece.last - trim;
+    Moments m;
+    const Vec2 origin = nodes[(first + last) / 2].position;
+    ProfileSegment s;
+    for (std::size_t i = first; i <= last; ++i)
+      if (!nodes[i].corner) m.add(1 / (nodes[i].sigma * nodes[i].sigma + o.floor * o.floor), nodes[i].position - origin);
+    for (std::size_t i = piece.first; i <= piece.last; ++i) s.points += nodes[i].weight;
+    s.nodes = piece.last - piece.first + 1;
+    const Vec2 a = nodes[piece.first].position, b = nodes[piece.last].position;
+    if (piece.arc) {
+      ArcFit fit = arc_fit(m);
+      fit.center += origin;
+      refine_arc(nodes, first, last, o.floor, fit);
+      s.arc = true, s.center = fit.center, s.radius = fit.radius;
+      s.sweep = swept_angle(nodes, piece.first, piece.last, fit.center);
+      s.start = fit.center + (a - fit.center).normalized() * fit.radius;
+      s.end = fit.center + (b - fit.center).normalized() * fit.radius;
+    } else {
+      const LineFit fit = line_fit(m);
+      s.point = fit.point + origin;
+      s.direction = fit.direction.dot(b - a) < 0 ? Vec2(-fit.direction) : fit.direction;
+      s.start = s.point + s.direction * s.direction.dot(a - s.point);
+      s.end = s.point + s.direction * s.direction.dot(b - s.point);
+    }
+    segments.push_back(s);
+  }
+  return segments;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,35 @@
+/// Makes a candidate exact: all its parameters and its place at once, by orthogonal distance, with covariance.
+#pragma once
+
+#include <vector>
+
+#include "fit/candidate.h"
+
+namespace partscribe {
+
+struct RefineOptions {
+  std::size_t points = 20000;    ///< used at most; more costs time and narrows sigma_noise
+  int iterations = 40;
+  double welsch = 2.5;           ///< residuals beyond some 2 * welsch sigmas lose their say
+  bool uncertainty = true;       ///< false: skip the jackknife
+  std::vector<std::string> fixed;  ///< parameters that keep their value
+};
+
+/// What a refinement found besides the candidate's new values.
+struct RefineReport {
+  double rms = 0;                ///< mm, of the residuals that count
+  double inlier_share = 0;       ///< residuals within 4 sigmas
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Levenberg-Marquardt on Welsch-weighted signed distances (reference equations: orthogonal distance regression,
+/// Forbes 1989, Ahn 2004) with derivatives by central differences of the exact distance. Directions that the data
+/// leave free (symmetries) are cut out of the normal matrix. Fills Parameter value, fitted, sigma (noise part from
+/// the normal matrix, systematic part from a jackknife over views or regions and a floor) and points.
+RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context);
+
+/// A model with just this candidate in it, for distances; in the part's own frame.
+Model bare_model(const Candidate& candidate);
+
+}  // namespace partscribe

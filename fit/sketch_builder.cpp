@@ -1,0 +1,600 @@
+#include "fit/sketch_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/number.h"
+
+namespace partscribe {
+namespace {
+
+enum class Way { horizontal, vertical, oblique };
+
+struct Piece {
+  ProfileSegment s;
+  Way way = Way::oblique;      // of a line
+  int level = -1;              // of a horizontal or vertical line
+  // Of an arc, once its relations are known:
+  Expr cx, cy, r, from, to;
+  double from0 = 0, to0 = 0;   // measured
+  bool tangent_start = false, tangent_end = false;
+  std::string name;
+};
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// The angle equal to `angle` up to full turns that is nearest to `near`.
+double turned_near(double angle, double near) { return angle + 2 * pi * std::round((near - angle) / (2 * pi)); }
+
+class Builder {
+ public:
+  Builder(std::vector<LoopPieces> loops, const SketchOptions& options) : loops_(std::move(loops)), o_(options) {
+    same_ = o_.tolerance / 5;
+  }
+
+  BuiltSketch build() {
+    choose_origin();
+    for (auto& loop : loops_) prepare(loop);
+    for (auto& pieces : pieces_) classify_lines(pieces);
+    for (std::size_t l = 0; l < pieces_.size(); ++l) mark_tangents(pieces_[l], loops_[l].axis_to_axis);
+    for (std::size_t l = 0; l < pieces_.size(); ++l) solve_arcs(pieces_[l], loops_[l].axis_to_axis);
+    for (std::size_t l = 0; l < pieces_.size(); ++l) emit(pieces_[l], loops_[l]);
+    name_parameters();
+    result_.origin = origin_;
+    return std::move(result_);
+  }
+
+ private:
+  // ---- parameters: provisional names "#3", roles decide the final ones --------------------------------------------
+
+  struct Slot {
+    std::string role;   // final name without a number
+    std::string note;
+  };
+
+  Expr parameter(double value, Quantity quantity, std::string role, std::string note) {
+    Parameter p;
+    p.name = "#" + std::to_string(result_.parameters.size());
+    p.quantity = quantity;
+    p.value = p.fitted = value;
+    result_.parameters.push_back(p);
+    slots_.push_back({std::move(role), std::move(note)});
+    return Expr::of(p.name);
+  }
+
+  double value(const Expr& e) const {
+    Values v;
+    for (const auto& p : result_.parameters) v[p.name] = p.value;
+    return evaluate(e, v);
+  }
+
+  /// One coordinate along an axis (0: x, 1: y): an equal one that exists already, or a new parameter.
+  Expr coordinate(int axis, double v, const std::string& role, const std::string& note) {
+    for (const auto& known : known_[axis])
+      if (std::abs(known.first - v) < same_) return known.second;
+    Expr e = parameter(v, Quantity::length, role, note);
+    known_[axis].emplace_back(v, e);
+    return e;
+  }
+
+  Expr radius(double v, const std::string& role, const std::string& note) {
+    for (const auto& known : radii_)
+      if (std::abs(known.first - v) < same_) return known.second;
+    Expr e = parameter(v, Quantity::length, role, note);
+    radii_.emplace_back(v, e);
+    return e;
+  }
+
+  // ---- preparation -------------------------------------------------------------------------------------------------
+
+  void choose_origin() {
+    double best = -1;
+    if (o_.revolve) {
+      // The lowest flat face; else the centre of an arc on the axis; else the lowest point.
+      double low = 1e300, lowest = 1e300;
+      std::optional<double> center;
+      for (const auto& loop : loops_)
+        for (const auto& s : loop.segments) {
+          lowest = std::min({lowest, s.start.y(), s.end.y()});
+          if (!s.arc && std::abs(s.direction.y()) * s.length() / 2 < relation() && s.length() > 4 * o_.tolerance) low = std::min(low, s.point.y());
+          if (s.arc && std::abs(s.center.x()) < std::max(o_.tolerance / 2, 0.02 * s.radius) && s.length() > best) best = s.length(), center = s.center.y();
+        }
+      origin_ = {0, low < 1e300 ? low : center ? *center : lowest};
+      known_[0].emplace_back(0.0, Expr(0));
+      known_[1].emplace_back(0.0, Expr(0));
+      return;
+    }
+    // The largest round hole, a single round outline, or the corner of the edges lowest in x and y.
+    for (const auto& loop : loops_)
+      if (loop.segments.size() == 1 && loop.segments[0].arc && (&loop != &loops_[0] || loops_.size() == 1) && loop.segments[0].radius > best + same_) {
+        best = loop.segments[0].radius;
+        origin_ = loop.segments[0].center;
+      }
+    if (best < 0) {
+      Vec2 low = Vec2::Constant(1e300);
+      for (const auto& s : loops_[0].segments) {
+        low = low.cwiseMin(s.start).cwiseMin(s.end);
+        if (s.arc) continue;
+        if (std::abs(s.direction.x()) * s.length() / 2 < relation()) low.x() = std::min(low.x(), s.point.x());
+        if (std::abs(s.direction.y()) * s.length() / 2 < relation()) low.y() = std::min(low.y(), s.point.y());
+      }
+      // Corners are means of nodes and lie a little inside: the level of the edge itself is meant.
+      Vec2 edge = low;
+      for (const auto& s : loops_[0].segments) {
+        if (s.arc) continue;
+        if (std::abs(s.direction.x()) * s.length() / 2 < relation() && std::abs(s.point.x() - low.x()) < o_.tolerance) edge.x() = s.point.x();
+        if (std::abs(s.direction.y()) * s.length() / 2 < relation() && std::abs(s.point.y() - low.y()) < o_.tolerance) edge.y() = s.point.y();
+      }
+      origin_ = edge;
+    }
+    for (auto& known : known_) known.emplace_back(0.0, Expr(0));
+  }
+
+  double relation() const { return o_.tolerance / 3; }
+
+  void prepare(const LoopPieces& loop) {
+    std::vector<Piece> pieces;
+    for (const auto& s : loop.segments) {
+      Piece p;
+      p.s = s;
+      p.s.start -= origin_, p.s.end -= origin_, p.s.point -= origin_, p.s.center -= origin_;
+      if (s.arc) {
+        const Vec2 d = p.s.start - p.s.center;
+        p.from0 = std::atan2(d.y(), d.x());
+        p.to0 = p.from0 + s.sweep;
+      }
+      pieces.push_back(p);
+    }
+    pieces_.push_back(std::move(pieces));
+  }
+
+  struct Level {
+    int axis;       // 0: x (vertical lines), 1: y
+    double value;
+    double length = 0;
+    double low = 1e300, high = -1e300;  // extent along the line
+    bool rising = true;                 // direction of its longest line
+    Expr expr;
+    bool set = false;
+  };
+
+  void classify_lines(std::vector<Piece>& pieces) {
+    for (auto& p : pieces) {
+      if (p.s.arc) continue;
+      const double half = p.s.length() / 2;
+      if (std::abs(p.s.direction.y()) * half < relation() && std::abs(p.s.direction.y()) < 0.25) p.way = Way::horizontal;
+      else if (std::abs(p.s.direction.x()) * half < relation() && std::abs(p.s.direction.x()) < 0.25) p.way = Way::vertical;
+      if (p.way == Way::oblique) continue;
+      const int axis = p.way == Way::vertical ? 0 : 1;
+      const double v = p.s.point[axis];
+      auto found = std::find_if(levels_.begin(), levels_.end(), [&](const Level& level) { return level.axis == axis && std::abs(level.value - v) < same_; });
+      if (found == levels_.end()) found = levels_.insert(levels_.end(), Level{axis, v, 0, 1e300, -1e300, true, {}, false});
+      if (p.s.length() > found->length) found->rising = p.s.direction[1 - axis] > 0;
+      found->length += p.s.length();
+      found->low = std::min({found->low, p.s.start[1 - axis], p.s.end[1 - axis]});
+      found->high = std::max({found->high, p.s.start[1 - axis], p.s.end[1 - axis]});
+      p.level = static_cast<int>(found - levels_.begin());
+    }
+  }
+
+  Expr level_expr(int index) {
+    Level& level = levels_[static_cast<std::size_t>(index)];
+    if (!level.set) {
+      level.set = true;
+      const bool x = level.axis == 0;
+      std::string role, note;
+      if (o_.revolve && x) {
+        role = level.rising ? "body_radius" : "bore_radius";
+        note = level.rising ? "radius of the cylinder from z = " : "radius of the bore from z = ";
+        note += text(level.low) + " to " + text(level.high);
+      } else if (o_.revolve) {
+        role = "shoulder_z", note = "height of a flat face";
+      } else {
+        role = x ? "edge_x" : "edge_y", note = x ? "position of an edge along x" : "position of an edge along y";
+      }
+      level.expr = coordinate(level.axis, level.value, role, note);
+    }
+    return level.expr;
+  }
+
+  std::string text(double v) const { return print_number(snapped(v, power_of_ten_below(std::max(o_.tolerance, 1e-6)))); }
+
+  const Piece* neighbour(const std::vector<Piece>& pieces, std::size_t i, int step, bool axis_to_axis) const {
+    const std::size_t n = pieces.size();
+    if (n == 1) return nullptr;
+    if (axis_to_axis && ((i == 0 && step < 0) || (i + 1 == n && step > 0))) return nullptr;
+    return &pieces[(i + n + static_cast<std::size_t>(step + static_cast<int>(n))) % n];
+  }
+
+  void mark_tangents(std::vector<Piece>& pieces, bool axis_to_axis) {
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      Piece& a = pieces[i];
+      if (!a.s.arc) continue;
+      auto tangent_to = [&](const Piece* b, double end_angle, double away) {
+        if (!b || b->s.arc || b->way == Way::oblique) return false;
+        const int axis = b->way == Way::vertical ? 0 : 1;
+        const double side = a.s.center[axis] - b->s.point[axis];
+        // The touching point must be where the arc ends, within the uncertainty of a shallow crossing.
+        const double touch = axis == 0 ? (side > 0 ? pi : 0.0) : (side > 0 ? -pi / 2 : pi / 2);
+        const double off = std::abs(turned_near(touch, end_angle) - end_angle);
+        const double miss = std::abs(std::abs(side) - a.s.radius);
+        return (off < 0.35 || off * a.s.radius < 3 * o_.tolerance) && miss < std::max(o_.tolerance, 0.03 * a.s.radius) && away >= 0;
+      };
+      a.tangent_start = tangent_to(neighbour(pieces, i, -1, axis_to_axis), a.from0, 0);
+      a.tangent_end = tangent_to(neighbour(pieces, i, +1, axis_to_axis), a.to0, 0);
+    }
+  }
+
+  void solve_arcs(std::vector<Piece>& pieces, bool axis_to_axis) {
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      Piece& a = pieces[i];
+      if (!a.s.arc) continue;
+      const bool convex = a.s.sweep > 0;
+      if (pieces.size() == 1) {
+        full_circle(a);
+        continue;
+      }
+      const bool on_axis = o_.revolve && std::abs(a.s.center.x()) < std::max(o_.tolerance / 2, 0.02 * a.s.radius);
+      const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
+      const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
+      std::vector<const Piece*> touched;
+      if (a.tangent_start) touched.push_back(before);
+      if (a.tangent_end && (touched.empty() || after->level != touched[0]->level)) touched.push_back(after);
+      auto side = [&](const Piece& line) {
+        const int axis = line.way == Way::vertical ? 0 : 1;
+        return a.s.center[axis] > line.s.point[axis] ? 1.0 : -1.0;
+      };
+      const bool small = a.s.radius * std::abs(a.s.sweep) > 0;
+      const std::string role = on_axis ? "dome" : touched.size() == 2 ? (convex ? "round" : "fillet") : (convex ? "bulge" : "groove");
+      a.name = role;
+      const std::string where = " of the " + role;
+      std::optional<Expr> cx, cy;
+      if (on_axis) cx = Expr(0);
+      if (touched.size() == 2 && touched[0]->way == touched[1]->way) {
+        // Between two parallel edges: half their distance.
+        const int axis = touched[0]->way == Way::vertical ? 0 : 1;
+        int low = touched[0]->level, high = touched[1]->level;
+        if (levels_[low].value > levels_[high].value) std::swap(low, high);
+        a.name = "end";
+        const auto key = std::make_pair(low, high);
+        if (const auto found = half_widths_.find(key); found != half_widths_.end()) {
+          a.r = found->second;
+        } else if (!levels_[high].set && std::none_of(known_[axis].begin(), known_[axis].end(), [&](const auto& k) { return std::abs(k.first - levels_[high].value) < same_; })) {
+          a.r = radius((levels_[high].value - levels_[low].value) / 2, "end_radius", "radius of the round end");
+          levels_[high].expr = level_expr(low) + Expr(2) * a.r;
+          levels_[high].set = true;
+          known_[axis].emplace_back(levels_[high].value, levels_[high].expr);
+        } else {
+          a.r = (level_expr(high) - level_expr(low)) / Expr(2);
+        }
+        half_widths_[key] = a.r;
+        (axis == 0 ? cx : cy) = level_expr(low) + a.r;
+      } else {
+        if (on_axis && touched.size() == 1 && touched[0]->way == Way::vertical) a.r = level_expr(touched[0]->level);  // a dome on its cylinder
+        else a.r = radius(a.s.radius, role + "_radius", "radius" + where);
+        for (const Piece* line : touched) {
+          const int axis = line->way == Way::vertical ? 0 : 1;
+          auto& c = axis == 0 ? cx : cy;
+          if (c) continue;
+          c = side(*line) > 0 ? level_expr(line->level) + a.r : level_expr(line->level) - a.r;
+        }
+      }
+      (void)small;
+      const char* second = o_.revolve ? "z" : "y";
+      const char* first = o_.revolve ? "r" : "x";
+      if (!cx) cx = coordinate(0, a.s.center.x(), role + "_center_" + first, (o_.revolve ? "distance of the centre from the axis" : "x of the centre") + where);
+      if (!cy) cy = coordinate(1, a.s.center.y(), role + "_center_" + second, std::string(o_.revolve ? "height" : "y") + " of the centre" + where);
+      a.cx = *cx, a.cy = *cy;
+    }
+    // Ends come last: they look at neighbours on both sides.
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      Piece& a = pieces[i];
+      if (!a.s.arc || pieces.size() == 1) continue;
+      a.from = end_angle(a, neighbour(pieces, i, -1, axis_to_axis), a.tangent_start, a.from0, axis_to_axis && i == 0);
+      a.to = end_angle(a, neighbour(pieces, i, +1, axis_to_axis), a.tangent_end, a.to0, axis_to_axis && i + 1 == pieces.size());
+    }
+  }
+
+  void full_circle(Piece& a) {
+    const bool hole = a.s.sweep < 0;
+    const std::string role = hole ? "hole" : "disc";
+    a.name = "";
+    a.r = radius(a.s.radius, role + "_radius", hole ? "radius of the hole" : "radius of the disc");
+    a.cx = coordinate(0, a.s.center.x(), o_.revolve ? "ring_radius" : role + "_x", o_.revolve ? "distance of the centre from the axis" : "x of the " + role);
+    a.cy = coordinate(1, a.s.center.y(), role + (o_.revolve ? "_z" : "_y"), (o_.revolve ? "height of the " : "y of the ") + role);
+    a.from = Expr(hole ? 2 * pi : 0.0);
+    a.to = Expr(hole ? 0.0 : 2 * pi);
+  }
+
+  /// The angle at which an arc ends on its neighbour.
+  Expr end_angle(const Piece& a, const Piece* b, bool tangent, double measured, bool at_axis) {
+    auto near = [&](Expr e) {
+      const double v = value(e);
+      const double turns = std::round((measured - v) / (2 * pi));
+      return turns == 0 ? e : e + Expr(2 * pi * turns);
+    };
+    const double cx = value(a.cx), cy = value(a.cy), r = value(a.r);
+    auto crossing_x = [&](const Expr& x) {
+      Expr c = Expr::call(Expr::Kind::acos, {(x - a.cx) / a.r});
+      return std::sin(measured) >= 0 ? near(c) : near(-c);
+    };
+    auto crossing_y = [&](const Expr& y) {
+      Expr s = Expr::call(Expr::Kind::asin, {(y - a.cy) / a.r});
+      return std::cos(measured) >= 0 ? near(s) : near(Expr(pi) - s);
+    };
+    if (at_axis || (!b && o_.revolve)) {
+      if (a.cx == Expr(0)) return near(Expr(std::sin(measured) >= 0 ? pi / 2 : -pi / 2));
+      return crossing_x(Expr(0));
+    }
+    if (b && !b->s.arc && b->way != Way::oblique) {
+      const int axis = b->way == Way::vertical ? 0 : 1;
+      const double side = (axis == 0 ? cx : cy) - levels_[b->level].value;
+      if (tangent) return near(Expr(axis == 0 ? (side > 0 ? pi : 0.0) : (side > 0 ? -pi / 2 : pi / 2)));
+      const double reach = std::abs(side) / r;
+      if (reach < 1) return axis == 0 ? crossing_x(level_expr(b->level)) : crossing_y(level_expr(b->level));
+    }
+    // A free end: the neighbour starts where the arc stops.
+    double angle = measured;
+    if (b && b->s.arc) {
+      // Two arcs meet where the line of their centres, or their circles, cross.
+      const Vec2 c1(cx, cy), c2 = b->s.center;
+      const double d = (c2 - c1).norm(), r2 = b->s.radius;
+      const double along = d > 0 ? (d * d + r * r - r2 * r2) / (2 * d) : 0;
+      if (d > 0 && std::abs(along) < r) {
+        const double base = std::atan2(c2.y() - c1.y(), c2.x() - c1.x()), half = std::acos(std::clamp(along / r, -1.0, 1.0));
+        const double p = turned_near(base + half, measured), q = turned_near(base - half, measured);
+        angle = std::abs(p - measured) < std::abs(q - measured) ? p : q;
+        if (std::abs(angle - measured) > 0.3) angle = measured;
+      }
+    } else if (b) {
+      // Cut with the oblique line.
+      const Vec2 c(cx, cy);
+      const double foot = b->s.direction.dot(c - b->s.point), off = std::abs(cross(b->s.direction, c - b->s.point));
+      if (off < r) {
+        const double half = std::sqrt(r * r - off * off);
+        double best = 1e300;
+        for (const double s : {foot - half, foot + half}) {
+          const Vec2 q = b->s.point + s * b->s.direction - c;
+          const double v = turned_near(std::atan2(q.y(), q.x()), measured);
+          if (std::abs(v - measured) < std::abs(best - measured)) best = v;
+        }
+        if (std::abs(best - measured) < 0.5) angle = best;
+      }
+    }
+    return parameter(angle, Quantity::angle, a.name + "_end_angle", "angle at which the " + a.name + " ends");
+  }
+
+  // ---- elements -------------------------------------------------------------------------------------------------------
+
+  static std::optional<Vec2> intersection(const ProfileSegment& a, const ProfileSegment& b) {
+    const double c = cross(a.direction, b.direction);
+    if (std::abs(c) < 0.02) return {};
+    return Vec2(a.point + a.direction * (cross(b.point - a.point, b.direction) / c));
+  }
+
+  std::string edge_role(const Piece& p) const {
+    if (p.s.arc) return "";
+    if (!p.s.supported) return "unseen end";
+    if (!o_.revolve) return "";
+    if (p.way == Way::horizontal) return p.s.direction.x() > 0 ? "bottom face" : "top face";
+    if (p.way == Way::vertical) return p.s.direction.y() > 0 ? "cylinder" : "bore";
+    return "cone";
+  }
+
+  void add_point(Loop& loop, Expr x, Expr y, const std::string& edge) {
+    loop.elements.push_back(SketchPoint{std::move(x), std::move(y), edge});
+  }
+
+  void emit(std::vector<Piece>& pieces, const LoopPieces& source) {
+    Loop loop;
+    loop.name = source.name;
+    const std::size_t n = pieces.size();
+    if (source.axis_to_axis && !pieces.front().s.arc) {
+      const Piece& p = pieces.front();
+      add_point(loop, Expr(0), axis_height(p), edge_role(p));
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      Piece& p = pieces[i];
+      if (p.s.arc) {
+        const Piece* after = neighbour(pieces, i, +1, source.axis_to_axis);
+        loop.elements.push_back(SketchArc{p.cx, p.cy, p.r, p.from, p.to, n == 1 ? source.name : p.name, after ? edge_role(*after) : ""});
+        continue;
+      }
+      const Piece* after = neighbour(pieces, i, +1, source.axis_to_axis);
+      if (!after) {
+        if (source.axis_to_axis) add_point(loop, Expr(0), axis_height(p), "axis");
+        continue;
+      }
+      if (after->s.arc) continue;  // the arc's end is the corner
+      corner(loop, pieces, i, p, *after, source.axis_to_axis);
+    }
+    if (source.axis_to_axis && pieces.back().s.arc) std::get<SketchArc>(loop.elements.back()).edge = "axis";
+    result_.sketch.loops.push_back(std::move(loop));
+  }
+
+  /// Where a line from or to the axis meets it.
+  Expr axis_height(const Piece& p) {
+    if (p.way == Way::horizontal) return level_expr(p.level);
+    const double y = p.s.point.y() - (std::abs(p.s.direction.x()) > 1e-9 ? p.s.point.x() / p.s.direction.x() * p.s.direction.y() : 0);
+    return coordinate(1, y, "tip_z", "height of the tip on the axis");
+  }
+
+  /// A short oblique edge between a horizontal and a vertical one.
+  bool is_chamfer(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) const {
+    const Piece& p = pieces[i];
+    if (p.s.arc || p.way != Way::oblique) return false;
+    const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
+    const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
+    if (!before || !after || before->s.arc || after->s.arc) return false;
+    if (!((before->way == Way::horizontal && after->way == Way::vertical) || (before->way == Way::vertical && after->way == Way::horizontal))) return false;
+    return p.s.length() < before->s.length() + after->s.length();
+  }
+
+  /// The two legs of a chamfer: along x and along y; equal legs are one parameter.
+  std::pair<Expr, Expr> chamfer_legs(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) {
+    if (const auto found = chamfers_.find(&pieces[i]); found != chamfers_.end()) return found->second;
+    const Piece& p = pieces[i];
+    const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
+    const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
+    const Piece& h = before->way == Way::horizontal ? *before : *after;
+    const Piece& v = before->way == Way::horizontal ? *after : *before;
+    ProfileSegment hl = h.s, vl = v.s;
+    hl.direction = {1, 0}, vl.direction = {0, 1};
+    const auto on_h = intersection(p.s, hl), on_v = intersection(p.s, vl);
+    const double dx = on_h ? std::abs(on_h->x() - v.s.point.x()) : p.s.length();
+    const double dy = on_v ? std::abs(on_v->y() - h.s.point.y()) : p.s.length();
+    std::pair<Expr, Expr> legs;
+    if (std::abs(dx - dy) < o_.tolerance / 2) {
+      for (const auto& known : chamfer_sizes_)
+        if (std::abs(known.first - 0.5 * (dx + dy)) < same_ * 2) legs = {known.second, known.second};
+      if (legs.first == Expr()) {
+        const Expr c = parameter(0.5 * (dx + dy), Quantity::length, "chamfer", "width and height of the 45 degree chamfer");
+        chamfer_sizes_.emplace_back(0.5 * (dx + dy), c);
+        legs = {c, c};
+      }
+    } else {
+      const char* second = o_.revolve ? "height" : "depth";
+      legs = {parameter(dx, Quantity::length, "taper_width", "width of the sloped edge"),
+              parameter(dy, Quantity::length, std::string("taper_") + second, std::string(second) + " of the sloped edge")};
+    }
+    return chamfers_[&pieces[i]] = legs;
+  }
+
+  void corner(Loop& loop, const std::vector<Piece>& pieces, std::size_t i, const Piece& a, const Piece& b, bool axis_to_axis) {
+    const std::string edge = edge_role(b);
+    const std::size_t next = (i + 1) % pieces.size();
+    auto x_of = [&](const Piece& p) { return p.way == Way::vertical ? std::optional<Expr>(level_expr(p.level)) : std::nullopt; };
+    auto y_of = [&](const Piece& p) { return p.way == Way::horizontal ? std::optional<Expr>(level_expr(p.level)) : std::nullopt; };
+    std::optional<Expr> x = x_of(a) ? x_of(a) : x_of(b), y = y_of(a) ? y_of(a) : y_of(b);
+    const Vec2 joint = intersection(a.s, b.s).value_or(0.5 * (a.s.end + b.s.start));
+    const Vec2 safe = (joint - 0.5 * (a.s.end + b.s.start)).norm() < a.s.length() + b.s.length() ? joint : Vec2(0.5 * (a.s.end + b.s.start));
+    // Parallel neighbours leave a small step between two levels.
+    if (x_of(a) && x_of(b)) {
+      const Expr step = coordinate(1, safe.y(), o_.revolve ? "step_z" : "step_y", "position of a step");
+      if (!(*x_of(a) == *x_of(b))) add_point(loop, *x_of(a), step, "step");
+      add_point(loop, *x_of(b), step, edge);
+      return;
+    }
+    if (y_of(a) && y_of(b)) {
+      const Expr step = coordinate(0, safe.x(), o_.revolve ? "step_r" : "step_x", "position of a step");
+      if (!(*y_of(a) == *y_of(b))) add_point(loop, step, *y_of(a), "step");
+      add_point(loop, step, *y_of(b), edge);
+      return;
+    }
+    for (const auto& [line, chamfered] : {std::pair{&a, i}, {&b, next}}) {
+      if (!is_chamfer(pieces, chamfered, axis_to_axis)) continue;
+      (void)line;
+      const auto [dx, dy] = chamfer_legs(pieces, chamfered, axis_to_axis);
+      const Piece& c = pieces[chamfered];
+      const Piece* before = neighbour(pieces, chamfered, -1, axis_to_axis);
+      const Piece* after = neighbour(pieces, chamfered, +1, axis_to_axis);
+      const Piece& h = before->way == Way::horizontal ? *before : *after;
+      const Piece& v = before->way == Way::horizontal ? *after : *before;
+      const Vec2 middle = 0.5 * (c.s.start + c.s.end);
+      if (y) {
+        const Expr wall = level_expr(v.level);
+        x = middle.x() < v.s.point.x() ? wall - dx : wall + dx;
+      } else {
+        const Expr face = level_expr(h.level);
+        y = middle.y() < h.s.point.y() ? face - dy : face + dy;
+      }
+      break;
+    }
+    if (!x) x = coordinate(0, safe.x(), o_.revolve ? "corner_r" : "corner_x", o_.revolve ? "distance of a corner from the axis" : "x of a corner");
+    if (!y) y = coordinate(1, safe.y(), o_.revolve ? "corner_z" : "corner_y", o_.revolve ? "height of a corner" : "y of a corner");
+    add_point(loop, *x, *y, edge);
+  }
+
+  // ---- names ------------------------------------------------------------------------------------------------------------
+
+  void rename_roles() {
+    // Roles that depend on all levels together.
+    double top = -1e300;
+    std::size_t top_slot = 0;
+    std::vector<std::pair<const Level*, std::size_t>> walls;
+    for (const auto& level : levels_) {
+      if (!level.set || !level.expr.is_parameter()) continue;
+      const std::size_t slot = std::stoul(level.expr.parameter.substr(1));
+      if (o_.revolve && level.axis == 1 && level.value > top) top = level.value, top_slot = slot;
+      if (o_.revolve && level.axis == 0 && level.rising) walls.emplace_back(&level, slot);
+    }
+    if (top > 0) slots_[top_slot] = {"total_length", "length over all"};
+    if (walls.size() == 2) {
+      auto [big, small] = std::make_pair(walls[0], walls[1]);
+      if (big.first->value < small.first->value) std::swap(big, small);
+      const double big_length = big.first->high - big.first->low, small_length = small.first->high - small.first->low;
+      if (big_length < small_length) {
+        slots_[big.second].role = "head_radius", slots_[big.second].note = "radius of the head";
+        slots_[small.second].role = "shank_radius", slots_[small.second].note = "radius of the shank";
+      } else {
+        slots_[small.second].role = "neck_radius", slots_[small.second].note = "radius of the neck";
+      }
+    }
+    if (!o_.revolve)
+      for (int axis = 0; axis < 2; ++axis) {
+        const Level* high = nullptr;
+        bool datum = false;
+        for (const auto& level : levels_) {
+          if (level.axis != axis || !level.set) continue;
+          datum |= level.expr == Expr(0);
+          if (!high || level.value > high->value) high = &level;
+        }
+        bool lowest = true;
+        for (const auto& level : levels_) lowest &= level.axis != axis || level.value > -same_;
+        if (datum && lowest && high && high->expr.is_parameter())
+          slots_[std::stoul(high->expr.parameter.substr(1))] = axis == 0 ? Slot{"length", "size along x"} : Slot{"width", "size along y"};
+      }
+  }
+
+  void name_parameters() {
+    rename_roles();
+    std::map<std::string, int> count, used;
+    for (const auto& slot : slots_) ++count[slot.role];
+    std::map<std::string, std::string> names;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      std::string name = slots_[i].role;
+      if (count[name] > 1) {
+        const int k = ++used[name];
+        // head_radius, head_2_radius: the number stands before the last word.
+        if (k > 1) {
+          const auto cut = name.rfind('_');
+          name = cut == std::string::npos ? name + "_" + std::to_string(k) : name.substr(0, cut) + "_" + std::to_string(k) + name.substr(cut);
+        }
+      }
+      names[result_.parameters[i].name] = name;
+      result_.parameters[i].name = name;
+      result_.parameters[i].note = slots_[i].note;
+    }
+    std::function<void(Expr&)> rename = [&](Expr& e) {
+      if (e.is_parameter()) e.parameter = names.at(e.parameter);
+      for (auto& a : e.arguments) rename(a);
+    };
+    Shape shape = Extrude{std::move(result_.sketch), Expr(1)};
+    visit_expressions(shape, [&](Expr& e, Domain) { rename(e); });
+    result_.sketch = std::move(std::get<Extrude>(shape).sketch);
+  }
+
+  std::vector<LoopPieces> loops_;
+  SketchOptions o_;
+  double same_ = 0;
+  Vec2 origin_ = Vec2::Zero();
+  BuiltSketch result_;
+  std::vector<Slot> slots_;
+  std::vector<std::vector<Piece>> pieces_;
+  std::vector<Level> levels_;
+  std::vector<std::pair<double, Expr>> known_[2];
+  std::vector<std::pair<double, Expr>> radii_;
+  std::map<std::pair<int, int>, Expr> half_widths_;
+  std::map<const Piece*, std::pair<Expr, Expr>> chamfers_;
+  std::vector<std::pair<double, Expr>> chamfer_sizes_;
+};
+
+}  // namespace
+
+BuiltSketch build_sketch(std::vector<LoopPieces> loops, const SketchOptions& options) {
+  return Builder(std::move(loops), options).build();
+}
+
+}  // namespace partscribe
