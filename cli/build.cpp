@@ -63,10 +63,11 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   for (const char* file : {"model.json", "verdict.json", "report.html"}) outputs.push_back(file);
   if (!reads_cloud) outputs.push_back("cloud.ply");
 
+  if (auto ok = check_overwriting(folder, outputs, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto scan = read_scans(arguments.scans, session);
   if (!scan) return scan.error();
-  if (auto ok = prepare_folder(folder, outputs, session.options.force); !ok) return ok.error();
+  if (auto ok = make_folder(folder); !ok) return ok.error();
   const auto tolerance = tolerance_for(*scan, session);
   session.print("Read " + std::to_string(scan->cloud.size()) + " points" +
                 (scan->mesh.empty() ? "" : " of a mesh with " + std::to_string(scan->mesh.triangles.size()) + " triangles") +

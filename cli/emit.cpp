@@ -26,11 +26,12 @@ struct Options {
 Result<int> run(const Options& given, Session& session) {
   const auto chosen = chosen_backends(given.to);
   if (!chosen) return chosen.error();
+  const Path folder = output_folder(session.options, given.model, part_name(given.model));
+  if (auto ok = check_overwriting(folder, artifact_names(), session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   const auto model = read_model(given.model);
   if (!model) return model.error();
-  const Path folder = output_folder(session.options, given.model, part_name(given.model));
-  if (auto ok = prepare_folder(folder, artifact_names(), session.options.force); !ok) return ok.error();
+  if (auto ok = make_folder(folder); !ok) return ok.error();
   if (auto ok = session.stage("emit"); !ok) return ok.error();
   const auto scripts = emit_stage(*model, *chosen, given.templates, folder, session);
   if (!scripts) return scripts.error();

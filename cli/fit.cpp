@@ -28,10 +28,11 @@ struct Options {
 Result<int> run(const Options& given, Session& session) {
   const std::string name = given.fit.name.empty() ? part_name(given.scans.front()) : part_name(given.fit.name);
   const Path folder = output_folder(session.options, given.scans.front(), name);
+  if (auto ok = check_overwriting(folder, {"model.json"}, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto scan = read_scans(given.scans, session);
   if (!scan) return scan.error();
-  if (auto ok = prepare_folder(folder, {"model.json"}, session.options.force); !ok) return ok.error();
+  if (auto ok = make_folder(folder); !ok) return ok.error();
   const auto tolerance = tolerance_for(*scan, session);
   session.print("Read " + std::to_string(scan->cloud.size()) + " points; " + tolerance.reason + ".\n");
   if (auto ok = session.stage("fit"); !ok) return ok.error();

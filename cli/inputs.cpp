@@ -87,25 +87,29 @@ Path output_folder(const SharedOptions& options, const Path& input, const std::s
   return name + folder_ending;
 }
 
-Result<Done> prepare_folder(const Path& folder, const std::vector<std::string>& files, bool force) {
-  std::error_code failure;
+Result<Done> check_overwriting(const Path& folder, const std::vector<std::string>& files, bool force) {
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     return usage_error(folder.string() + ": expected a folder for the results, found a file; give another --out");
   for (const auto& file : files)
     if (!force && std::filesystem::exists(folder / file))
       return usage_error((folder / file).string() +
                          " exists already; give --force to overwrite it or --out for another folder");
-  std::filesystem::create_directories(folder, failure);
-  if (failure) return usage_error(folder.string() + ": cannot be made: " + failure.message() + "; give another --out");
   return Done{};
 }
 
-Result<Done> prepare_file(const Path& file, bool force) {
+Result<Done> check_overwriting(const Path& file, bool force) {
   const Path folder = file.parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder))
     return usage_error(file.string() + ": there is no folder " + folder.string() + "; make it first");
   if (!force && std::filesystem::exists(file))
     return usage_error(file.string() + " exists already; give --force to overwrite it or another name");
+  return Done{};
+}
+
+Result<Done> make_folder(const Path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) return usage_error(folder.string() + ": cannot be made: " + failure.message() + "; give another --out");
   return Done{};
 }
 

@@ -19,11 +19,14 @@ std::string part_name(const Path& input);
 /// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder.
 Path output_folder(const SharedOptions& options, const Path& input, const std::string& name);
 
-/// Makes the folder; fails with a usage error if it holds one of `files` and --force was not given.
-Result<Done> prepare_folder(const Path& folder, const std::vector<std::string>& files, bool force);
+/// A usage error if the folder holds one of `files` and --force was not given; asked before the long work.
+Result<Done> check_overwriting(const Path& folder, const std::vector<std::string>& files, bool force);
 
 /// The same for a single file named by the user.
-Result<Done> prepare_file(const Path& file, bool force);
+Result<Done> check_overwriting(const Path& file, bool force);
+
+/// Made only when there is something to put in, so that a bad input leaves no empty folder.
+Result<Done> make_folder(const Path& folder);
 
 /// read_scan with the session's units; its warnings are printed.
 Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session);

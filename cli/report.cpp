@@ -57,7 +57,8 @@ Result<int> run(const Options& given, Session& session) {
   if (!scan) return scan.error();
   std::vector<std::string> files = {"report.html"};
   if (given.png) files.insert(files.end(), picture_names.begin(), picture_names.end());
-  if (auto ok = prepare_folder(out, files, session.options.force); !ok) return ok.error();
+  if (auto ok = check_overwriting(out, files, session.options.force); !ok) return ok.error();
+  if (auto ok = make_folder(out); !ok) return ok.error();
 
   if (auto ok = session.stage("evaluate"); !ok) return ok.error();
   if (auto ok = evaluate_for_pictures(*verdict, folder, *scan, **model, session); !ok) return ok.error();

@@ -6,7 +6,7 @@
 #include "cli/describe.h"
 #include "cli/inputs.h"
 #include "cli/stages.h"
-#include "core/number.h"
+#include "core/json_text.h"
 #include "geometry/normals.h"
 #include "geometry/read_geometry.h"
 
@@ -40,15 +40,16 @@ std::string poses_json(const Scan& scan) {
     row["status"] = "given";
     json["views"].push_back(row);
   }
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 Result<int> run(const std::vector<Path>& inputs, Session& session) {
   const Path folder = output_folder(session.options, inputs.front(), part_name(inputs.front()));
+  if (auto ok = check_overwriting(folder, {"cloud.ply", "poses.json"}, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto scan = read_scans(inputs, session);
   if (!scan) return scan.error();
-  if (auto ok = prepare_folder(folder, {"cloud.ply", "poses.json"}, session.options.force); !ok) return ok.error();
+  if (auto ok = make_folder(folder); !ok) return ok.error();
   if (auto ok = session.stage("normals"); !ok) return ok.error();
   const auto sampling = estimate_normals(scan->cloud, {}, session.context);
   if (auto ok = session.stage("write"); !ok) return ok.error();

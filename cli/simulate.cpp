@@ -68,11 +68,12 @@ Result<int> run(const Options& given, Session& session) {
     return usage_error("--sigma and --sigma-codes say the same thing in two units: give one of them");
   const std::string name = part_name(given.shape);
   const Path folder = session.options.out.empty() ? Path(name + "-scan") : session.options.out;
+  if (auto ok = check_overwriting(folder, {"scan.json", "merged.ply"}, session.options.force); !ok) return ok.error();
 
   if (auto ok = session.stage("shape"); !ok) return ok.error();
   const auto subject = subject_of(given.shape, session);
   if (!subject) return subject.error();
-  if (auto ok = prepare_folder(folder, {"scan.json", "merged.ply"}, session.options.force); !ok) return ok.error();
+  if (auto ok = make_folder(folder); !ok) return ok.error();
   options.seed = static_cast<std::uint64_t>(given.seed);
   options.pose_noise_angle = radians(given.pose_noise_deg);
   if (given.pinhole) options.projection = Projection::pinhole;

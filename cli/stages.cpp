@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "codegen/emit.h"
+#include "core/json_text.h"
 #include "core/number.h"
 #include "fit/build.h"
 
@@ -99,7 +100,7 @@ std::string summary_json(const std::string& command, const std::vector<Path>& fi
   json["files"] = nlohmann::ordered_json::array();
   for (const auto& file : files) json["files"].push_back(file.string());
   json["warnings"] = warnings;
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(json);
 }
 
 }  // namespace partscribe

@@ -79,7 +79,7 @@ Result<int> run(const Options& given, Session& session) {
   if (!operands) return operands.error();
   for (const auto& file : {given.json, given.junit, given.csv})
     if (!file.empty())
-      if (auto ok = prepare_file(file, session.options.force); !ok) return ok.error();
+      if (auto ok = check_overwriting(file, session.options.force); !ok) return ok.error();
   for (const auto& artifact : operands->artifacts)
     if (!std::filesystem::is_regular_file(artifact))
       return bad_input(artifact.string() + ": expected an artifact to verify, found no such file");

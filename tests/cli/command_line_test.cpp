@@ -1,0 +1,132 @@
+/// Exit codes and messages: what a script around the program relies on.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+#include "run.h"
+
+namespace partscribe {
+namespace {
+
+/// One line that begins as every error does.
+void check_one_line(const std::string& err) {
+  INFO(err);
+  CHECK(err.starts_with("partscribe: "));
+  CHECK(std::count(err.begin(), err.end(), '\n') == 1);
+}
+
+std::string tetrahedron_off() {
+  return "OFF\n4 4 0\n0 0 0\n10 0 0\n0 10 0\n0 0 10\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+}
+
+}  // namespace
+
+TEST_CASE("command line: help and version succeed and speak to standard output") {
+  const auto version = run_partscribe({"--version"});
+  CHECK(version.exit_code == 0);
+  CHECK(version.out.starts_with("partscribe 0."));
+  const auto help = run_partscribe({"--help"});
+  CHECK(help.exit_code == 0);
+  for (const char* command : {"build", "scan", "fit", "emit", "verify", "report", "explain", "simulate"}) {
+    CHECK(help.out.find(std::string("  ") + command) != std::string::npos);
+    const auto own = run_partscribe({command, "--help"});
+    CHECK(own.exit_code == 0);
+    CHECK(own.out.find("Examples") != std::string::npos);
+    CHECK(own.out.find("--tolerance") != std::string::npos);
+    CHECK(own.err.empty());
+  }
+}
+
+TEST_CASE("command line: bad usage ends with 2 and one line that says what to do next") {
+  const std::vector<std::vector<std::string>> bad = {
+      {"buidl", "x.ply"},
+      {"build"},
+      {"build", "x.ply", "--tolerance", "-1"},
+      {"build", "x.ply", "--tolerance", "0,1"},
+      {"build", "x.ply", "--units", "parsec"},
+      {"build", "x.ply", "--to", "catia"},
+      {"build", "x.ply", "--no-such-option"},
+      {"verify", "part.scad"},
+      {"simulate", "x.stl", "--views", "many"},
+      {"simulate", "x.stl", "--sigma", "1", "--sigma-codes", "2"},
+  };
+  for (const auto& arguments : bad) {
+    const auto output = run_partscribe(arguments);
+    INFO(arguments.back());
+    CHECK(output.exit_code == 2);
+    CHECK(output.out.empty());
+    check_one_line(output.err);
+  }
+}
+
+TEST_CASE("command line: hostile inputs end with 3 and one line") {
+  const TemporaryDirectory folder;
+  const auto file = [&](const std::string& name, const std::string& bytes) {
+    REQUIRE(write_file(folder.path() / name, bytes).ok());
+    return (folder.path() / name).string();
+  };
+  const std::vector<std::string> bad = {
+      (folder.path() / "missing.ply").string(),
+      folder.path().string(),
+      file("bad_empty.ply", ""),
+      file("bad_header.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999999\nproperty float x\nend_header\n"),
+      file("bad_noise.stl", std::string(2000, '\xff')),
+      file("bad_text.xyz", "these are\nno numbers\n"),
+      file("bad_nan.xyz", "nan nan nan\ninf 0 0\n"),
+      file("bad_index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"),
+      file("bad.json", "{\"views\": [{\"file\": \"../../../../etc/passwd\"}]}"),
+  };
+  for (const auto& input : bad) {
+    const auto output = run_partscribe({"build", input, "--out", (folder.path() / "out").string(), "--quiet"});
+    INFO(input);
+    CHECK(output.exit_code == 3);
+    CHECK(output.out.empty());
+    check_one_line(output.err);
+  }
+  const auto model = run_partscribe({"explain", file("model.json", "{}")});
+  CHECK(model.exit_code == 3);
+  check_one_line(model.err);
+}
+
+TEST_CASE("command line: nothing is overwritten without --force") {
+  const TemporaryDirectory folder;
+  const std::string model = source_file("corpus/pin/model.json").string(), out = folder.path().string();
+  REQUIRE(run_partscribe({"emit", model, "--to", "openscad", "--out", out}).exit_code == 0);
+  const std::string first = bytes_of(folder.path() / "part.scad");
+  REQUIRE(write_file(folder.path() / "part.scad", "edited by hand").ok());
+
+  const auto refused = run_partscribe({"emit", model, "--to", "openscad", "--out", out});
+  CHECK(refused.exit_code == 2);
+  check_one_line(refused.err);
+  CHECK(refused.err.find("--force") != std::string::npos);
+  CHECK(bytes_of(folder.path() / "part.scad") == "edited by hand");
+  // Also when only another file of the same set would be written: a folder's files belong together.
+  CHECK(run_partscribe({"emit", model, "--to", "step", "--out", out}).exit_code == 2);
+
+  CHECK(run_partscribe({"emit", model, "--to", "openscad", "--out", out, "--force"}).exit_code == 0);
+  CHECK(bytes_of(folder.path() / "part.scad") == first);
+}
+
+TEST_CASE("command line: build refuses an occupied folder before the long work") {
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "part.off", tetrahedron_off()).ok());
+  REQUIRE(write_file(folder.path() / "model.json", "mine").ok());
+  const auto output = run_partscribe({"build", (folder.path() / "part.off").string(), "--out", folder.path().string()});
+  CHECK(output.exit_code == 2);
+  CHECK(output.err.find("model.json exists already") != std::string::npos);
+  CHECK(bytes_of(folder.path() / "model.json") == "mine");
+}
+
+TEST_CASE("command line: explain speaks words, and with --json the model itself") {
+  const std::string model = source_file("corpus/pin/model.json").string();
+  const auto words = run_partscribe({"explain", model});
+  CHECK(words.exit_code == 0);
+  CHECK(words.out.find("a surface of revolution") != std::string::npos);
+  CHECK(words.out.find("shank_radius = 6 mm") != std::string::npos);
+  const auto json = run_partscribe({"explain", model, "--json"});
+  CHECK(json.exit_code == 0);
+  CHECK(json.out.front() == '{');
+  CHECK(json.out.find("\"shank_radius\"") != std::string::npos);
+}
+
+}  // namespace partscribe

@@ -1,0 +1,179 @@
+/// Scan to verdict on simulated parts, as a user runs it.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/number.h"
+#include "core/random.h"
+#include "run.h"
+
+namespace partscribe {
+namespace {
+
+double value_of(const nlohmann::json& model, const std::string& name) {
+  for (const auto& parameter : model.at("parameters"))
+    if (parameter.at("name") == name) return parameter.at("value");
+  FAIL("no parameter " << name);
+  return 0;
+}
+
+/// A parameter of either model that has this value within `slack`; the fit chooses the names.
+bool has_value(const nlohmann::json& model, double value, double slack) {
+  for (const auto& parameter : model.at("parameters"))
+    if (std::abs(parameter.at("value").get<double>() - value) <= slack) return true;
+  return false;
+}
+
+/// A noisy half-open look at a cylinder: enough to fit, quick to build.
+std::string cylinder_xyz(std::uint64_t seed, bool shuffled) {
+  Random random(seed);
+  std::vector<std::string> lines;
+  auto add = [&](double x, double y, double z) {
+    lines.push_back(print_number(snapped(x, 1e-4)) + " " + print_number(snapped(y, 1e-4)) + " " +
+                    print_number(snapped(z, 1e-4)) + "\n");
+  };
+  for (int i = 0; i < 6000; ++i) {
+    const double a = random.uniform(0, 2 * pi), r = 8 + 0.005 * random.normal();
+    add(r * std::cos(a), r * std::sin(a), random.uniform(0, 20));
+  }
+  for (int i = 0; i < 4000; ++i) {
+    const double a = random.uniform(0, 2 * pi), r = 8 * std::sqrt(random.uniform());
+    add(r * std::cos(a), r * std::sin(a), (i % 2) * 20 + 0.005 * random.normal());
+  }
+  if (shuffled)
+    for (std::size_t i = lines.size(); i > 1; --i) std::swap(lines[i - 1], lines[random.below(i)]);
+  std::string text;
+  for (const auto& line : lines) text += line;
+  return text;
+}
+
+const std::vector<std::string> compared = {"model.json", "part.scad", "part.scl", "part.igs", "part.step"};
+
+}  // namespace
+
+TEST_CASE("corpus: the pin is found as a surface of revolution with its sizes, and verified") {
+  const TemporaryDirectory folder;
+  simulate_part("pin", folder.path() / "scan", 128, 0.01);
+  const Path out = folder.path() / "out";
+  const auto output = run_partscribe({"build", (folder.path() / "scan/scan.json").string(), "--tolerance", "0.1", "--name",
+                                      "pin", "--out", out.string()});
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 0);
+  for (const char* file : {"cloud.ply", "model.json", "part.scad", "part.scl", "prelude.scl", "part.igs", "part.step",
+                           "verdict.json", "report.html"})
+    CHECK(std::filesystem::is_regular_file(out / file));
+  const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
+  CHECK(model.at("objects").back().at("shape").at("kind") == "revolve");
+  for (const double size : {6.0, 10.0}) CHECK(has_value(model, size, 0.02));
+  const auto verdict = nlohmann::json::parse(bytes_of(out / "verdict.json"));
+  CHECK(verdict.at("verdict") == "verified");
+  CHECK(verdict.at("artifacts").size() == 4);
+  CHECK(bytes_of(out / "report.html").size() < 5'000'000);
+
+  // An edit by hand beyond the tolerance must turn the verdict red.
+  const std::string script = bytes_of(out / "part.scad");
+  std::string edited = script;
+  std::string name;
+  for (const auto& parameter : model.at("parameters"))
+    if (std::abs(parameter.at("value").get<double>() - 10) < 0.02) name = parameter.at("name");
+  const auto at = edited.find("\n" + name + " = ");
+  REQUIRE(at != std::string::npos);
+  edited.replace(at, edited.find(';', at) - at, "\n" + name + " = " + print_number(value_of(model, name) + 0.3));
+  REQUIRE(write_file(out / "part.scad", edited).ok());
+  const auto again = run_partscribe({"verify", (out / "part.scad").string(), (out / "cloud.ply").string(), "--json"});
+  CHECK(again.exit_code == 1);
+  CHECK(nlohmann::json::parse(again.out).at("verdict") == "out_of_tolerance");
+}
+
+TEST_CASE("corpus: the tie bar is found as an extrusion with two holes, and verified") {
+  const TemporaryDirectory folder;
+  simulate_part("tie_bar", folder.path() / "scan", 128, 0.02);
+  const Path out = folder.path() / "out";
+  const auto output = run_partscribe({"build", (folder.path() / "scan/scan.json").string(), "--tolerance", "0.2", "--name",
+                                      "tie_bar", "--out", out.string(), "--to", "openscad,step"});
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 0);
+  const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
+  CHECK(model.at("objects").back().at("shape").at("kind") == "extrude");
+  for (const double size : {15.0, 8.0, 5.0, 12.0}) CHECK(has_value(model, size, 0.03));
+}
+
+TEST_CASE("corpus: the order of points and the number of threads change no byte") {
+  const TemporaryDirectory folder;
+  for (const char* sub : {"a", "b"}) std::filesystem::create_directory(folder.path() / sub);
+  REQUIRE(write_file(folder.path() / "a/rod.xyz", cylinder_xyz(5, false)).ok());
+  REQUIRE(write_file(folder.path() / "b/rod.xyz", cylinder_xyz(5, true)).ok());
+  const auto build = [&](const std::string& sub, const std::string& out, const std::string& threads) {
+    const auto output = run_partscribe({"build", (folder.path() / sub / "rod.xyz").string(), "--tolerance", "0.1",
+                                        "--units", "mm", "--threads", threads, "--out", (folder.path() / out).string()});
+    INFO(output.out << output.err);
+    CHECK(output.exit_code == 0);
+  };
+  build("a", "one", "1");
+  build("a", "two", "2");
+  build("b", "three", "2");
+  for (const auto& file : compared) {
+    INFO(file);
+    CHECK(bytes_of(folder.path() / "one" / file) == bytes_of(folder.path() / "two" / file));
+  }
+  // The input's checksum is in the provenance, so the models differ there and nowhere else.
+  const auto without_sources = [&](const std::string& out) {
+    auto model = nlohmann::json::parse(bytes_of(folder.path() / out / "model.json"));
+    model.at("provenance").erase("sources");
+    return model;
+  };
+  CHECK(without_sources("one") == without_sources("three"));
+}
+
+TEST_CASE("corpus: a tolerance below what the scan can decide ends with 6, never with a pass") {
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(6, false)).ok());
+  const auto output = run_partscribe({"build", (folder.path() / "rod.xyz").string(), "--units", "mm", "--tolerance",
+                                      "0.0005", "--procedure", "cylinder", "--to", "step", "--out",
+                                      (folder.path() / "out").string()});
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 6);
+}
+
+TEST_CASE("corpus: the single stages write what build writes") {
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(7, false)).ok());
+  const std::string out = (folder.path() / "rod-partscribe").string();
+  const auto step = [&](std::vector<std::string> arguments) {
+    const auto output = run_partscribe(arguments, folder.path());
+    INFO(arguments.front() << ": " << output.out << output.err);
+    CHECK(output.exit_code == 0);
+    return output;
+  };
+  step({"scan", "rod.xyz", "--units", "mm"});
+  step({"fit", out + "/cloud.ply", "--tolerance", "0.1"});
+  step({"emit", out + "/model.json", "--to", "openscad,step"});
+  step({"verify", out + "/part.scad", out + "/part.step", out + "/cloud.ply", "--json", out + "/verdict.json", "--csv",
+        out + "/verdict.csv", "--junit", out + "/verdict.xml"});
+  step({"report", out, "--png"});
+  for (const char* file : {"cloud.ply", "poses.json", "model.json", "part.scad", "part.step", "verdict.json",
+                           "verdict.csv", "verdict.xml", "report.html", "deviation-front.png"})
+    CHECK(std::filesystem::is_regular_file(Path(out) / file));
+}
+
+TEST_CASE("corpus: with --json standard output holds the verdict and nothing else") {
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(8, false)).ok());
+  const auto output = run_partscribe({"build", (folder.path() / "rod.xyz").string(), "--json", "--units", "mm", "--to",
+                                      "step", "--out", (folder.path() / "out").string()});
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 0);
+  CHECK(nlohmann::json::parse(output.out).at("artifacts").size() == 1);
+}
+
+TEST_CASE("corpus: the same seed simulates the same bytes") {
+  const TemporaryDirectory folder;
+  simulate_part("pin", folder.path() / "one", 48, 0.02);
+  simulate_part("pin", folder.path() / "two", 48, 0.02);
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "one"))
+    CHECK(bytes_of(entry.path()) == bytes_of(folder.path() / "two" / entry.path().filename()));
+}
+
+}  // namespace partscribe

@@ -1,0 +1,77 @@
+/// The architecture, read from the #include lines.
+#include <catch2/catch.hpp>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "run.h"
+
+namespace partscribe {
+namespace {
+
+const std::map<std::string, std::set<std::string>> allowed = {
+    {"core", {"core"}},
+    {"geometry", {"core", "geometry"}},
+    {"model", {"core", "geometry", "model"}},
+    {"scan", {"core", "geometry", "model", "scan"}},
+    {"fit", {"core", "geometry", "model", "fit"}},
+    {"codegen", {"core", "geometry", "model", "codegen"}},
+    {"verify", {"core", "geometry", "model", "verify"}},
+    {"cli", {"core", "geometry", "model", "scan", "fit", "codegen", "verify", "cli"}},
+};
+
+/// What stands between the delimiters of every #include line: <x> or "x".
+std::vector<std::string> includes_of(const Path& file, char open, char close) {
+  std::vector<std::string> result;
+  std::istringstream lines(bytes_of(file));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("#include")) continue;
+    const auto begin = line.find(open);
+    if (begin == std::string::npos) continue;
+    const auto end = line.find(close, begin + 1);
+    if (end != std::string::npos) result.push_back(line.substr(begin + 1, end - begin - 1));
+  }
+  return result;
+}
+
+/// Complaints about one file, as its text would have it.
+std::vector<std::string> broken_rules(const std::string& folder, const Path& file) {
+  std::vector<std::string> complaints;
+  for (const auto& included : includes_of(file, '"', '"')) {
+    const auto slash = included.find('/');
+    const std::string from = slash == std::string::npos ? "." : included.substr(0, slash);
+    if (!allowed.at(folder).count(from)) complaints.push_back(file.string() + " includes " + included);
+  }
+  if (file.extension() == ".h")
+    for (const auto& included : includes_of(file, '<', '>')) {
+      const bool heavy = included.starts_with("CGAL/") || included.starts_with("ceres/") ||
+                         included.starts_with("CLI/") || included.starts_with("nanoflann") ||
+                         included.starts_with("png") || included == "nlohmann/json.hpp" || included.ends_with(".hxx");
+      if (heavy) complaints.push_back(file.string() + " is a header and includes " + included);
+    }
+  return complaints;
+}
+
+}  // namespace
+
+TEST_CASE("layers: every folder includes only what stands below it") {
+  std::size_t files = 0;
+  for (const auto& [folder, below] : allowed)
+    for (const auto& entry : std::filesystem::directory_iterator(source_file(folder))) {
+      const auto suffix = entry.path().extension();
+      if (suffix != ".h" && suffix != ".cpp") continue;
+      ++files;
+      for (const auto& complaint : broken_rules(folder, entry.path())) FAIL_CHECK(complaint);
+    }
+  CHECK(files > 50);
+}
+
+TEST_CASE("layers: an include that points upward is noticed") {
+  const TemporaryDirectory folder;
+  const Path file = folder.path() / "bad.h";
+  REQUIRE(write_file(file, "#include \"fit/build.h\"\n#include <CGAL/Kernel.h>\n#include \"core/result.h\"\n").ok());
+  CHECK(broken_rules("geometry", file).size() == 2);
+  CHECK(broken_rules("cli", file).size() == 1);
+}
+
+}  // namespace partscribe
