@@ -67,7 +67,8 @@ class Decimator {
       if (twice > 0)
         for (const std::uint32_t v : triangles_[t]) quadrics_[v].add_plane(n2 / twice, a - origin_, twice / 6);
     }
-    mean_edge_ = m > 0 ? edge_sum / (3.0 * static_cast<double>(m)) : 1;
+    // Coarse meshes bend more from facet to facet, so that they are looked at more closely.
+    if (m > 0) probe_ = (m <= 150000 ? 0.7 : 1.5) * edge_sum / (3.0 * static_cast<double>(m));
     // Samples of the original surface; each belongs to a triangle that is near enough to it.
     for (std::uint32_t v = 0; v < n; ++v)
       if (!fans_[v].empty()) add_sample(fans_[v].front(), points_[v]);
@@ -237,7 +238,7 @@ class Decimator {
       if (!middle) return false;
       // On a thin wall the nearest surface may be the wrong side.
       if (triangle_normal(mesh_, middle->triangle).dot(survivor.normal) < -0.3) return false;
-      const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(longest(c)) / (3 * mean_edge_))), 2, 6);
+      const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(longest(c)) / probe_)), 2, 24);
       for (int i = 0; i <= n; ++i)
         for (int j = 0; i + j <= n; ++j) {
           if (i == n || j == n || i + j == 0) continue;
@@ -317,7 +318,7 @@ class Decimator {
   Context& context_;
   MeshDistance original_;
   Vec3 origin_;
-  double mean_edge_ = 1;
+  double probe_ = 1;  // mm between the places at which new triangles are checked
   std::size_t left_ = 0;
   std::vector<Vec3> points_, samples_;
   std::vector<Triangle> triangles_;
