@@ -1,0 +1,32 @@
+/// A surface from oriented noisy points: sharp where the points are, closed where they nearly bound a solid.
+#pragma once
+
+#include "core/context.h"
+#include "geometry/normals.h"
+#include "geometry/point_cloud.h"
+#include "geometry/triangle_mesh.h"
+
+namespace partscribe {
+
+struct ReconstructOptions {
+  double cell = 0;                  ///< mm, edge of the grid's cells; 0: from the sampling, the noise and the size
+  double unseen_share = 0.3;        ///< more surface than this without data: the points are a sheet, not a solid
+  std::size_t max_nodes = 9000000;  ///< of the grid; coarser cells beyond
+};
+
+struct Reconstruction {
+  TriangleMesh mesh;  ///< manifold and oriented; the normals' side is outside
+  bool closed = false;
+  double cell = 0;          ///< mm
+  double unseen_share = 0;  ///< share of the closed surface that no data support
+  std::size_t dropped_pieces = 0;
+};
+
+/// Dual contouring [Ju et al. 2002] of the signed distance from averaged points; vertices go to the least-squares
+/// meeting point of the planes around them, so that edges and corners stay sharp. Where no points are, the sign is
+/// continued harmonically [Davis et al. 2002]. Does not depend on the order of the points. `cloud` needs normals;
+/// rejected points are left out. Fewer than some dozen usable points give an empty mesh.
+Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampling, const ReconstructOptions& options,
+                           Context& context);
+
+}  // namespace partscribe
