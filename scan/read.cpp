@@ -124,6 +124,7 @@ Result<Scan> joined(Pieces&& source, const ReadOptions& options) {
     cloud.points.insert(cloud.points.end(), piece.cloud.points.begin(), piece.cloud.points.end());
     piece = {};
   }
+  if (cloud.empty()) return bad_input(scan.files.front() + ": expected points, found not one return in all images");
   if (several_units) scan.warnings.push_back("the files state different units; each was converted by its own");
   if (!options.unit) warn_of_unit(scan, known, scan.warnings);
   return scan;
@@ -215,12 +216,9 @@ std::optional<Error> add_geometry(const Path& path, const Pose& pose, bool senso
   return {};
 }
 
-std::optional<Error> add_range_image(const RangeImage& image, const std::string& file, const std::string& unit, Pieces& pieces) {
-  Piece piece;
+PointCloud cloud_of(const RangeImage& image) {
+  PointCloud cloud;
   const bool pinhole = image.projection == Projection::pinhole;
-  piece.view = {file, image.world_from_view, pinhole, image.width, image.height};
-  piece.unit = unit;
-  auto& cloud = piece.cloud;
   for (int row = 0; row < image.height; ++row)
     for (int column = 0; column < image.width; ++column) {
       const auto p = view_point(image, row, column);
@@ -230,9 +228,16 @@ std::optional<Error> add_range_image(const RangeImage& image, const std::string&
       cloud.rays.push_back(image.world_from_view.rotation * ray);
       cloud.pixel.push_back(row * image.width + column);
     }
-  if (cloud.empty()) return bad_input(file + ": expected codes other than " + std::to_string(image.invalid_code) + " (no return), found none");
+  return cloud;
+}
+
+void add_range_image(const RangeImage& image, const std::string& file, const std::string& unit, Pieces& pieces) {
+  Piece piece;
+  piece.view = {file, image.world_from_view, image.projection == Projection::pinhole, image.width, image.height};
+  piece.unit = unit;
+  piece.cloud = cloud_of(image);
+  if (piece.cloud.empty()) pieces.warnings.push_back(file + ": not one of its pixels has a return");
   pieces.pieces.push_back(std::move(piece));
-  return {};
 }
 
 Result<Scan> read_scan(const std::vector<Path>& inputs, const ReadOptions& options, Context& context) {

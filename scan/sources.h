@@ -32,8 +32,14 @@ Result<std::string> read_source(const Path& path, Pieces& pieces);
 std::optional<Error> add_geometry(const Path& path, const Pose& pose, bool sensor_at_origin, const std::string& unit,
                                   Context& context, Pieces& pieces);
 
-/// A range image whose numbers are all known.
-std::optional<Error> add_range_image(const RangeImage& image, const std::string& file, const std::string& unit, Pieces& pieces);
+/// The points of a range image in the world frame, with ray and pixel of each.
+PointCloud cloud_of(const RangeImage& image);
+
+/// The file of a simulated view: view_00.png.
+std::string view_file_name(std::size_t view);
+
+/// A range image whose numbers are all known; one without any return is only a warning.
+void add_range_image(const RangeImage& image, const std::string& file, const std::string& unit, Pieces& pieces);
 
 /// A scan.json with everything it names.
 std::optional<Error> add_scan_json(const Path& path, const ReadOptions& options, Context& context, Pieces& pieces);
