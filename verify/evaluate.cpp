@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "geometry/read_geometry.h"
+#include "verify/alpha1.h"
 #include "verify/run_occt.h"
 #include "verify/run_openscad.h"
 #include "verify/solid.h"
@@ -48,10 +49,10 @@ struct Runner {
 };
 
 constexpr std::array runners = {
-    Runner{".scad", evaluate_openscad},  Runner{".igs", evaluate_iges},       Runner{".iges", evaluate_iges},
-    Runner{".step", evaluate_step},      Runner{".stp", evaluate_step},       Runner{".stl", evaluate_mesh_file},
-    Runner{".off", evaluate_mesh_file},  Runner{".obj", evaluate_mesh_file},  Runner{".3mf", evaluate_mesh_file},
-    Runner{".ply", evaluate_mesh_file},
+    Runner{".scad", evaluate_openscad}, Runner{".scl", evaluate_alpha1},   Runner{".igs", evaluate_iges},
+    Runner{".iges", evaluate_iges},     Runner{".step", evaluate_step},    Runner{".stp", evaluate_step},
+    Runner{".stl", evaluate_mesh_file}, Runner{".off", evaluate_mesh_file}, Runner{".obj", evaluate_mesh_file},
+    Runner{".3mf", evaluate_mesh_file}, Runner{".ply", evaluate_mesh_file},
 };
 
 }  // namespace
