@@ -15,11 +15,12 @@ constexpr const char* program_help =
     R"(Partscribe reads 3-D scans of a part, writes the part as an editable CAD procedure and proves it by running it.
 
 Examples
-  partscribe build bracket.ply                         everything, with defaults that work
+  partscribe build bracket.ply                          everything, with defaults that work
   partscribe build view*.ply --tolerance 0.1 --out cad  several views in one frame, 0.1 mm
-  partscribe verify edited.scad bracket.ply            does my edited script still fit the scan?
-  partscribe explain bracket-partscribe/model.json     why each dimension is what it is
-  partscribe simulate pin.stl --sigma 0.02             a scan of a shape that you know)";
+  partscribe verify edited.scad bracket.ply             does my edited script still fit the scan?
+  partscribe explain bracket-partscribe/model.json      why each dimension is what it is
+  partscribe simulate pin.stl --sigma 0.02              a scan of a shape that you know
+)";
 
 constexpr const char* program_footer =
     R"(Exit codes: 0 verified, 1 out of tolerance, 2 usage, 3 input cannot be used, 4 a needed program is missing,
@@ -28,6 +29,22 @@ constexpr const char* program_footer =
 
 std::string range_text(double low, double high) {
   return "a number from " + print_number(low) + " to " + print_number(high);
+}
+
+/// Lines short enough to stand in the right column of an option list.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t width = 84;
+  std::string result;
+  std::size_t column = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const auto end = std::min(text.find(' ', begin), text.size());
+    const auto length = end - begin;
+    if (column > 0) result += column + 1 + length > width ? '\n' : ' ';
+    column = column > 0 && column + 1 + length <= width ? column + 1 + length : length;
+    result += text.substr(begin, length);
+    begin = end + 1;
+  }
+  return result;
 }
 
 /// Reads a number the way all files are read; the answer is CLI11's: an empty string is agreement.
@@ -80,19 +97,19 @@ int fail(const Error& error) {
 }  // namespace
 
 void Arguments::flag(bool& target, const std::string& name, const std::string& help) {
-  app_.add_flag(name, target, help);
+  app_.add_flag(name, target, wrapped(help));
 }
 
 void Arguments::text(std::string& target, const std::string& name, const std::string& value_name,
                      const std::string& help) {
-  app_.add_option(name, target, help)->type_name(value_name);
+  app_.add_option(name, target, wrapped(help))->type_name(value_name);
 }
 
 void Arguments::choice(std::string& target, const std::string& name, const std::vector<std::string>& words,
                        const std::string& help) {
   std::string all;
   for (const auto& word : words) all += (all.empty() ? "" : "|") + word;
-  app_.add_option(name, target, help)->type_name(all)->check([words, all](const std::string& text) {
+  app_.add_option(name, target, wrapped(help))->type_name(all)->check([words, all](const std::string& text) {
     for (const auto& word : words)
       if (word == text) return std::string();
     return "expected one of " + all + ", found '" + text + "'";
@@ -109,7 +126,7 @@ void Arguments::number(std::optional<double>& target, const std::string& name, c
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
             target = value;
           },
-          help)
+          wrapped(help))
       ->type_name(value_name);
 }
 
@@ -121,7 +138,7 @@ void Arguments::number(double& target, const std::string& name, const std::strin
             const auto complaint = parse_into(target, text, low, high);
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
           },
-          help)
+          wrapped(help))
       ->type_name(value_name);
 }
 
@@ -137,29 +154,30 @@ void Arguments::count(int& target, const std::string& name, const std::string& v
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
             target = static_cast<int>(value);
           },
-          help)
+          wrapped(help))
       ->type_name(value_name);
 }
 
 void Arguments::path(Path& target, const std::string& name, const std::string& value_name, const std::string& help) {
-  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, help)
+  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, wrapped(help))
       ->type_name(value_name);
 }
 
 void Arguments::list(std::vector<std::string>& target, const std::string& name, const std::string& value_name,
                      const std::string& help) {
-  app_.add_option(name, target, help)->type_name(value_name)->delimiter(',')->expected(1);
+  app_.add_option(name, target, wrapped(help))->type_name(value_name)->delimiter(',')->expected(1);
 }
 
 void Arguments::paths(std::vector<Path>& target, const std::string& name, const std::string& help) {
   app_.add_option_function<std::vector<std::string>>(
-          name, [&target](const std::vector<std::string>& texts) { target.assign(texts.begin(), texts.end()); }, help)
+          name, [&target](const std::vector<std::string>& texts) { target.assign(texts.begin(), texts.end()); },
+          wrapped(help))
       ->type_name("")
       ->required();
 }
 
 void Arguments::operand(Path& target, const std::string& name, const std::string& help) {
-  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, help)
+  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, wrapped(help))
       ->type_name("")
       ->required();
 }
@@ -182,14 +200,21 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
       return 0;
     }
     auto words = words_of(argc, argv);
+    std::string names;
+    bool known = words.front().starts_with('-');
+    for (const auto& command : commands) {
+      names += (names.empty() ? "" : ", ") + command.name;
+      known = known || words.front() == command.name;
+    }
+    if (!known) return fail(usage_error("expected one of " + names + ", found '" + words.front() + "'; see 'partscribe --help'"));
     std::reverse(words.begin(), words.end());  // as the parser wants them
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
     for (const auto& command : commands) {
       auto* sub = app.get_subcommand(command.name);
       if (!sub->parsed()) continue;
-      sub->description(command.summary + "\n\n" + command.help);
-      std::fputs(sub->help().c_str(), stdout);
+      sub->description("partscribe " + command.name + ": " + command.summary + "\n\n" + command.help + "\n");
+      std::fputs(sub->help("partscribe").c_str(), stdout);
       return 0;
     }
     std::fputs(app.help().c_str(), stdout);

@@ -18,7 +18,7 @@ const std::set<std::string> names_without_meaning = {"cloud", "scan", "merged", 
 constexpr const char* folder_ending = "-partscribe";
 
 /// Noise on patches spread over the part: as good as on all points for choosing a tolerance, and quick for millions.
-double sampled_noise(const PointCloud& cloud, Context& context) {
+double sampled_noise(const PointCloud& cloud, int threads) {
   constexpr std::size_t patches = 64, patch_points = 160;
   if (cloud.size() < 10) return 0;
   // Sorted, so that the order of points in the file cannot matter.
@@ -42,7 +42,9 @@ double sampled_noise(const PointCloud& cloud, Context& context) {
       sample.points.push_back(cloud.points[i]);
       if (!cloud.rays.empty()) sample.rays.push_back(cloud.rays[i]);
     }
-  return estimate_normals(sample, {}, context).sigma;
+  Context silent;  // too short a piece of work to be told about
+  silent.threads = threads;
+  return estimate_normals(sample, {}, silent).sigma;
 }
 
 /// The least of 1, 2, 5 times a power of ten that is not below `value`.
@@ -137,7 +139,7 @@ ChosenTolerance tolerance_for(const Scan& scan, Session& session) {
     chosen.reason = "tolerance " + print_number(chosen.tolerance) + " mm, as given";
     return chosen;
   }
-  chosen.noise = sampled_noise(scan.cloud, session.context);
+  chosen.noise = sampled_noise(scan.cloud, session.context.threads);
   const double diagonal = scan.cloud.bounds().diagonal();
   const double from_noise = 5 * chosen.noise, from_size = diagonal / 1000;
   chosen.tolerance = rounded_up(std::max({from_noise, from_size, 1e-6}));

@@ -53,11 +53,11 @@ ReportPicture finished(const Raster& raster, std::string name, std::string title
   return {std::move(name), std::move(title), std::move(description), half.width, half.height, write_png(half)};
 }
 
-Box3 kept_bounds(const PointCloud& cloud) {
-  Box3 box;
+std::vector<Vec3> kept_points(const PointCloud& cloud) {
+  std::vector<Vec3> points;
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (cloud.rejected.empty() || !cloud.rejected[i]) box.add(cloud.points[i]);
-  return box.empty() ? cloud.bounds() : box;
+    if (cloud.rejected.empty() || !cloud.rejected[i]) points.push_back(cloud.points[i]);
+  return points.empty() ? cloud.points : points;
 }
 
 }  // namespace
@@ -105,7 +105,9 @@ std::vector<ReportPicture> draw_report(const Model& model, const Verdict& verdic
              {"back", "from the side of the scanner, turned by 50 degrees", 0.64 * eye + 0.77 * right}};
   }
 
-  const Box3 box = kept_bounds(cloud);
+  const auto kept = kept_points(cloud);
+  Box3 box;
+  for (const auto& point : kept) box.add(point);
   const double spacing = spacing_of(cloud);
   const ArtifactVerdict* artifact = drawn_artifact(verdict);
   const auto deviations = deviations_of(cloud, artifact);
@@ -113,7 +115,7 @@ std::vector<ReportPicture> draw_report(const Model& model, const Verdict& verdic
                            readable(box.size().z()) + " mm";
   std::vector<ReportPicture> scans, models, maps;
   for (const auto& side : sides) {
-    const Camera camera = camera_for(box, side.to_eye, up, 2 * picture_width, 2 * picture_height);
+    const Camera camera = camera_for(kept, side.to_eye, up, 2 * picture_width, 2 * picture_height);
     const double radius = std::clamp(0.75 * spacing * camera.pixels_per_mm, 1.0, 14.0);
     const Raster empty(2 * picture_width, 2 * picture_height, background);
     std::vector<Color> colors(cloud.size());
@@ -143,11 +145,11 @@ std::vector<ReportPicture> draw_report(const Model& model, const Verdict& verdic
       const Color color = deviation_color(deviations[i], verdict.tolerance);
       colors[i] = cloud.normals.empty() ? color : mixed(color, shaded(color, camera, cloud.normals[i]), 0.35);
     }
-    std::vector<Vec3> points;
-    std::vector<Color> kept_colors;
+    std::vector<Vec3> judged;
+    std::vector<Color> judged_colors;
     for (std::size_t i = 0; i < cloud.size(); ++i)
-      if (std::isfinite(deviations[i])) points.push_back(cloud.points[i]), kept_colors.push_back(colors[i]);
-    draw_points(map, camera, points, kept_colors, radius);
+      if (std::isfinite(deviations[i])) judged.push_back(cloud.points[i]), judged_colors.push_back(colors[i]);
+    draw_points(map, camera, judged, judged_colors, radius);
     maps.push_back(finished(map, "deviation-" + side.name + ".png", "Deviation, " + side.words,
                             "The points coloured by their local deviation from the model, seen " + side.words +
                                 "; the largest is " + readable(artifact->data_to_model.local_max) +

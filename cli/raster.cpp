@@ -126,9 +126,9 @@ Raster::Raster(int width_px, int height_px, Color background)
     : width(width_px), height(height_px), pixels(static_cast<std::size_t>(width_px) * height_px, background),
       depth(pixels.size(), -std::numeric_limits<float>::infinity()) {}
 
-Camera camera_for(const Box3& box, const Vec3& to_eye, const Vec3& up, int width_px, int height_px) {
+Camera camera_for(const std::vector<Vec3>& points, const Vec3& to_eye, const Vec3& up, int width_px, int height_px) {
   Camera camera;
-  if (box.empty()) return camera;
+  if (points.empty()) return camera;
   const Vec3 z = to_eye.normalized();
   Vec3 x = up.cross(z);
   if (x.norm() < 1e-9) x = z.unitOrthogonal();
@@ -136,11 +136,9 @@ Camera camera_for(const Box3& box, const Vec3& to_eye, const Vec3& up, int width
   camera.view_from_world.row(0) = x;
   camera.view_from_world.row(1) = z.cross(x);
   camera.view_from_world.row(2) = z;
-  camera.center = box.center();
   Box3 seen;
-  for (int k = 0; k < 8; ++k)
-    seen.add(camera.view_from_world * (Vec3(k & 1 ? box.high.x() : box.low.x(), k & 2 ? box.high.y() : box.low.y(),
-                                            k & 4 ? box.high.z() : box.low.z()) - camera.center));
+  for (const auto& point : points) seen.add(camera.view_from_world * point);
+  camera.center = camera.view_from_world.transpose() * seen.center();
   const Vec3 size = seen.size().cwiseMax(1e-9);
   constexpr double margin = 0.92;
   camera.pixels_per_mm = margin * std::min(width_px / size.x(), height_px / size.y());

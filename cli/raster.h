@@ -30,8 +30,8 @@ struct Raster {
   std::vector<float> depth;  ///< larger is nearer to the eye
 };
 
-/// Looks at `box` from the direction `to_eye` (need not be unit) with `up` pointing up, so that it fills the picture.
-Camera camera_for(const Box3& box, const Vec3& to_eye, const Vec3& up, int width_px, int height_px);
+/// Looks from the direction `to_eye` (need not be unit) with `up` pointing up, so that `points` fill the picture.
+Camera camera_for(const std::vector<Vec3>& points, const Vec3& to_eye, const Vec3& up, int width_px, int height_px);
 
 /// Smooth shading across edges below 30 degrees; sharper edges and borders get a dark line.
 void draw_mesh(Raster& raster, const Camera& camera, const TriangleMesh& mesh, Color color);

@@ -9,12 +9,7 @@ namespace {
 
 constexpr Color white{255, 255, 255}, red{255, 0, 0}, blue{0, 0, 255};
 
-Camera from_above() {
-  Box3 box;
-  box.add({-1, -1, -1});
-  box.add({1, 1, 1});
-  return camera_for(box, {0, 0, 1}, {0, 1, 0}, 100, 100);
-}
+Camera from_above() { return camera_for({{-1, -1, 0}, {1, 1, 0}}, {0, 0, 1}, {0, 1, 0}, 100, 100); }
 
 Color middle_of(const Raster& raster) { return raster.pixels[50 * 100 + 50]; }
 
