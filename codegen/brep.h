@@ -18,7 +18,7 @@ namespace partscribe {
 struct BrepFace {
   std::shared_ptr<TopoDS_Shape> face;
   std::string name;               ///< as ModelDistance has it: "shank"; unique within the part
-  std::array<double, 3> color{};  ///< linear red, green, blue: one colour per object
+  std::array<double, 3> color{};  ///< sRGB, 0..1; one colour per object
 };
 
 struct Brep {

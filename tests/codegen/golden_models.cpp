@@ -288,6 +288,7 @@ Model bracket() {
 
 Model lens() {
   Model m = model("lens", "lens", "what two balls have in common, cut by a slanted groove");
+  m.tolerance = 0.5;
   length(m, "front_radius", 40, 40.01, 0.01, "radius of the front");
   length(m, "back_radius", 55, 55.02, 0.02, "radius of the back");
   length(m, "center_thickness", 10, 10.001, 0.004, "thickness in the middle");

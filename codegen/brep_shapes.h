@@ -1,0 +1,34 @@
+/// Single evaluated shapes as OpenCASCADE solids, each in its own frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "model/shapes.h"
+
+class TopoDS_Shape;
+
+namespace partscribe {
+
+/// The shape, or a null shape where OpenCASCADE gives up. Booleans have no shape of their own.
+TopoDS_Shape brep_of(const BoxOf<double>& shape);
+TopoDS_Shape brep_of(const WedgeOf<double>& shape);
+TopoDS_Shape brep_of(const CylinderOf<double>& shape);
+TopoDS_Shape brep_of(const ConeOf<double>& shape);
+TopoDS_Shape brep_of(const SphereOf<double>& shape);
+TopoDS_Shape brep_of(const EllipsoidOf<double>& shape);
+TopoDS_Shape brep_of(const TorusOf<double>& shape);
+TopoDS_Shape brep_of(const HalfSpacesOf<double>& shape);
+TopoDS_Shape brep_of(const ExtrudeOf<double>& shape);
+TopoDS_Shape brep_of(const RevolveOf<double>& shape);
+TopoDS_Shape brep_of(const TriSurfaceOf<double>& shape);
+
+/// A product of two piecewise cubic curves within `tolerance` of the superellipsoid; `error` is what was measured.
+TopoDS_Shape brep_of(const SuperellipsoidOf<double>& shape, double tolerance, double& error);
+
+/// Planar faces on shared corners and edges: one shell per connected piece. `closed`: solids, cavities cut out.
+TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices, const std::vector<std::vector<std::uint32_t>>& polygons,
+                              bool closed);
+
+}  // namespace partscribe
