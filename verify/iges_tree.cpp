@@ -44,6 +44,7 @@
 #include <gp_Ax1.hxx>
 #include <gp_Ax2.hxx>
 #include <gp_Ax3.hxx>
+#include <cmath>
 #include <gp_GTrsf.hxx>
 #include <set>
 #include <stdexcept>
@@ -104,15 +105,18 @@ class Walker {
 
   gp_Pnt point(const gp_Pnt& p) const { return gp_Pnt(p.XYZ() * mm_); }
 
-  TopoDS_Shape placed(const TopoDS_Shape& shape, gp_GTrsf place) const {
+  TopoDS_Shape placed(const TopoDS_Shape& shape, const gp_GTrsf& place) const {
     if (place.Form() == gp_Identity) return shape;
-    place.SetTranslationPart(place.TranslationPart() * mm_);
+    // The file's decimals make no exact rotation: accept what they can mean, and let SetValues straighten it.
+    const gp_Mat linear = place.VectorialPart();
+    const gp_Mat square = linear.Transposed() * linear;
+    for (int i = 1; i <= 3; ++i)
+      for (int j = 1; j <= 3; ++j)
+        if (std::abs(square(i, j) - (i == j)) > 1e-6 || linear.Determinant() < 0) throw TreeFault("a transformation is not rigid");
+    const gp_XYZ move = place.TranslationPart() * mm_;
     gp_Trsf rigid;
-    try {
-      rigid = place.Trsf();
-    } catch (const Standard_Failure&) {
-      throw TreeFault("a transformation is not rigid");
-    }
+    rigid.SetValues(linear(1, 1), linear(1, 2), linear(1, 3), move.X(), linear(2, 1), linear(2, 2), linear(2, 3), move.Y(),
+                    linear(3, 1), linear(3, 2), linear(3, 3), move.Z());
     return BRepBuilderAPI_Transform(shape, rigid, Standard_True).Shape();
   }
 
