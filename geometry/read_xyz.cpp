@@ -22,8 +22,8 @@ bool comment(std::string_view line) {
          first.substr(0, 2) == "//" || (first.front() == ';');
 }
 
-/// Cuts a line into words; with commas or semicolons, an empty field is an empty word.
-void split(std::string_view line, const Layout& layout, std::vector<std::string_view>& words) {
+/// Cuts a line into words; with commas or semicolons, an empty field is an empty word. Names ("Z [mm]") may hold blanks.
+void split(std::string_view line, const Layout& layout, std::vector<std::string_view>& words, bool names = false) {
   words.clear();
   const char mark = layout.semicolons ? ';' : layout.commas ? ',' : '\0';
   if (!mark) {
@@ -33,10 +33,10 @@ void split(std::string_view line, const Layout& layout, std::vector<std::string_
   while (true) {
     const auto end = line.find(mark);
     auto field = line.substr(0, end);
-    // "1, 2, 3" and "1 2 3, 4": blanks part words too.
     auto word = next_word(field);
-    if (word.empty()) words.push_back(word);
-    for (; !word.empty(); word = next_word(field)) words.push_back(word);
+    if (names || word.empty()) words.push_back(word);
+    // "1, 2, 3" and "1 2 3, 4": blanks part numbers too.
+    for (; !names && !word.empty(); word = next_word(field)) words.push_back(word);
     if (end == std::string_view::npos) break;
     line.remove_prefix(end + 1);
     if (line.find_first_not_of(" \t") == std::string_view::npos) break;
@@ -76,7 +76,7 @@ void apply_names(std::string_view header, Layout& layout) {
     header.remove_prefix(1);
   const Layout marks = marks_of(header);
   std::vector<std::string_view> words;
-  split(header, marks, words);
+  split(header, marks, words, true);
   std::array<int, 3> point = {-1, -1, -1}, normal = {-1, -1, -1};
   for (int i = 0; i < static_cast<int>(words.size()); ++i) {
     auto name = lower_case(words[i]);
