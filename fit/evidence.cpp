@@ -63,6 +63,8 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   });
   const KdTree tree(cloud.points);
   const bool normals = cloud.normals.size() == n;
+  // Farther points are another place; a point without like-minded neighbours nearby is no surface.
+  const double sq_reach = std::pow(6 * input.thin_spacing, 2);
   parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     std::vector<double> values;
@@ -70,11 +72,11 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
       tree.nearest(cloud.points[i], 2 * local_points, near);
       values.clear();
       for (const auto& k : near) {
+        if (k.sq_distance > sq_reach) break;
         if (normals && std::abs(cloud.normals[i].dot(cloud.normals[k.index])) < 0.7) continue;
         values.push_back(d[k.index]);
         if (values.size() == local_points) break;
       }
-      // A point without like-minded neighbours is no surface.
       if (values.size() >= 9) local[i] = robust_mean(values);
     }
   });

@@ -64,7 +64,7 @@ class Problem {
 
   /// d(distance)/d(unknown), one column per unknown: parameters, shift (in scan axes), turn about the scan's centre
   /// (times size, so that all columns are lengths per length).
-  Matrix jacobian(const Candidate& c) const {
+  Matrix jacobian(const Candidate& c, const std::vector<double>& d) const {
     Matrix j(chosen_.size(), unknowns());
     const Values base = values(c);
     const Pose part_from_scan = c.scan_from_part.inverse();
@@ -72,13 +72,13 @@ class Problem {
     for (std::size_t k = 0; k < free_.size(); ++k) {
       const auto& p = candidate_.parameters[free_[k]];
       const double step = p.quantity == Quantity::length ? h : 1e-6;
-      Values low = base, high = base;
-      low[p.name] -= step, high[p.name] += step;
-      const ModelDistance below(model_, low), above(model_, high);
+      Values shifted = base;
+      shifted[p.name] += step;
+      const ModelDistance above(model_, shifted);
       parallel_for(chosen_.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
           const Vec3 q = part_from_scan * input_.cloud.points[chosen_[i]];
-          j(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (above(q).distance - below(q).distance) / (2 * step);
+          j(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (above(q).distance - d[i]) / step;
         }
       });
     }
@@ -90,8 +90,7 @@ class Problem {
         const Vec3 q = part_from_scan * p;
         Vec3 gradient;
         for (int a = 0; a < 3; ++a) {
-          const Vec3 e = Vec3::Unit(a) * h;
-          gradient[a] = (distance(q + e).distance - distance(q - e).distance) / (2 * h);
+          gradient[a] = (distance(q + Vec3::Unit(a) * h).distance - d[i]) / h;
         }
         gradient = c.scan_from_part.rotation * gradient;
         const auto row = static_cast<Eigen::Index>(i);
@@ -232,7 +231,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   double scale = std::max(robust_scale(d), noise);
   double lambda = 1e-6;
   for (; report.iterations < options.iterations && !context.cancelled; ++report.iterations) {
-    const Matrix j = problem.jacobian(best);
+    const Matrix j = problem.jacobian(best, d);
     const Normal normal = problem.normal_equations(j, d, scale, false);
     const double before = problem.cost(d, scale);
     bool improved = false;
@@ -282,7 +281,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
 
   for (auto& p : candidate.parameters) p.fitted = p.value, p.sigma = p.sigma_noise = p.sigma_systematic = 0, p.points = 0;
   if (!options.uncertainty) return report;
-  const Matrix j = problem.jacobian(candidate);
+  const Matrix j = problem.jacobian(candidate, d);
   const Normal normal = problem.normal_equations(j, d, scale, true);
   const double sigma_point = std::max(report.rms, noise);
   const Matrix covariance = pseudo_inverse(normal.h) * sigma_point * sigma_point;

@@ -24,7 +24,7 @@ struct RefineReport {
 };
 
 /// Levenberg-Marquardt on Welsch-weighted signed distances (reference equations: orthogonal distance regression,
-/// Forbes 1989, Ahn 2004) with derivatives by central differences of the exact distance. Directions that the data
+/// Forbes 1989, Ahn 2004) with derivatives by differences of the exact distance. Directions that the data
 /// leave free (symmetries) are cut out of the normal matrix. Fills Parameter value, fitted, sigma (noise part from
 /// the normal matrix, systematic part from a jackknife over views or regions and a floor) and points.
 RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context);

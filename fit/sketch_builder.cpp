@@ -19,7 +19,9 @@ struct Piece {
   // Of an arc, once its relations are known:
   Expr cx, cy, r, from, to;
   double from0 = 0, to0 = 0;   // measured
-  bool tangent_start = false, tangent_end = false;
+  bool tangent_start = false, tangent_end = false;  // to a horizontal or vertical line
+  bool solved = false;
+  std::optional<Expr> joint_start, joint_end;        // angles fixed by a tangent neighbouring arc
   std::string name;
 };
 
@@ -227,16 +229,115 @@ class Builder {
     }
   }
 
+  bool on_axis(const Piece& a) const {
+    return o_.revolve && std::abs(a.s.center.x()) < std::max(o_.tolerance / 2, 0.02 * a.s.radius);
+  }
+
+  std::size_t index_of(const std::vector<Piece>& pieces, std::size_t i, int step) const {
+    return (i + pieces.size() + static_cast<std::size_t>(step + static_cast<int>(pieces.size()))) % pieces.size();
+  }
+
+  /// Do two arcs in a row touch without a corner?
+  bool arcs_tangent(const Piece& a, const Piece& b) const {
+    const Vec2 ta = Vec2(-std::sin(a.to0), std::cos(a.to0)) * (a.s.sweep > 0 ? 1 : -1);
+    const Vec2 tb = Vec2(-std::sin(b.from0), std::cos(b.from0)) * (b.s.sweep > 0 ? 1 : -1);
+    const double d = (a.s.center - b.s.center).norm();
+    const bool opposite = (a.s.sweep > 0) != (b.s.sweep > 0);
+    const double miss = opposite ? std::abs(d - a.s.radius - b.s.radius) : std::abs(d - std::abs(a.s.radius - b.s.radius));
+    return ta.dot(tb) > 0.9 && miss < std::max(2 * o_.tolerance, 0.05 * std::min(a.s.radius, b.s.radius));
+  }
+
+  /// The reference of an arc whose centre follows from a tangent neighbouring arc: -1 before, +1 after, 0 none. The freer
+  /// of two tangent arcs depends on the other; of two equally free ones the later.
+  int reference_of(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) const {
+    const Piece& a = pieces[i];
+    if (!a.s.arc || on_axis(a) || (a.tangent_start && a.tangent_end)) return 0;
+    auto freedom = [&](const Piece& p) { return 2 - int(on_axis(p)) - int(p.tangent_start) - int(p.tangent_end); };
+    for (const int step : {-1, +1}) {
+      const Piece* b = neighbour(pieces, i, step, axis_to_axis);
+      if (!b || !b->s.arc || b == &a) continue;
+      if (step < 0 ? a.tangent_start : a.tangent_end) continue;
+      if (!(step < 0 ? arcs_tangent(*b, a) : arcs_tangent(a, *b))) continue;
+      if (freedom(a) > freedom(*b) || on_axis(*b) || (freedom(a) == freedom(*b) && step < 0 && index_of(pieces, i, -1) < i)) return step;
+    }
+    return 0;
+  }
+
+  /// An arc that touches a solved arc and, at its other end, perhaps a level: the centre follows from the radius alone
+  /// (with a level) or from the radius and the angle of the joint.
+  void solve_dependent(std::vector<Piece>& pieces, std::size_t i, int step, bool axis_to_axis) {
+    Piece& a = pieces[i];
+    Piece& b = pieces[index_of(pieces, i, step)];
+    const bool opposite = (a.s.sweep > 0) != (b.s.sweep > 0);
+    a.name = a.s.sweep > 0 ? "round" : "fillet";
+    a.r = radius(a.s.radius, a.name + "_radius", "radius of the " + a.name);
+    // Distance of the centres, and on which side of b's centre the joint lies (b outside: the same side as a).
+    const bool a_larger = !opposite && a.s.radius > b.s.radius;
+    const Expr apart = opposite ? b.r + a.r : a_larger ? a.r - b.r : b.r - a.r;
+    const Piece* line = step < 0 ? (a.tangent_end ? neighbour(pieces, i, +1, axis_to_axis) : nullptr) : (a.tangent_start ? neighbour(pieces, i, -1, axis_to_axis) : nullptr);
+    Expr joint_b;  // angle of the joint seen from b
+    if (line) {
+      const int axis = line->way == Way::vertical ? 0 : 1;
+      const double sign = a.s.center[axis] > line->s.point[axis] ? 1 : -1;
+      const Expr fixed = sign > 0 ? level_expr(line->level) + a.r : level_expr(line->level) - a.r;
+      const Expr& b_fixed = axis == 0 ? b.cx : b.cy;
+      const Expr& b_free = axis == 0 ? b.cy : b.cx;
+      const Expr d = fixed - b_fixed;
+      const Expr root = Expr::call(Expr::Kind::sqrt, {apart * apart - d * d});
+      const Expr free = a.s.center[1 - axis] >= value(b_free) ? b_free + root : b_free - root;
+      (axis == 0 ? a.cx : a.cy) = fixed;
+      (axis == 0 ? a.cy : a.cx) = free;
+      // From b's centre towards a's, or away from it when b lies inside a.
+      joint_b = a_larger ? Expr::call(Expr::Kind::atan2, {b.cy - a.cy, b.cx - a.cx}) : Expr::call(Expr::Kind::atan2, {a.cy - b.cy, a.cx - b.cx});
+    } else {
+      Vec2 direction = a.s.center - b.s.center;
+      if (a_larger) direction = -direction;
+      const double measured = turned_near(std::atan2(direction.y(), direction.x()), step < 0 ? b.to0 : b.from0);
+      joint_b = parameter(measured, Quantity::angle, a.name + "_joint_angle", "angle at which the " + a.name + " begins");
+      const Expr along = a_larger ? -apart : apart;
+      a.cx = b.cx + along * Expr::call(Expr::Kind::cos, {joint_b});
+      a.cy = b.cy + along * Expr::call(Expr::Kind::sin, {joint_b});
+    }
+    // Seen from a the joint lies opposite when the arcs curve to different sides.
+    const Expr joint_a = opposite ? (line ? Expr::call(Expr::Kind::atan2, {b.cy - a.cy, b.cx - a.cx}) : joint_b + Expr(pi)) : joint_b;
+    (step < 0 ? a.joint_start : a.joint_end) = joint_a;
+    (step < 0 ? b.joint_end : b.joint_start) = joint_b;
+    a.solved = true;
+  }
+
   void solve_arcs(std::vector<Piece>& pieces, bool axis_to_axis) {
+    std::vector<int> reference(pieces.size(), 0);
+    for (std::size_t i = 0; i < pieces.size() && pieces.size() > 1; ++i) reference[i] = reference_of(pieces, i, axis_to_axis);
+    // Two arcs that wait for each other: the first stands alone.
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      if (reference[i] > 0 && reference[index_of(pieces, i, +1)] < 0) reference[i] = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      if (pieces[i].s.arc && reference[i] == 0) solve_arc(pieces, i, axis_to_axis);
+    for (bool progress = true; progress;) {
+      progress = false;
+      for (std::size_t i = 0; i < pieces.size(); ++i)
+        if (pieces[i].s.arc && !pieces[i].solved && pieces[index_of(pieces, i, reference[i])].solved) {
+          solve_dependent(pieces, i, reference[i], axis_to_axis);
+          progress = true;
+        }
+    }
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      if (pieces[i].s.arc && !pieces[i].solved) solve_arc(pieces, i, axis_to_axis);
+    // Ends come last: they look at neighbours on both sides.
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       Piece& a = pieces[i];
-      if (!a.s.arc) continue;
+      if (!a.s.arc || pieces.size() == 1) continue;
+      a.from = end_angle(a, neighbour(pieces, i, -1, axis_to_axis), a.tangent_start, a.from0, axis_to_axis && i == 0, a.joint_start);
+      a.to = end_angle(a, neighbour(pieces, i, +1, axis_to_axis), a.tangent_end, a.to0, axis_to_axis && i + 1 == pieces.size(), a.joint_end);
+    }
+  }
+
+  void solve_arc(std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) {
+      Piece& a = pieces[i];
+      a.solved = true;
       const bool convex = a.s.sweep > 0;
-      if (pieces.size() == 1) {
-        full_circle(a);
-        continue;
-      }
-      const bool on_axis = o_.revolve && std::abs(a.s.center.x()) < std::max(o_.tolerance / 2, 0.02 * a.s.radius);
+      if (pieces.size() == 1) return full_circle(a);
+      const bool centred = on_axis(a);
       const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
       const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
       std::vector<const Piece*> touched;
@@ -246,12 +347,11 @@ class Builder {
         const int axis = line.way == Way::vertical ? 0 : 1;
         return a.s.center[axis] > line.s.point[axis] ? 1.0 : -1.0;
       };
-      const bool small = a.s.radius * std::abs(a.s.sweep) > 0;
-      const std::string role = on_axis ? "dome" : touched.size() == 2 ? (convex ? "round" : "fillet") : (convex ? "bulge" : "groove");
+      const std::string role = centred ? "dome" : touched.size() == 2 ? (convex ? "round" : "fillet") : (convex ? "bulge" : "groove");
       a.name = role;
       const std::string where = " of the " + role;
       std::optional<Expr> cx, cy;
-      if (on_axis) cx = Expr(0);
+      if (centred) cx = Expr(0);
       if (touched.size() == 2 && touched[0]->way == touched[1]->way) {
         // Between two parallel edges: half their distance.
         const int axis = touched[0]->way == Way::vertical ? 0 : 1;
@@ -272,7 +372,7 @@ class Builder {
         half_widths_[key] = a.r;
         (axis == 0 ? cx : cy) = level_expr(low) + a.r;
       } else {
-        if (on_axis && touched.size() == 1 && touched[0]->way == Way::vertical) a.r = level_expr(touched[0]->level);  // a dome on its cylinder
+        if (centred && touched.size() == 1 && touched[0]->way == Way::vertical) a.r = level_expr(touched[0]->level);  // a dome on its cylinder
         else a.r = radius(a.s.radius, role + "_radius", "radius" + where);
         for (const Piece* line : touched) {
           const int axis = line->way == Way::vertical ? 0 : 1;
@@ -281,20 +381,11 @@ class Builder {
           c = side(*line) > 0 ? level_expr(line->level) + a.r : level_expr(line->level) - a.r;
         }
       }
-      (void)small;
       const char* second = o_.revolve ? "z" : "y";
       const char* first = o_.revolve ? "r" : "x";
       if (!cx) cx = coordinate(0, a.s.center.x(), role + "_center_" + first, (o_.revolve ? "distance of the centre from the axis" : "x of the centre") + where);
       if (!cy) cy = coordinate(1, a.s.center.y(), role + "_center_" + second, std::string(o_.revolve ? "height" : "y") + " of the centre" + where);
       a.cx = *cx, a.cy = *cy;
-    }
-    // Ends come last: they look at neighbours on both sides.
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      Piece& a = pieces[i];
-      if (!a.s.arc || pieces.size() == 1) continue;
-      a.from = end_angle(a, neighbour(pieces, i, -1, axis_to_axis), a.tangent_start, a.from0, axis_to_axis && i == 0);
-      a.to = end_angle(a, neighbour(pieces, i, +1, axis_to_axis), a.tangent_end, a.to0, axis_to_axis && i + 1 == pieces.size());
-    }
   }
 
   void full_circle(Piece& a) {
@@ -309,12 +400,13 @@ class Builder {
   }
 
   /// The angle at which an arc ends on its neighbour.
-  Expr end_angle(const Piece& a, const Piece* b, bool tangent, double measured, bool at_axis) {
+  Expr end_angle(const Piece& a, const Piece* b, bool tangent, double measured, bool at_axis, const std::optional<Expr>& joint) {
     auto near = [&](Expr e) {
       const double v = value(e);
       const double turns = std::round((measured - v) / (2 * pi));
       return turns == 0 ? e : e + Expr(2 * pi * turns);
     };
+    if (joint) return near(*joint);
     const double cx = value(a.cx), cy = value(a.cy), r = value(a.r);
     auto crossing_x = [&](const Expr& x) {
       Expr c = Expr::call(Expr::Kind::acos, {(x - a.cx) / a.r});
@@ -338,15 +430,16 @@ class Builder {
     // A free end: the neighbour starts where the arc stops.
     double angle = measured;
     if (b && b->s.arc) {
-      // Two arcs meet where the line of their centres, or their circles, cross.
-      const Vec2 c1(cx, cy), c2 = b->s.center;
-      const double d = (c2 - c1).norm(), r2 = b->s.radius;
-      const double along = d > 0 ? (d * d + r * r - r2 * r2) / (2 * d) : 0;
-      if (d > 0 && std::abs(along) < r) {
-        const double base = std::atan2(c2.y() - c1.y(), c2.x() - c1.x()), half = std::acos(std::clamp(along / r, -1.0, 1.0));
-        const double p = turned_near(base + half, measured), q = turned_near(base - half, measured);
-        angle = std::abs(p - measured) < std::abs(q - measured) ? p : q;
-        if (std::abs(angle - measured) > 0.3) angle = measured;
+      // Two arcs with a corner between them: where their circles cross.
+      const Expr dx = b->cx - a.cx, dy = b->cy - a.cy;
+      const double d = std::hypot(value(dx), value(dy)), r2 = value(b->r);
+      if (d > 0 && std::abs(d * d + r * r - r2 * r2) < 2 * d * r) {
+        const Expr apart = Expr::call(Expr::Kind::sqrt, {dx * dx + dy * dy});
+        const Expr half = Expr::call(Expr::Kind::acos, {(dx * dx + dy * dy + a.r * a.r - b->r * b->r) / (Expr(2) * apart * a.r)});
+        const Expr base = Expr::call(Expr::Kind::atan2, {dy, dx});
+        const Expr p = near(base + half), q = near(base - half);
+        const Expr& best = std::abs(value(p) - measured) < std::abs(value(q) - measured) ? p : q;
+        if (std::abs(value(best) - measured) < 0.3) return best;
       }
     } else if (b) {
       // Cut with the oblique line.
@@ -520,7 +613,13 @@ class Builder {
       if (o_.revolve && level.axis == 1 && level.value > top) top = level.value, top_slot = slot;
       if (o_.revolve && level.axis == 0 && level.rising) walls.emplace_back(&level, slot);
     }
-    if (top > 0) slots_[top_slot] = {"total_length", "length over all"};
+    double highest = -1e300;
+    for (const auto& pieces : pieces_)
+      for (const auto& p : pieces) {
+        highest = std::max({highest, p.s.start.y(), p.s.end.y()});
+        if (p.s.arc && p.s.sweep > 0 && p.from0 < pi / 2 && p.to0 > pi / 2) highest = std::max(highest, p.s.center.y() + p.s.radius);
+      }
+    if (top > 0 && top > highest - 2 * o_.tolerance) slots_[top_slot] = {"total_length", "length over all"};
     if (walls.size() == 2) {
       auto [big, small] = std::make_pair(walls[0], walls[1]);
       if (big.first->value < small.first->value) std::swap(big, small);

@@ -59,7 +59,7 @@ void snap_parameters(Candidate& candidate, const TidyOptions& options) {
       p.value = snapped(p.fitted, p.quantity == Quantity::ratio ? std::min(step, 1e-3) : step);
     }
     // As-built and as-designed stay side by side; what lies below a hundredth of a sigma is noise in print.
-    const double fine = power_of_ten_below(std::max(sigma / 30, 1e-9));
+    const double fine = power_of_ten_below(std::clamp(sigma / 30, 1e-9, options.tolerance / 100));
     p.fitted = angle ? radians(snapped(degrees(p.fitted), std::max(power_of_ten_below(std::max(degrees(sigma) / 30, 1e-9)), 1e-9))) : snapped(p.fitted, fine);
     for (double* s : {&p.sigma, &p.sigma_noise, &p.sigma_systematic})
       if (*s > 0) *s = snapped(*s, power_of_ten_below(*s / 10));

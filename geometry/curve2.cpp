@@ -24,37 +24,58 @@ Foot foot_on_segment(const Vec2& a, const Vec2& b, const Vec2& p) {
   return {(p - q).squaredNorm(), q};
 }
 
-Foot foot_on_arc(const Arc2& arc, const Vec2& p) {
-  const Vec2 d = p - arc.center;
-  const double low = std::min(arc.from, arc.to), span = std::abs(arc.to - arc.from);
-  double turn = std::atan2(d.y(), d.x()) - low;
-  turn -= 2 * pi * std::floor(turn / (2 * pi));
-  if (turn <= span || span >= 2 * pi) {
-    const double rho = d.norm();
-    const Vec2 q = rho > 0 ? Vec2(arc.center + d * (arc.radius / rho)) : arc.at(arc.from);
-    return {(p - q).squaredNorm(), q};
-  }
-  const Vec2 a = arc.at(arc.from), b = arc.at(arc.to);
-  const double da = (p - a).squaredNorm(), db = (p - b).squaredNorm();
-  return da <= db ? Foot{da, a} : Foot{db, b};
+/// An arc with everything that a query needs again and again.
+struct PreparedArc {
+  Vec2 center, start, end;
+  double radius, low, span;
+  Vec2 middle;         // unit, towards the middle of the arc
+  double cos_half;     // cosine of half the span; -2 for a full turn
+  struct Monotone {    // a piece that rises or falls throughout
+    double y0, y1;
+    bool right_half;
+  };
+  std::vector<Monotone> pieces;
+};
+
+PreparedArc prepared(const Arc2& arc) {
+  PreparedArc p;
+  p.center = arc.center, p.radius = arc.radius, p.start = arc.at(arc.from), p.end = arc.at(arc.to);
+  p.low = std::min(arc.from, arc.to);
+  p.span = std::min(std::abs(arc.to - arc.from), 2 * pi);
+  const double high = p.low + p.span, half = p.low + 0.5 * p.span;
+  p.middle = {std::cos(half), std::sin(half)};
+  p.cos_half = p.span >= 2 * pi - 1e-12 ? -2 : std::cos(0.5 * p.span);
+  // Split at the lowest and highest points of the circle.
+  std::vector<double> cuts = {p.low};
+  for (double k = std::ceil((p.low - pi / 2) / pi); pi / 2 + k * pi < high; k += 1)
+    if (pi / 2 + k * pi > p.low) cuts.push_back(pi / 2 + k * pi);
+  cuts.push_back(high);
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
+    p.pieces.push_back({arc.at(cuts[i]).y(), arc.at(cuts[i + 1]).y(), std::cos(0.5 * (cuts[i] + cuts[i + 1])) > 0});
+  return p;
 }
 
-/// How often a ray from p to the right crosses the arc, counted modulo two by splitting it at its lowest and highest
-/// points into pieces that rise or fall throughout.
-int crossings(const Arc2& arc, const Vec2& p) {
-  const double low = std::min(arc.from, arc.to), high = std::max(arc.from, arc.to);
-  std::vector<double> cuts = {low};
-  for (double k = std::ceil((low - pi / 2) / pi); pi / 2 + k * pi < high; k += 1)
-    if (pi / 2 + k * pi > low) cuts.push_back(pi / 2 + k * pi);
-  cuts.push_back(high);
+Foot foot_on_arc(const PreparedArc& arc, const Vec2& p) {
+  const Vec2 d = p - arc.center;
+  const double rho = d.norm();
+  if (rho <= 0) return {arc.radius * arc.radius, arc.start};
+  if (arc.middle.dot(d) >= arc.cos_half * rho) {
+    const double off = rho - arc.radius;
+    return {off * off, arc.center + d * (arc.radius / rho)};
+  }
+  const double da = (p - arc.start).squaredNorm(), db = (p - arc.end).squaredNorm();
+  return da <= db ? Foot{da, arc.start} : Foot{db, arc.end};
+}
+
+/// How often a ray from p to the right crosses the arc.
+int crossings(const PreparedArc& arc, const Vec2& p) {
+  if (std::abs(p.y() - arc.center.y()) > arc.radius || p.x() > arc.center.x() + arc.radius) return 0;
   int count = 0;
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    const double y0 = arc.at(cuts[i]).y(), y1 = arc.at(cuts[i + 1]).y();
-    if ((y0 <= p.y()) == (y1 <= p.y())) continue;
-    const double s = std::clamp((p.y() - arc.center.y()) / arc.radius, -1.0, 1.0);
-    const double half_width = arc.radius * std::sqrt(1 - s * s);
-    const bool right_half = std::cos(0.5 * (cuts[i] + cuts[i + 1])) > 0;
-    if (arc.center.x() + (right_half ? half_width : -half_width) > p.x()) ++count;
+  for (const auto& piece : arc.pieces) {
+    if ((piece.y0 <= p.y()) == (piece.y1 <= p.y())) continue;
+    const double dy = p.y() - arc.center.y();
+    const double half_width = std::sqrt(std::max(arc.radius * arc.radius - dy * dy, 0.0));
+    if (arc.center.x() + (piece.right_half ? half_width : -half_width) > p.x()) ++count;
   }
   return count;
 }
@@ -172,11 +193,23 @@ std::vector<Vec2> polyline(const Curve2& curve, double chord_error) {
   return points;
 }
 
+struct OutlineDistance::Prepared {
+  std::vector<PreparedArc> arcs;  // one per curve; meaningful for arcs only
+};
+
+OutlineDistance::~OutlineDistance() = default;
+OutlineDistance::OutlineDistance(OutlineDistance&&) noexcept = default;
+
 OutlineDistance::OutlineDistance(Outline2 outline)
     : outline_(std::move(outline)),
       ignored_(outline_.curves.size(), 0),
       chords_(outline_.curves.size()),
-      chord_u_(outline_.curves.size()) {
+      chord_u_(outline_.curves.size()),
+      prepared_(std::make_unique<Prepared>()) {
+  for (const auto& c : outline_.curves) {
+    const auto* a = std::get_if<Arc2>(&c.curve);
+    prepared_->arcs.push_back(a ? prepared(*a) : PreparedArc{});
+  }
   double size = 0;
   Vec2 low = Vec2::Constant(1e300), high = Vec2::Constant(-1e300);
   for (const auto& c : outline_.curves)
@@ -195,8 +228,8 @@ bool OutlineDistance::inside(const Vec2& p) const {
     const auto& curve = outline_.curves[i].curve;
     if (const auto* l = std::get_if<Line2>(&curve)) {
       count += crossings(l->a, l->b, p);
-    } else if (const auto* a = std::get_if<Arc2>(&curve)) {
-      count += crossings(*a, p);
+    } else if (std::holds_alternative<Arc2>(curve)) {
+      count += crossings(prepared_->arcs[i], p);
     } else {
       for (std::size_t k = 0; k + 1 < chords_[i].size(); ++k) count += crossings(chords_[i][k], chords_[i][k + 1], p);
     }
@@ -215,8 +248,8 @@ OutlineDistance::Hit OutlineDistance::operator()(const Vec2& p) const {
     Vec2 normal = Vec2::Zero();
     if (const auto* l = std::get_if<Line2>(&curve)) {
       foot = foot_on_segment(l->a, l->b, p);
-    } else if (const auto* a = std::get_if<Arc2>(&curve)) {
-      foot = foot_on_arc(*a, p);
+    } else if (std::holds_alternative<Arc2>(curve)) {
+      foot = foot_on_arc(prepared_->arcs[i], p);
     } else {
       const auto& c = std::get<Nurbs2>(curve);
       std::size_t at = 0;

@@ -1,6 +1,7 @@
 /// Plane curves (lines, arcs, NURBS), closed outlines of them, and exact distances to both.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -54,6 +55,8 @@ struct Outline2 {
 class OutlineDistance {
  public:
   explicit OutlineDistance(Outline2 outline);
+  ~OutlineDistance();
+  OutlineDistance(OutlineDistance&&) noexcept;
   struct Hit {
     double distance = 0;
     int curve = -1;  ///< index into outline().curves
@@ -66,11 +69,12 @@ class OutlineDistance {
   bool inside(const Vec2& point) const;
 
  private:
-  struct Sampled;  // a NURBS curve as short chords with their parameters
+  struct Prepared;  // what each query needs of every arc
   Outline2 outline_;
   std::vector<char> ignored_;
   std::vector<std::vector<Vec2>> chords_;      // per curve; only NURBS have any
   std::vector<std::vector<double>> chord_u_;
+  std::unique_ptr<Prepared> prepared_;
 };
 
 /// The area enclosed by one loop, positive for counter-clockwise.

@@ -1,0 +1,213 @@
+#include "fit/build.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/number.h"
+#include "fit/coverage.h"
+#include "fit/evidence.h"
+#include "fit/extrude.h"
+#include "fit/half_spaces.h"
+#include "fit/prepare.h"
+#include "fit/quadrics.h"
+#include "fit/refine.h"
+#include "fit/revolve.h"
+#include "fit/superellipsoid.h"
+#include "fit/tidy.h"
+#include "fit/triangulate.h"
+
+namespace partscribe {
+namespace {
+
+/// A candidate after a first refinement, with what speaks for and against it.
+struct Judged {
+  Candidate candidate;
+  CandidateEvidence evidence;
+  double covered = 0;
+  bool meets = false;
+  std::string reason;
+};
+
+std::string millimetres(double v, double tolerance) {
+  return print_number(snapped(v, power_of_ten_below(std::max(tolerance / 20, 1e-9)))) + " mm";
+}
+
+Judged judge(Candidate candidate, const FitInput& input, Context& context) {
+  Judged j;
+  auto senseless = [&] {
+    // Before and after: a refinement may leave the domain (a negative radius, a crossing profile).
+    const auto outcome = check(bare_model(candidate));
+    const auto* complaints = std::get_if<Complaints>(&outcome);
+    if (!complaints) return false;
+    j.reason = "makes no sense: " + complaints->lines.front();
+    j.evidence.local_max = input.bounds.diagonal();
+    return true;
+  };
+  if (senseless()) {
+    j.candidate = std::move(candidate);
+    return j;
+  }
+  RefineOptions quick;
+  quick.points = std::holds_alternative<Superellipsoid>(candidate.shape) ? 1500 : 6000;
+  quick.iterations = 25;
+  quick.uncertainty = false;
+  refine(candidate, input, quick, context);
+  if (senseless()) {
+    j.candidate = std::move(candidate);
+    return j;
+  }
+  j.evidence = evidence_of(candidate, input, context);
+  j.covered = covered_share(candidate, input, context);
+  j.candidate = std::move(candidate);
+  if (j.evidence.local_max > input.tolerance)
+    j.reason = "deviates by " + millimetres(j.evidence.local_max, input.tolerance) + " at (" + print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
+               print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " + print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
+  else if (j.covered < 0.25)
+    j.reason = "only " + print_number(std::round(100 * j.covered)) + " % of its surface was seen";
+  else
+    j.meets = true;
+  return j;
+}
+
+bool asked_for(const std::string& force, const Candidate& c) {
+  return force.empty() || force == c.procedure || force == kind_of(c.shape);
+}
+
+/// Every maker of candidates, in the order in which their results are listed.
+struct Maker {
+  const char* name;
+  std::function<std::vector<Candidate>(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)> propose;
+};
+
+const std::vector<Maker>& makers() {
+  static const std::vector<Maker> list = {
+      {"quadrics", [](const FitInput& in, const SuperellipsoidFit& h, const std::vector<Vec3>&, Context& c) { return propose_quadrics(in, h, c); }},
+      {"polyhedra", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>&, Context& c) { return propose_polyhedra(in, c); }},
+      {"revolves", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d, Context& c) { return propose_revolves(in, d, c); }},
+      {"extrudes", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d, Context& c) { return propose_extrudes(in, d, c); }},
+  };
+  return list;
+}
+
+Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOptions& options) {
+  Provenance p;
+  for (std::size_t i = 0; i < scan.files.size(); ++i) p.sources.push_back({scan.files[i], i < scan.sha256.size() ? scan.sha256[i] : ""});
+  p.points = scan.cloud.size();
+  p.rejected = static_cast<std::size_t>(std::count(scan.cloud.rejected.begin(), scan.cloud.rejected.end(), 1));
+  p.views = static_cast<int>(scan.views.size());
+  p.noise = input.sampling.sigma > 0 ? snapped(input.sampling.sigma, power_of_ten_below(input.sampling.sigma / 100)) : 0;
+  p.spacing = input.sampling.spacing > 0 ? snapped(input.sampling.spacing, power_of_ten_below(input.sampling.spacing / 100)) : 0;
+  p.unit_scale = scan.unit_scale;
+  p.options = "--tolerance " + print_number(options.tolerance) + (options.nominal ? "" : " --no-nominal") +
+              (options.force.empty() ? "" : " --procedure " + options.force);
+  return p;
+}
+
+double rounded(double v) { return v > 0 ? snapped(v, power_of_ten_below(v / 1000)) : 0; }
+
+}  // namespace
+
+Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context) {
+  context.report("normals", 0.0);
+  auto prepared = prepare(scan, options.tolerance, context);
+  if (!prepared) return prepared.error();
+  const FitInput& input = *prepared;
+
+  context.report("hypothesis", 0.15);
+  const SuperellipsoidFit hypothesis = recover_superellipsoid(input.cloud.points, context);
+  std::vector<Vec3> directions;
+  for (int k = 2; k >= 0; --k) directions.push_back(hypothesis.scan_from_shape.rotation.col(k));
+  context.say("hypothesis: " + hypothesis.hypothesis.suggests);
+
+  context.report("candidates", 0.25);
+  std::vector<Judged> judged;
+  for (const auto& maker : makers()) {
+    for (auto& candidate : maker.propose(input, hypothesis, directions, context)) {
+      if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+      if (!asked_for(options.force, candidate)) continue;
+      judged.push_back(judge(std::move(candidate), input, context));
+      const auto& j = judged.back();
+      context.say(std::string(maker.name) + ": " + j.candidate.procedure + ", deviation " + millimetres(j.evidence.local_max, options.tolerance) +
+                  ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
+    }
+  }
+  // Those that meet the tolerance by total cost, then the others by deviation.
+  std::stable_sort(judged.begin(), judged.end(), [](const Judged& a, const Judged& b) {
+    if (a.meets != b.meets) return a.meets;
+    return a.meets ? a.evidence.total() < b.evidence.total() : a.evidence.local_max < b.evidence.local_max;
+  });
+
+  context.report("refine", 0.6);
+  Model model;
+  bool found = false;
+  CandidateEvidence final_evidence;
+  double final_covered = 0;
+  std::size_t winner = judged.size();
+  for (std::size_t i = 0; i < judged.size() && judged[i].meets && !found; ++i) {
+    Candidate exact = judged[i].candidate;
+    RefineOptions full;
+    full.points = std::holds_alternative<Superellipsoid>(exact.shape) ? 6000 : 30000;
+    refine(exact, input, full, context);
+    for (const bool nominal : {true, false}) {
+      if (nominal && !options.nominal) continue;
+      Candidate tidy = exact;
+      snap_parameters(tidy, {options.tolerance, nominal});
+      // Round numbers shift what hangs on them: let the rest settle around them once more.
+      std::vector<double> printed;
+      Candidate settled = tidy;
+      RefineOptions rest;
+      rest.points = 6000, rest.iterations = 8, rest.uncertainty = false;
+      for (const auto& p : tidy.parameters) rest.fixed.push_back(p.name);
+      refine(settled, input, rest, context);
+      tidy.scan_from_part = settled.scan_from_part;
+      Model proposal = model_of(tidy, input);
+      if (std::holds_alternative<Complaints>(check(proposal))) continue;
+      Candidate as_printed = tidy;
+      as_printed.scan_from_part = evaluate(proposal.scan_from_part, values_of(proposal));
+      final_evidence = evidence_of(as_printed, input, context);
+      if (final_evidence.local_max > options.tolerance) continue;
+      final_covered = covered_share(as_printed, input, context);
+      model = std::move(proposal);
+      found = true;
+      winner = i;
+      break;
+    }
+    if (!found) judged[i].meets = false, judged[i].reason = "left the tolerance when its numbers were rounded for print";
+  }
+  if (!found) {
+    context.report("triangulation", 0.7);
+    auto mesh = triangulate(input, context);
+    if (!mesh) return mesh.error();
+    if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+    final_evidence = evidence_of(*mesh, input, context);
+    final_covered = covered_share(*mesh, input, context);
+    model = model_of(*mesh, input);
+    model.scan_from_part = {};
+    const Vec3 shift = mesh->scan_from_part.translation;
+    model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
+    model.fallback = true;
+  }
+  model.name = options.name;
+  model.provenance = provenance_of(scan, input, options);
+  model.hypothesis = hypothesis.hypothesis;
+  Evidence& evidence = model.objects.back().evidence;
+  evidence.points = input.cloud.size();
+  evidence.rms = rounded(final_evidence.rms);
+  evidence.max = rounded(final_evidence.local_max);
+  evidence.covered = snapped(final_covered, 0.001);
+  evidence.views = static_cast<int>(scan.views.size());
+  const double best_total = winner < judged.size() ? judged[winner].evidence.total() : 0;
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    if (i == winner) continue;
+    const auto& j = judged[i];
+    std::string reason = j.reason;
+    if (reason.empty()) reason = "costs " + print_number(std::round(j.evidence.total() - best_total)) + " nats more";
+    model.rivals.push_back({j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
+    if (model.rivals.size() == 12) break;
+  }
+  context.report("fitted", 1.0);
+  return checked(std::move(model), "the fitted model");
+}
+
+}  // namespace partscribe
