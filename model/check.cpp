@@ -36,6 +36,8 @@ bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
   auto side = [](const Vec2& p, const Vec2& q, const Vec2& r) {
     return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
   };
+  // Neighbours share an end up to rounding (a full circle's first and last chord do): that is no crossing.
+  if ((a - d).norm() <= sketch_join || (b - c).norm() <= sketch_join) return false;
   return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
 }
 
