@@ -137,6 +137,7 @@ std::optional<std::vector<Vec3>> viewpoints(const std::string& name) {
   int count = 0;
   const auto [end, failure] = std::from_chars(name.data(), name.data() + name.size(), count);
   if (failure != std::errc() || end != name.data() + name.size() || count < 1 || count > 1000) return {};
+  if (count == 1) return std::vector<Vec3>{{0, 0, 1}};
   for (int i = 0; i < count; ++i) {  // Fibonacci sphere
     const double z = 1 - (2.0 * i + 1) / count, r = std::sqrt(1 - z * z), a = 2 * pi * i / golden;
     result.emplace_back(r * std::cos(a), r * std::sin(a), z);
