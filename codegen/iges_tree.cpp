@@ -44,7 +44,11 @@ void place(const Entity& entity, const Pose& pose) {
   if (pose.rotation == Mat3::Identity() && pose.translation == Vec3::Zero()) return;
   const Handle(TColStd_HArray2OfReal) matrix = new TColStd_HArray2OfReal(1, 3, 1, 4);
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) matrix->SetValue(row + 1, column + 1, pose.rotation(row, column));
+    for (int column = 0; column < 3; ++column) {
+      // cos(90 degrees) is not quite zero in binary.
+      const double entry = pose.rotation(row, column);
+      matrix->SetValue(row + 1, column + 1, std::abs(entry) < 1e-15 ? 0 : entry);
+    }
     matrix->SetValue(row + 1, 4, pose.translation[row]);
   }
   const Handle(IGESGeom_TransformationMatrix) transformation = new IGESGeom_TransformationMatrix;

@@ -81,7 +81,9 @@ bool OpenscadText::carries_angle(const Expr& e) const {
 OpenscadText::Piece OpenscadText::piece(const Expr& e, bool as_angle) const {
   const auto argument = [&](std::size_t i, bool wants_angle, int needed) {
     Piece p = piece(e.arguments[i], wants_angle);
-    return guarded(std::move(p.text), p.strength, needed);
+    // a - -b would be right, but a - (-b) is what a person writes.
+    const bool signed_operand = i > 0 && p.text[0] == '-';
+    return guarded(std::move(p.text), p.strength, signed_operand ? atom : needed);
   };
   const auto converted = [&](Piece p, bool is_angle) -> Piece {
     if (is_angle == as_angle) return p;
