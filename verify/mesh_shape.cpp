@@ -3,7 +3,6 @@
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
-#include <Eigen/Geometry>
 #include <Geom_Surface.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
@@ -16,22 +15,14 @@
 #include <TopoDS_Shape.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
-#include <cmath>
 #include <numeric>
+
+#include "geometry/mesh_distance.h"
 
 namespace partscribe {
 namespace {
 
 Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-
-/// Distance from `p` to the facet, taken to its plane unless the facet is too thin to have a dependable one.
-double facet_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p, const Vec3& on_facet) {
-  const Vec3 n = (b - a).cross(c - a);
-  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-  const double direct = (p - on_facet).norm();
-  if (n.norm() < 1e-6 * longest) return direct;
-  return std::min(direct, std::abs(n.normalized().dot(p - a)));
-}
 
 /// Nodes of all faces in one list, united along shared edges and vertices by what the mesher recorded, not by
 /// coordinates: so a gap stays a gap and a seam closes.
@@ -67,6 +58,7 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
   std::vector<std::int64_t> vertex_node(static_cast<std::size_t>(vertices.Extent()) + 1, -1);
   NodeUnion nodes;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Vec3> on_surface;  // exact places over the middles of facets and of their edges
 
   for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
     const TopoDS_Face face = TopoDS::Face(faces.Current());
@@ -153,6 +145,11 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
       w[k] = index[r];
     }
     if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) result.mesh.triangles.push_back(w);
+  }
+  // To the whole mesh, not to the facet it came from: beside a pole the mean of parameters lies over a neighbour.
+  if (!result.mesh.empty()) {
+    const MeshDistance distance(result.mesh);
+    for (const auto& p : on_surface) result.error = std::max(result.error, distance.closest(p).distance);
   }
   return result;
 }

@@ -9,7 +9,7 @@ namespace partscribe {
 
 struct ShapeMesh {
   TriangleMesh mesh;   ///< facets share their vertices along shared edges, outward where the shape says so
-  double error = 0;    ///< mm, largest distance found between a facet and its surface
+  double error = 0;    ///< mm, largest distance found between the surfaces and the mesh
 };
 
 /// Meshes at tolerance / 10, measures at centroids and edge midpoints, and refines once if the error is above

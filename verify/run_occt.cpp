@@ -15,6 +15,7 @@
 #include <Message_Printer.hxx>
 #include <OSD.hxx>
 #include <STEPControl_Reader.hxx>
+#include <ShapeFix_Shell.hxx>
 #include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
 #include <TopExp_Explorer.hxx>
@@ -68,7 +69,11 @@ TopoDS_Shape as_solids(const TopoDS_Shape& shape) {
   BRep_Builder builder;
   builder.MakeCompound(all);
   for (TopExp_Explorer shells(sewn, TopAbs_SHELL); shells.More(); shells.Next()) {
-    const TopoDS_Shell shell = TopoDS::Shell(shells.Current());
+    // Sewing joins edges but leaves each face the sense it had in the file, which means nothing for loose faces.
+    ShapeFix_Shell fixer;
+    fixer.FixFaceOrientation(TopoDS::Shell(shells.Current()));
+    const TopoDS_Shell shell = fixer.Shell();
+    if (shell.IsNull()) continue;
     BRepBuilderAPI_MakeSolid maker(shell);
     if (BRep_Tool::IsClosed(shell) && maker.IsDone()) {
       TopoDS_Solid solid = maker.Solid();

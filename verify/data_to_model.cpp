@@ -1,0 +1,338 @@
+#include "verify/data_to_model.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "core/number.h"
+#include "core/parallel.h"
+#include "geometry/thin.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t most_places = 60000;
+constexpr double same_face = 0.7071;       // cosine of 45 degrees
+constexpr double edge_on = 0.17;           // sine of 10 degrees: no sensor sees a surface that steeply
+
+std::string shown(double mm) { return print_number(snapped(mm, 0.0001)); }
+std::string shown(const Vec3& p) {
+  return "(" + print_number(snapped(p.x(), 0.01)) + ", " + print_number(snapped(p.y(), 0.01)) + ", " +
+         print_number(snapped(p.z(), 0.01)) + ")";
+}
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + long(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct RobustMean {
+  double mean = 0, spread = 0;
+};
+
+/// The mean of those within 2.5 scaled median absolute deviations of the median.
+RobustMean robust_mean(const std::vector<double>& values) {
+  std::vector<double> work = values;
+  const double middle = median_of(work);
+  for (std::size_t i = 0; i < values.size(); ++i) work[i] = std::abs(values[i] - middle);
+  const double spread = 1.4826 * median_of(work);
+  double sum = 0;
+  std::size_t count = 0;
+  for (const double v : values)
+    if (std::abs(v - middle) <= 2.5 * spread + 1e-12) sum += v, ++count;
+  return {count ? sum / static_cast<double>(count) : middle, spread};
+}
+
+using Cell = std::array<std::int64_t, 3>;
+Cell cell_of(const Vec3& p, double edge) {
+  return {std::int64_t(std::floor(p.x() / edge)), std::int64_t(std::floor(p.y() / edge)),
+          std::int64_t(std::floor(p.z() / edge))};
+}
+
+class Comparison {
+ public:
+  Comparison(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals,
+             const VerifyOptions& options, Context& context)
+      : source_(source), surface_(surface), normals_(normals), options_(options), context_(context),
+        tolerance_(options.tolerance), far_(tolerance_ + 3 * source.noise) {}
+
+  PointField run() {
+    measure();
+    if (options_.rule == Rule::max) {
+      places_of_their_own();
+    } else {
+      make_places();
+      average();
+      find_strays();
+      judge_clusters_of_strays();
+    }
+    summarise();
+    if (options_.rule == Rule::local) judge_rejections();
+    return std::move(field_);
+  }
+
+ private:
+  const ScanSource& source_;
+  const MeshDistance& surface_;
+  const std::vector<Vec3>& normals_;
+  const VerifyOptions& options_;
+  Context& context_;
+  double tolerance_, far_;
+  std::vector<std::size_t> members_;  // per place
+  PointField field_;
+
+  std::size_t size() const { return source_.points.size(); }
+
+  void measure() {
+    field_.distance.resize(size()), field_.triangle.resize(size()), field_.stray.assign(size(), 0);
+    parallel_for(size(), context_.threads, [&](std::size_t begin, std::size_t end) {
+      MeshHit hit;
+      for (std::size_t i = begin; i < end; ++i) {
+        field_.distance[i] = surface_.signed_distance(source_.points[i], hit);
+        field_.triangle[i] = hit.triangle;
+      }
+    });
+  }
+
+  /// Both the scanned normals, whatever their sign, and those of the nearest facets agree within 45 degrees.
+  bool on_same_face(std::uint32_t a, std::uint32_t b) const {
+    if (normals_[field_.triangle[a]].dot(normals_[field_.triangle[b]]) < same_face) return false;
+    if (source_.normals.empty()) return true;
+    const Vec3 &p = source_.normals[a], &q = source_.normals[b];
+    return p.squaredNorm() < 0.5 || q.squaredNorm() < 0.5 || std::abs(p.dot(q)) >= same_face;
+  }
+
+  void places_of_their_own() {
+    field_.place.resize(size()), field_.places.resize(size());
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      field_.place[i] = i;
+      field_.places[i] = {i, field_.distance[i], 0, source_.spacing, true};
+    }
+  }
+
+  /// One place per cube and face; every point joins one.
+  void make_places() {
+    field_.place.resize(size());
+    const double edge = size() <= most_places ? 0 : spacing_for_count(source_.points, most_places);
+    if (!(edge > 0)) {
+      for (std::uint32_t i = 0; i < size(); ++i) {
+        field_.place[i] = i;
+        field_.places.push_back({i, 0, 0, 0, true});
+      }
+      members_.assign(size(), 1);
+      return;
+    }
+    struct Keyed {
+      Cell cell;
+      std::uint32_t point;
+    };
+    std::vector<Keyed> keyed(size());
+    for (std::uint32_t i = 0; i < size(); ++i) keyed[i] = {cell_of(source_.points[i], edge), i};
+    std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) {
+      return a.cell != b.cell ? a.cell < b.cell : a.point < b.point;
+    });
+    for (std::size_t i = 0; i < keyed.size();) {
+      std::size_t end = i;
+      while (end < keyed.size() && keyed[end].cell == keyed[i].cell) ++end;
+      const std::size_t first = field_.places.size();
+      // The point in the middle of the run opens the first place: it is rarely at the cube's border.
+      const std::size_t count = end - i;
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::uint32_t p = keyed[i + (k + count / 2) % count].point;
+        std::size_t at = first;
+        while (at < field_.places.size() && !on_same_face(field_.places[at].point, p)) ++at;
+        if (at == field_.places.size()) field_.places.push_back({p, 0, 0, 0, true}), members_.push_back(0);
+        field_.place[p] = static_cast<std::uint32_t>(at);
+        ++members_[at];
+      }
+      i = end;
+    }
+  }
+
+  void average() {
+    const int least = neighbours_for(source_, tolerance_);
+    parallel_for(field_.places.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<Neighbour> near;
+      std::vector<std::uint32_t> group;
+      std::vector<double> values;
+      for (std::size_t i = begin; i < end; ++i) {
+        Place& place = field_.places[i];
+        // A crowded cube is averaged as a whole, or its members would be judged by others.
+        const auto wanted = static_cast<std::size_t>(std::clamp<std::size_t>(members_[i], std::size_t(least), 100));
+        std::size_t asked = 2 * wanted + 8;
+        for (int attempt = 0; attempt < 2; ++attempt, asked *= 4) {
+          source_.tree->nearest(source_.points[place.point], asked, near);
+          place.spacing = spacing_from_eighth(std::sqrt(near[std::min<std::size_t>(8, near.size() - 1)].sq_distance));
+          const double reach = 2.5 * place.spacing * std::sqrt(double(wanted));
+          group.clear();
+          for (const auto& n : near) {
+            if (n.sq_distance > reach * reach || group.size() == wanted) break;
+            if (n.index == place.point || on_same_face(place.point, n.index)) group.push_back(n.index);
+          }
+          if (group.size() >= wanted || near.size() < asked) break;
+        }
+        values.clear();
+        for (const auto p : group) values.push_back(field_.distance[p]);
+        const RobustMean mean = robust_mean(values);
+        place.mean = mean.mean, place.spread = mean.spread;
+        if (std::abs(place.mean) > tolerance_) place.surface = group.size() >= 4 && is_surface(group);
+      }
+    }, 256);
+  }
+
+  /// False for sprays (as thick as wide), for threads of points, and for curtains of points seen edge-on.
+  bool is_surface(const std::vector<std::uint32_t>& group) const {
+    Vec3 mean = Vec3::Zero();
+    for (const auto p : group) mean += source_.points[p];
+    mean /= static_cast<double>(group.size());
+    Mat3 covariance = Mat3::Zero();
+    for (const auto p : group) covariance += (source_.points[p] - mean) * (source_.points[p] - mean).transpose();
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    solver.computeDirect(covariance / static_cast<double>(group.size()));
+    const Vec3 deviation = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+    if (deviation[0] > std::max(3 * source_.noise, 0.25 * deviation[1])) return false;
+    if (deviation[1] < 0.1 * deviation[2]) return false;
+    if (source_.rays.empty() || deviation[0] > 0.5 * deviation[1]) return true;
+    double sum = 0;
+    std::size_t count = 0;
+    for (const auto p : group)
+      if (source_.rays[p].squaredNorm() > 0.5) sum += std::abs(source_.rays[p].dot(solver.eigenvectors().col(0))), ++count;
+    return count == 0 || sum >= edge_on * static_cast<double>(count);
+  }
+
+  void find_strays() {
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (std::abs(field_.distance[i]) <= tolerance_) continue;
+      const Place& place = field_.places[field_.place[i]];
+      const double off = std::abs(field_.distance[i] - place.mean);
+      field_.stray[i] = !place.surface || off > std::max({5 * place.spread, 5 * source_.noise, 0.5 * tolerance_});
+    }
+  }
+
+  /// Strays that lie together as a surface are no strays: a feature that the model lacks, too small for its
+  /// surroundings' mean. They are judged by the mean of their own kind.
+  void judge_clusters_of_strays() {
+    std::vector<Vec3> points;
+    std::vector<std::uint32_t> index;
+    for (std::uint32_t i = 0; i < size(); ++i)
+      if (field_.stray[i] && std::abs(field_.distance[i]) > far_) points.push_back(source_.points[i]), index.push_back(i);
+    if (points.size() < 10) return;
+    const KdTree tree(points);
+    const double reach = 4 * source_.spacing;
+    std::vector<double> means(points.size(), 0);
+    parallel_for(points.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<Neighbour> near;
+      std::vector<std::uint32_t> group;
+      std::vector<double> values;
+      for (std::size_t i = begin; i < end; ++i) {
+        tree.nearest(points[i], 16, near);
+        group.clear(), values.clear();
+        for (const auto& n : near) {
+          const auto other = index[n.index];
+          if (n.sq_distance > reach * reach || !on_same_face(index[i], other)) continue;
+          group.push_back(other), values.push_back(field_.distance[other]);
+        }
+        if (group.size() < 10 || !is_surface(group)) continue;
+        means[i] = robust_mean(values).mean;
+      }
+    }, 256);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (std::abs(means[i]) > tolerance_) {
+        field_.stray[index[i]] = 0;
+        take_worst(means[i], index[i]);
+      }
+  }
+
+  void take_worst(double mean, std::uint32_t point) {
+    if (std::abs(mean) > field_.summary.local_max)
+      field_.summary.local_max = std::abs(mean), field_.summary.worst = source_.points[point];
+  }
+
+  void summarise() {
+    DataToModel& summary = field_.summary;
+    for (const auto& place : field_.places)
+      if (place.surface) take_worst(place.mean, place.point);
+    std::vector<double> sizes;
+    double squares = 0;
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (source_.kept_place[i] == ScanSource::nowhere) {
+        if (field_.stray[i]) continue;
+      } else if (field_.stray[i]) {
+        ++summary.rejected;
+        continue;
+      } else {
+        ++summary.points;
+      }
+      sizes.push_back(std::abs(field_.distance[i]));
+      squares += sizes.back() * sizes.back();
+    }
+    summary.rejected += source_.set_aside.size();
+    if (!sizes.empty()) {
+      std::sort(sizes.begin(), sizes.end());
+      auto share = [&](double q) { return sizes[std::min(sizes.size() - 1, std::size_t(q * double(sizes.size())))]; };
+      summary.rms = std::sqrt(squares / static_cast<double>(sizes.size()));
+      summary.p50 = share(0.5), summary.p95 = share(0.95), summary.p99 = share(0.99), summary.max = sizes.back();
+    }
+    if (summary.local_max > tolerance_)
+      field_.faults.push_back(std::string(options_.rule == Rule::max ? "a scanned point is " : "the scanned surface is ") +
+                              shown(summary.local_max) + " mm from the model at " + shown(summary.worst));
+  }
+
+  /// Rejected points that the model does not explain may be neither too many nor too close together.
+  void judge_rejections() {
+    std::vector<Vec3> far_points, feet;
+    auto take = [&](const Vec3& p) {
+      const MeshHit hit = surface_.closest(p);
+      if (hit.distance > far_) far_points.push_back(p), feet.push_back(hit.point);
+    };
+    for (std::uint32_t i = 0; i < size(); ++i)
+      if (field_.stray[i] && source_.kept_place[i] != ScanSource::nowhere) take(source_.points[i]);
+    for (const auto& p : source_.set_aside) take(p);
+    const double total = static_cast<double>(source_.kept + source_.set_aside.size());
+    const double rate = options_.outlier_rate;
+    const double allowed = rate * total + 4 * std::sqrt(rate * total) + 3;
+    if (static_cast<double>(far_points.size()) > allowed)
+      field_.faults.push_back(std::to_string(far_points.size()) + " rejected points are farther than the tolerance from the model; " +
+                              "an outlier rate of " + print_number(rate) + " explains " +
+                              std::to_string(static_cast<std::size_t>(rate * total)));
+    if (far_points.size() < 20) return;
+
+    const double edge = 8 * source_.spacing, reach = 3 * source_.spacing;
+    if (!(edge > 0)) return;
+    const KdTree tree(far_points);
+    std::map<Cell, std::array<std::size_t, 2>> cells;  // rejected, accepted
+    std::vector<Neighbour> near;
+    for (std::size_t i = 0; i < far_points.size(); ++i) {
+      tree.nearest(far_points[i], 6, near);
+      if (near.size() == 6 && near.back().sq_distance <= reach * reach) ++cells[cell_of(feet[i], edge)][0];
+    }
+    std::erase_if(cells, [](const auto& cell) { return cell.second[0] < 20; });
+    if (cells.empty()) return;
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (field_.stray[i]) continue;
+      const auto found = cells.find(cell_of(source_.points[i], edge));
+      if (found != cells.end()) ++found->second[1];
+    }
+    for (const auto& [cell, counts] : cells)
+      if (counts[0] > counts[1]) {
+        Vec3 middle;
+        for (std::size_t k = 0; k < 3; ++k) middle[static_cast<int>(k)] = (static_cast<double>(cell[k]) + 0.5) * edge;
+        field_.faults.push_back("most points over the surface at " + shown(middle) + " were rejected: " +
+                                std::to_string(counts[0]) + " of " + std::to_string(counts[0] + counts[1]));
+        break;
+      }
+  }
+};
+
+}  // namespace
+
+PointField data_to_model(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals,
+                         const VerifyOptions& options, Context& context) {
+  return Comparison(source, surface, normals, options, context).run();
+}
+
+}  // namespace partscribe

@@ -1,0 +1,37 @@
+/// How far the scanned points are from the evaluated surface, as local robust means.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "verify/source.h"
+#include "verify/verify.h"
+
+namespace partscribe {
+
+/// A place stands for the points around it that lie on the same face.
+struct Place {
+  std::uint32_t point = 0;     ///< its representative in the source
+  double mean = 0;             ///< mm, robust mean of the signed distances of its neighbours
+  double spread = 0;           ///< mm, their scaled median absolute deviation
+  double spacing = 0;          ///< mm, between the points around
+  bool surface = true;         ///< false: what is there is no surface but stray points
+};
+
+/// Every source point's distance, place and fate.
+struct PointField {
+  std::vector<double> distance;          ///< mm, signed
+  std::vector<std::uint32_t> triangle;   ///< nearest
+  std::vector<std::uint32_t> place;      ///< index into places
+  std::vector<std::uint8_t> stray;       ///< 1: counted as rejected
+  std::vector<Place> places;
+  DataToModel summary;
+  std::vector<std::string> faults;       ///< why the data refuse the model
+};
+
+/// `normals` are the mesh's unit facet normals. Under Rule::max every kept point is judged by itself.
+PointField data_to_model(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals,
+                         const VerifyOptions& options, Context& context);
+
+}  // namespace partscribe

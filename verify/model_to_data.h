@@ -1,0 +1,27 @@
+/// Which part of the evaluated surface the scan supports, never saw, or contradicts.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "verify/data_to_model.h"
+#include "verify/samples.h"
+
+namespace partscribe {
+
+enum class Support : std::uint8_t { supported, not_scanned, contradicted };
+
+/// Samples of the evaluated surface, each standing for the same area.
+struct SurfaceField {
+  std::vector<SurfaceSample> samples;
+  std::vector<Support> support;
+  ModelToData summary;
+  Vec3 worst = Vec3::Zero();          ///< middle of the contradicted samples nearest to one another; a place to look
+  double allowed_contradiction = 0;   ///< mm^2
+};
+
+SurfaceField model_to_data(const ScanSource& source, const PointField& points, const TriangleMesh& mesh,
+                           const MeshDistance& surface, const std::vector<Vec3>& normals, const VerifyOptions& options,
+                           Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,146 @@
+#include "verify/source.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "geometry/thin.h"
+#include "verify/samples.h"
+
+namespace partscribe {
+namespace {
+
+constexpr int noise_neighbours = 24;
+constexpr std::size_t noise_places = 6000;
+constexpr std::size_t enough_points = 20000;  // a mesh with fewer vertices is sampled as well
+
+double median_of(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + long(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Scatter of the neighbourhood about its own quadratic surface: curvature does not count as noise, outliers hardly.
+double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& group) {
+  Vec3 mean = Vec3::Zero();
+  for (const auto& n : group) mean += points[n.index];
+  mean /= static_cast<double>(group.size());
+  Mat3 covariance = Mat3::Zero();
+  for (const auto& n : group) covariance += (points[n.index] - mean) * (points[n.index] - mean).transpose();
+  Eigen::SelfAdjointEigenSolver<Mat3> solver;
+  solver.computeDirect(covariance);
+  const Mat3 frame = solver.eigenvectors();
+  const double scale = std::sqrt(std::max(solver.eigenvalues()[2] / static_cast<double>(group.size()), 1e-300));
+  using Row = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Row right = Row::Zero();
+  std::vector<Row> rows;
+  std::vector<double> heights;
+  for (const auto& n : group) {
+    const Vec3 q = frame.transpose() * (points[n.index] - mean) / scale;
+    Row row;
+    row << 1, q.y(), q.z(), q.y() * q.y(), q.y() * q.z(), q.z() * q.z();
+    normal += row * row.transpose();
+    right += row * q.x();
+    rows.push_back(row), heights.push_back(q.x());
+  }
+  normal.diagonal().array() += 1e-12 * static_cast<double>(group.size());
+  const Row fit = normal.ldlt().solve(right);
+  std::vector<double> residuals;
+  for (std::size_t i = 0; i < rows.size(); ++i) residuals.push_back(std::abs(heights[i] - rows[i].dot(fit)));
+  const double freedom = std::sqrt(double(rows.size()) / (double(rows.size()) - 6));
+  return 1.4826 * median_of(residuals) * freedom * scale;
+}
+
+void measure(ScanSource& source, int threads) {
+  const std::size_t places = std::min(noise_places, source.points.size());
+  std::vector<double> spacings(places), noises(places);
+  parallel_for(places, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t at = i * source.points.size() / places;
+      source.tree->nearest(source.points[at], noise_neighbours, near);
+      spacings[i] = near.size() > 1 ? spacing_from_eighth(std::sqrt(near[std::min<std::size_t>(8, near.size() - 1)].sq_distance)) : 0;
+      noises[i] = near.size() > 12 ? scatter(source.points, near) : 0;
+    }
+  }, 64);
+  source.spacing = median_of(spacings);
+  source.noise = median_of(noises);
+  // What remains of an exact surface is rounding, not noise.
+  double largest = 0;
+  for (const auto& p : source.points) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  if (source.noise < 1e-6 * largest) source.noise = 0;
+}
+
+}  // namespace
+
+double spacing_from_eighth(double distance) { return distance * 0.62665706865775; }  // sqrt(pi / 8)
+
+ScanSource prepare_source(const Scan& scan, Context& context) {
+  ScanSource source;
+  const PointCloud& cloud = scan.cloud;
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.points[i].allFinite()) continue;
+    if (!cloud.rejected.empty() && cloud.rejected[i]) source.set_aside.push_back(cloud.points[i]);
+    else kept.push_back(i);
+  }
+  source.kept = kept.size();
+  source.sights = sight_maps(cloud, scan.views, kept);
+
+  std::vector<Vec3> points, normals, rays;
+  points.reserve(kept.size());
+  bool any_ray = !cloud.rays.empty();
+  for (const auto& view : scan.views) any_ray = any_ray || view.has_sensor;
+  const bool any_normal = !cloud.normals.empty();
+  for (const auto i : kept) {
+    points.push_back(cloud.points[i]);
+    if (any_normal) normals.push_back(cloud.normals[i]);
+    if (any_ray) {
+      Vec3 ray = cloud.rays.empty() ? Vec3(0, 0, 0) : cloud.rays[i];
+      const auto v = static_cast<std::size_t>(cloud.view.empty() ? 0 : std::max(cloud.view[i], 0));
+      if (ray.squaredNorm() < 0.5 && v < scan.views.size() && scan.views[v].has_sensor)
+        ray = (cloud.points[i] - scan.views[v].world_from_view.translation).normalized();
+      rays.push_back(ray);
+    }
+  }
+  if (!scan.mesh.empty()) {
+    source.surface = std::make_unique<MeshDistance>(scan.mesh);
+    source.closed_surface = topology(welded(scan.mesh, 0)).closed();
+    if (points.size() < enough_points)
+      for (const auto& s : even_samples(scan.mesh, enough_points - points.size())) {
+        points.push_back(s.point);
+        if (any_normal) normals.push_back(triangle_normal(scan.mesh, s.triangle));
+        if (any_ray) rays.push_back(Vec3::Zero());
+      }
+  }
+  const auto order = coordinate_order(points);
+  for (const auto i : order) {
+    source.points.push_back(points[i]);
+    source.kept_place.push_back(i < kept.size() ? i : ScanSource::nowhere);
+    if (any_normal) source.normals.push_back(normals[i]);
+    if (any_ray) source.rays.push_back(rays[i]);
+  }
+  source.tree = std::make_unique<KdTree>(source.points);
+  if (source.points.size() > 1) measure(source, context.threads);
+  return source;
+}
+
+int most_neighbours(const ScanSource& source) {
+  return static_cast<int>(std::clamp<std::size_t>(source.points.size() / 50, 9, 100));
+}
+
+int neighbours_for(const ScanSource& source, double tolerance) {
+  const double ratio = 4 * 3.3 * source.noise / tolerance;
+  const double wanted = std::ceil(std::min(ratio * ratio, 1e6));
+  return std::clamp(static_cast<int>(wanted), 9, most_neighbours(source));
+}
+
+double smallest_honest_tolerance(const ScanSource& source) {
+  return 4 * 3.3 * source.noise / std::sqrt(static_cast<double>(most_neighbours(source)));
+}
+
+}  // namespace partscribe

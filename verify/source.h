@@ -1,0 +1,50 @@
+/// The scan as the verifier uses it: kept points in an order of their own, their search tree, their noise.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/context.h"
+#include "geometry/kd_tree.h"
+#include "geometry/mesh_distance.h"
+#include "geometry/point_cloud.h"
+#include "verify/sight.h"
+
+namespace partscribe {
+
+/// Built once per scan and used for every artifact; the Scan must outlive it.
+struct ScanSource {
+  std::vector<Vec3> points;              ///< kept points by coordinates, so that the file's order changes nothing
+  std::vector<std::uint32_t> kept_place; ///< of each point, its number among the kept points of the cloud; nowhere: added
+  std::vector<Vec3> normals;             ///< empty, or as points; unit or zero, of unknown sign
+  std::vector<Vec3> rays;                ///< empty, or as points; unit or zero
+  std::vector<Vec3> set_aside;           ///< points that a filter rejected
+  std::size_t kept = 0;                  ///< points of the cloud that were kept
+  std::unique_ptr<KdTree> tree;          ///< over points
+  double spacing = 0;                    ///< mm, median over the cloud of the spacing in the 8-neighbourhood
+  double noise = 0;                      ///< mm, scatter along the normal inside small neighbourhoods
+  std::vector<SightMap> sights;
+  std::unique_ptr<MeshDistance> surface; ///< of a scan that is a mesh
+  bool closed_surface = false;
+
+  static constexpr std::uint32_t nowhere = ~0u;
+};
+
+/// Adds even samples where a mesh has too few vertices to stand for its surface.
+ScanSource prepare_source(const Scan& scan, Context& context);
+
+/// How many neighbours must be averaged so that noise stays below a quarter of the tolerance: 3.3 sigma / sqrt k <= T / 4,
+/// at least 9 and at most most_neighbours().
+int neighbours_for(const ScanSource& source, double tolerance);
+
+/// 100, or fewer where the cloud is so small that 100 points are no longer local.
+int most_neighbours(const ScanSource& source);
+
+/// The tolerance at which neighbours_for() reaches its limit: below it the scan cannot tell a deviation from noise.
+double smallest_honest_tolerance(const ScanSource& source);
+
+/// The mean spacing of points whose 8th neighbour is at this distance.
+double spacing_from_eighth(double distance);
+
+}  // namespace partscribe

@@ -1,0 +1,194 @@
+/// A verdict as text: JSON for programs, JUnit for build servers, CSV for sheets, a table for people.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/json_text.h"
+#include "core/number.h"
+#include "verify/verify.h"
+
+namespace partscribe {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double rounded(double v) { return snapped(v, 1e-6); }
+
+std::string fixed(double v, double resolution) { return print_number(snapped(v, resolution)); }
+
+/// `text` padded or cut to `width` columns; what is cut ends in "~".
+std::string column(const std::string& text, std::size_t width, bool right = false) {
+  if (text.size() > width) return text.substr(0, width - 1) + "~";
+  const std::string space(width - text.size(), ' ');
+  return right ? space + text : text + space;
+}
+
+std::string quoted_csv(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string xml(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '&') escaped += "&amp;";
+    else if (c == '<') escaped += "&lt;";
+    else if (c == '>') escaped += "&gt;";
+    else if (c == '"') escaped += "&quot;";
+    else if (static_cast<unsigned char>(c) < 32) escaped += ' ';
+    else escaped += c;
+  }
+  return escaped;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const auto& line : lines) text += (text.empty() ? "" : "; ") + line;
+  return text;
+}
+
+bool was_compared(const ArtifactVerdict& artifact) { return artifact.model_to_data.area > 0; }
+
+std::string percent(double part, double whole) {
+  return whole > 0 ? fixed(100 * part / whole, 0.1) + " %" : "-";
+}
+
+std::string main_reason(const Verdict& verdict) {
+  for (const auto& artifact : verdict.artifacts)
+    if (artifact.verdict == verdict.verdict && !artifact.reasons.empty())
+      return (verdict.artifacts.size() > 1 ? artifact.file + ": " : "") + artifact.reasons.front();
+  for (const auto& pair : verdict.between_backends)
+    if (!pair.agree)
+      return pair.first + " and " + pair.second + " differ by " + fixed(pair.distance, 0.0001) + " mm";
+  return name_of(verdict.verdict);
+}
+
+}  // namespace
+
+std::string write_verdict_json(const Verdict& verdict) {
+  Json json;
+  json["verdict"] = name_of(verdict.verdict);
+  json["tolerance"] = verdict.tolerance;
+  json["smallest_honest_tolerance"] = rounded(verdict.smallest_honest_tolerance);
+  json["noise"] = rounded(verdict.noise);
+  json["artifacts"] = Json::array();
+  for (const auto& a : verdict.artifacts) {
+    Json entry;
+    entry["file"] = a.file;
+    entry["backend"] = a.backend;
+    entry["program"] = a.program;
+    entry["version"] = a.version;
+    entry["verdict"] = name_of(a.verdict);
+    entry["seconds"] = snapped(a.seconds, 0.001);
+    entry["evaluation_error"] = rounded(a.evaluation_error);
+    entry["reasons"] = a.reasons;
+    if (was_compared(a)) {
+      const auto& d = a.data_to_model;
+      const Vec3& w = d.worst;
+      entry["data_to_model"] = {{"points", d.points}, {"rejected", d.rejected}, {"local_max", rounded(d.local_max)},
+                                {"rms", rounded(d.rms)}, {"p50", rounded(d.p50)}, {"p95", rounded(d.p95)},
+                                {"p99", rounded(d.p99)}, {"max", rounded(d.max)},
+                                {"worst", {rounded(w.x()), rounded(w.y()), rounded(w.z())}}};
+      const auto& m = a.model_to_data;
+      entry["model_to_data"] = {{"area", rounded(m.area)}, {"supported", rounded(m.supported)},
+                                {"not_scanned", rounded(m.not_scanned)}, {"contradicted", rounded(m.contradicted)}};
+    }
+    entry["objects"] = Json::array();
+    for (const auto& o : a.objects)
+      entry["objects"].push_back({{"name", o.name}, {"points", o.points}, {"rms", rounded(o.rms)}, {"max", rounded(o.max)},
+                                  {"covered", rounded(o.covered)}, {"verdict", name_of(o.verdict)}});
+    json["artifacts"].push_back(std::move(entry));
+  }
+  json["between_backends"] = Json::array();
+  for (const auto& p : verdict.between_backends)
+    json["between_backends"].push_back(
+        {{"first", p.first}, {"second", p.second}, {"distance", rounded(p.distance)}, {"agree", p.agree}});
+  return json_text(json);
+}
+
+std::string write_verdict_csv(const Verdict& verdict) {
+  std::string text = "file,backend,object,points,rms,max,covered,verdict\n";
+  for (const auto& a : verdict.artifacts) {
+    const std::string start = quoted_csv(a.file) + "," + quoted_csv(a.backend) + ",";
+    const auto& d = a.data_to_model;
+    const double covered = was_compared(a) ? a.model_to_data.supported / a.model_to_data.area : 0;
+    text += start + "all," + std::to_string(d.points) + "," + print_number(rounded(d.rms)) + "," +
+            print_number(rounded(d.local_max)) + "," + print_number(rounded(covered)) + "," + name_of(a.verdict) + "\n";
+    for (const auto& o : a.objects)
+      text += start + quoted_csv(o.name) + "," + std::to_string(o.points) + "," + print_number(rounded(o.rms)) + "," +
+              print_number(rounded(o.max)) + "," + print_number(rounded(o.covered)) + "," + name_of(o.verdict) + "\n";
+  }
+  return text;
+}
+
+std::string write_verdict_junit(const Verdict& verdict) {
+  std::string body;
+  std::size_t tests = 0, failures = 0, skipped = 0;
+  auto test_case = [&](const std::string& file, const std::string& name, Outcome outcome, const std::string& why) {
+    ++tests;
+    body += "    <testcase classname=\"" + xml(file) + "\" name=\"" + xml(name) + "\"";
+    if (outcome == Outcome::verified) {
+      body += "/>\n";
+    } else if (outcome == Outcome::not_run) {
+      ++skipped;
+      body += "><skipped message=\"" + xml(why) + "\"/></testcase>\n";
+    } else {
+      ++failures;
+      body += "><failure type=\"" + std::string(name_of(outcome)) + "\" message=\"" + xml(why) + "\"/></testcase>\n";
+    }
+  };
+  for (const auto& a : verdict.artifacts) {
+    test_case(a.file, "within " + print_number(verdict.tolerance) + " mm", a.verdict, joined(a.reasons));
+    for (const auto& o : a.objects)
+      test_case(a.file, o.name, o.verdict, "deviates by " + fixed(o.max, 0.0001) + " mm, covered " + fixed(o.covered, 0.001));
+  }
+  for (const auto& p : verdict.between_backends)
+    test_case("between backends", p.first + " and " + p.second, p.agree ? Outcome::verified : Outcome::out_of_tolerance,
+              "differ by " + fixed(p.distance, 0.0001) + " mm");
+  const std::string counts = " tests=\"" + std::to_string(tests) + "\" failures=\"" + std::to_string(failures) +
+                             "\" errors=\"0\" skipped=\"" + std::to_string(skipped) + "\"";
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + counts + ">\n  <testsuite name=\"partscribe verify\"" +
+         counts + ">\n" + body + "  </testsuite>\n</testsuites>\n";
+}
+
+std::string verdict_table(const Verdict& verdict) {
+  std::string text = column("artifact", 24) + column("program", 22) + column("verdict", 17) + column("local max", 10, true) +
+                     column("rms", 9, true) + column("scanned", 9, true) + column("against", 9, true) + "\n";
+  for (const auto& a : verdict.artifacts) {
+    const bool compared = was_compared(a);
+    text += column(column(a.file, 23), 24) + column(column(a.program + (a.version.empty() ? "" : " ") + a.version, 21), 22) +
+            column(name_of(a.verdict), 17) + column(compared ? fixed(a.data_to_model.local_max, 0.0001) : "-", 10, true) +
+            column(compared ? fixed(a.data_to_model.rms, 0.0001) : "-", 9, true) +
+            column(percent(a.model_to_data.supported, a.model_to_data.area), 9, true) +
+            column(percent(a.model_to_data.contradicted, a.model_to_data.area), 9, true) + "\n";
+  }
+  for (const auto& a : verdict.artifacts) {
+    if (!a.objects.empty()) {
+      text += "\n" + column(a.file + ", face by face", 46) + column("verdict", 17) + column("local max", 10, true) +
+              column("rms", 9, true) + column("scanned", 9, true) + column("points", 9, true) + "\n";
+      for (const auto& o : a.objects)
+        text += "  " + column(column(o.name, 43), 44) + column(name_of(o.verdict), 17) + column(fixed(o.max, 0.0001), 10, true) +
+                column(fixed(o.rms, 0.0001), 9, true) + column(percent(o.covered, 1), 9, true) +
+                column(std::to_string(o.points), 9, true) + "\n";
+    }
+    for (const auto& reason : a.reasons) text += "  " + a.file + ": " + reason + "\n";
+  }
+  if (!verdict.between_backends.empty()) text += "\n";
+  for (const auto& p : verdict.between_backends)
+    text += p.first + " and " + p.second + (p.agree ? " agree: " : " DIFFER: ") + fixed(p.distance, 0.0001) + " mm apart\n";
+  text += "\nThe scan's local noise is " + fixed(verdict.noise, 0.0001) + " mm; it can decide tolerances from " +
+          fixed(verdict.smallest_honest_tolerance, 0.0001) + " mm.\n";
+  if (verdict.verdict == Outcome::verified) {
+    double unseen = 0;
+    for (const auto& a : verdict.artifacts)
+      if (was_compared(a)) unseen = std::max(unseen, a.model_to_data.not_scanned / a.model_to_data.area);
+    text += "VERIFIED within " + print_number(verdict.tolerance) + " mm" +
+            (unseen > 0.001 ? "; " + fixed(100 * unseen, 0.1) + " % of the surface was not scanned" : "") + "\n";
+  } else {
+    text += "NOT VERIFIED: " + main_reason(verdict) + "\n";
+  }
+  return text;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,160 @@
+#include "verify/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "core/number.h"
+#include "core/parallel.h"
+#include "model/distance.h"
+#include "verify/compare.h"
+#include "verify/source.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t fewest_points = 30;
+
+std::string shown(double mm) { return print_number(snapped(mm, 0.0001)); }
+
+/// Outcomes from best to worst.
+int badness(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::verified: return 0;
+    case Outcome::not_run: return 1;
+    case Outcome::cannot_decide: return 2;
+    case Outcome::out_of_tolerance: return 3;
+  }
+  return 3;
+}
+
+bool describes_a_sheet(const Model& model) {
+  if (model.objects.empty()) return false;
+  const auto* surface = std::get_if<TriSurface>(&model.objects.back().shape);
+  return surface && !surface->closed;
+}
+
+/// Rows by the model's named faces; a place on the artifact belongs to the face of the model that is nearest.
+FaceNames model_faces(const Model& model) {
+  auto distance = std::make_shared<ModelDistance>(model);
+  FaceNames names;
+  for (const auto& face : distance->faces()) names.names.push_back(face.name);
+  names.face_of = [distance](const Vec3& point, std::uint32_t) { return (*distance)(point).face; };
+  return names;
+}
+
+void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, bool sheet, double tolerance) {
+  verdict.backend = evaluation.backend;
+  verdict.program = evaluation.program;
+  verdict.version = evaluation.version;
+  verdict.seconds = evaluation.seconds;
+  verdict.evaluation_error = evaluation.error;
+  verdict.verdict = Outcome::verified;
+  const bool refused = evaluation.failed || evaluation.mesh.empty() || (!evaluation.solid && !sheet);
+  if (refused) {
+    verdict.verdict = Outcome::out_of_tolerance;
+    verdict.reasons = evaluation.complaints;
+    if (verdict.reasons.empty()) verdict.reasons.push_back("the program delivered no solid");
+  } else if (evaluation.error > tolerance / 4) {
+    verdict.verdict = Outcome::cannot_decide;
+    verdict.reasons.push_back("the evaluation itself is only good to " + shown(evaluation.error) + " mm");
+  }
+}
+
+}  // namespace
+
+const char* name_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::verified: return "verified";
+    case Outcome::out_of_tolerance: return "out_of_tolerance";
+    case Outcome::cannot_decide: return "cannot_decide";
+    case Outcome::not_run: return "not_run";
+  }
+  return "not_run";
+}
+
+int exit_code_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::verified: return 0;
+    case Outcome::out_of_tolerance: return 1;
+    case Outcome::cannot_decide: return 6;
+    case Outcome::not_run: return 4;
+  }
+  return 4;
+}
+
+Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, const std::optional<Model>& model,
+                       const VerifyOptions& options, Context& context) {
+  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
+    return usage_error("the tolerance must be a positive number of mm");
+  if (artifacts.empty()) return usage_error("no artifact was given to verify");
+
+  context.report("evaluate", 0);
+  const EvaluateOptions how{options.tolerance, options.seconds, options.memory_mb};
+  std::vector<std::optional<Result<Evaluation>>> evaluations(artifacts.size());
+  parallel_for(artifacts.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) evaluations[i].emplace(evaluate_artifact(artifacts[i], how, context));
+  }, 1);
+  if (context.cancelled) return Error{"cancelled during verification", ErrorKind::stopped};
+  for (const auto& evaluation : evaluations)
+    if (!evaluation->ok() && evaluation->error().kind != ErrorKind::missing_program && evaluation->error().kind != ErrorKind::stopped)
+      return evaluation->error();
+
+  context.report("read the scan's noise", 0);
+  const ScanSource source = prepare_source(scan, context);
+  if (source.points.empty()) return bad_input("the scan has no point that was kept, so nothing can be verified");
+  Verdict verdict;
+  verdict.tolerance = options.tolerance;
+  verdict.noise = source.noise;
+  verdict.smallest_honest_tolerance = smallest_honest_tolerance(source);
+
+  const bool sheet = model && describes_a_sheet(*model);
+  std::optional<FaceNames> named;
+  if (model) named = model_faces(*model);
+  for (std::size_t i = 0; i < artifacts.size(); ++i) {
+    if (context.cancelled) return Error{"cancelled during verification", ErrorKind::stopped};
+    ArtifactVerdict& result = verdict.artifacts.emplace_back();
+    result.file = artifacts[i].filename().string();
+    if (!evaluations[i]->ok()) {
+      result.verdict = Outcome::not_run;
+      result.reasons.push_back(evaluations[i]->error().message);
+      continue;
+    }
+    Evaluation& evaluation = evaluations[i]->value();
+    note_evaluation(result, evaluation, sheet, options.tolerance);
+    result.mesh = std::move(evaluation.mesh);
+    if (result.mesh.empty() || area(result.mesh) == 0) continue;
+    compare(source, named ? *named : smooth_faces(result.mesh), options, result, context);
+    if (evaluation.failed) continue;
+    // Below the noise no deviation means anything: neither a pass nor a fault of the data.
+    const bool too_fine = options.tolerance < verdict.smallest_honest_tolerance;
+    if (too_fine && (evaluation.solid || sheet)) {
+      result.verdict = Outcome::cannot_decide;
+      result.reasons = {"this scan cannot decide at " + print_number(options.tolerance) +
+                        " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm"};
+    } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
+      result.verdict = Outcome::cannot_decide;
+      result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) + " points");
+    }
+  }
+
+  for (std::size_t a = 0; a < verdict.artifacts.size(); ++a)
+    for (std::size_t b = a + 1; b < verdict.artifacts.size(); ++b) {
+      const auto &first = verdict.artifacts[a], &second = verdict.artifacts[b];
+      if (first.mesh.empty() || second.mesh.empty()) continue;
+      BackendPair pair{first.file, second.file, distance_between(first.mesh, second.mesh, context.threads), true};
+      pair.agree = pair.distance <= options.tolerance / 5 + first.evaluation_error + second.evaluation_error;
+      verdict.between_backends.push_back(pair);
+    }
+
+  verdict.verdict = Outcome::verified;
+  for (const auto& artifact : verdict.artifacts)
+    if (badness(artifact.verdict) > badness(verdict.verdict)) verdict.verdict = artifact.verdict;
+  for (const auto& pair : verdict.between_backends)
+    if (!pair.agree) verdict.verdict = Outcome::out_of_tolerance;
+  context.report("verify", 1);
+  return verdict;
+}
+
+}  // namespace partscribe
