@@ -210,7 +210,23 @@ double start_sigma(const State& s, const std::vector<Vec3>& points, std::size_t 
   return std::max(1e-3, 1.5 * d[count * 2 / 3]);
 }
 
-/// Axes by PCA, centre and sizes by percentiles, so that a fifth of outliers does not move them far.
+/// The same axes; centre and sizes from between two percentiles, so that outliers do not move them far. No taper.
+State resized(State s, const std::vector<Vec3>& points, std::size_t one_in) {
+  Vec3 middle;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> v;
+    for (const Vec3& p : points) v.push_back(s.rotation.col(k).dot(p));
+    std::sort(v.begin(), v.end());
+    const double low = v[v.size() / one_in], high = v[v.size() - 1 - v.size() / one_in];
+    middle[k] = 0.5 * (low + high);
+    s.a[k] = std::max(0.05, 0.525 * (high - low));
+  }
+  s.centre = s.rotation * middle;
+  s.k1 = s.k2 = 0;
+  return s;
+}
+
+/// Axes by PCA.
 State upright_start(const std::vector<Vec3>& points) {
   Mat3 scatter = Mat3::Zero();
   Vec3 mean = Vec3::Zero();
@@ -226,17 +242,7 @@ State upright_start(const std::vector<Vec3>& points) {
     if (s.rotation(big, k) < 0) s.rotation.col(k) *= -1;
   }
   if (s.rotation.determinant() < 0) s.rotation.col(2) *= -1;
-  Vec3 middle;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> v;
-    for (const Vec3& p : points) v.push_back(s.rotation.col(k).dot(p));
-    std::sort(v.begin(), v.end());
-    const double low = v[v.size() / 25], high = v[v.size() - 1 - v.size() / 25];
-    middle[k] = 0.5 * (low + high);
-    s.a[k] = std::max(0.05, 0.525 * (high - low));
-  }
-  s.centre = s.rotation * middle;
-  return s;
+  return resized(s, points, 25);
 }
 
 /// The ball through the points by least squares, reweighted: finds the far side of a body seen from one side only.
@@ -326,12 +332,20 @@ SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& 
       starts.back().e1 = starts.back().e2 = 0.3, starts.back().k1 = k1, starts.back().k2 = k2;
     }
   starts.push_back(ball_start(points));
-  for (State& s : starts) {
+  const std::size_t drawn_starts = starts.size();
+  for (std::size_t i = 0; i < drawn_starts; ++i) {
+    State s = starts[i];
     s.sigma = start_sigma(s, points, few);
     s.outliers = 0.15;
-    if (s.k1 == 0 && s.k2 == 0) improve(s, points, few, volume, false, 12);
+    if (s.k1 == 0 && s.k2 == 0) {  // with outliers about, an early taper runs away: keep the straight body too
+      improve(s, points, few, volume, false, 12);
+      State straight = s;
+      improve(straight, points, few, volume, false, 25);
+      starts.push_back(straight);
+    }
     improve(s, points, few, volume, true, 25);
-    context.report("hypothesis", 0.8 * static_cast<double>(&s - starts.data() + 1) / static_cast<double>(starts.size()));
+    starts[i] = s;
+    context.report("hypothesis", 0.8 * static_cast<double>(i + 1) / static_cast<double>(drawn_starts));
   }
   const auto by_cost = [](const State& a, const State& b) { return a.cost < b.cost; };
   std::stable_sort(starts.begin(), starts.end(), by_cost);
@@ -340,21 +354,33 @@ SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& 
   std::stable_sort(starts.begin(), starts.end(), by_cost);
   State best = starts.front();
 
-  // Other poses of nearly the same body: each axis in turn as z, and a quarter's half turn of the section, where a
+  // Other poses of nearly the same body: each axis in turn as z, and half a quarter turn of the section, where a
   // diamond becomes a square. They lead out of the valleys in which the exponents are wrong for the axis.
-  for (int move = 0; move < 3; ++move) {
-    State other = move < 2 ? permuted(best, move + 1) : best;
-    if (move < 2) {
-      std::swap(other.e1, other.e2);
-    } else {
-      if (best.e2 < 1.4 && best.e2 > 0.3) continue;
-      other.rotation = best.rotation * rotation_of({0, 0, pi / 4});
-      const double side = best.e2 > 1 ? std::sqrt(0.5) : 1.2;
-      other.a[0] = other.a[1] = side * 0.5 * (best.a[0] + best.a[1]);
-      other.e2 = 2 - best.e2;
-    }
+  std::vector<State> others;
+  for (int axis = 1; axis < 3; ++axis) {
+    others.push_back(permuted(best, axis));
+    std::swap(others.back().e1, others.back().e2);
+  }
+  if (best.e2 > 1.4) {
+    State turned = best;
+    turned.rotation = best.rotation * rotation_of({0, 0, pi / 4});
+    turned.a[0] = turned.a[1] = std::sqrt(0.5) * 0.5 * (best.a[0] + best.a[1]);
+    turned.e1 = turned.e2 = 0.3;
+    for (int axis = 0; axis < 3; ++axis) others.push_back(permuted(turned, axis));
+  }
+  // Half of the body missed, perhaps: the axes may be right all the same. A thin disc among outliers shows its
+  // thickness only between the inner percentiles.
+  if (best.inliers < 0.75)
+    for (const State& s : starts)
+      for (const std::size_t one_in : {std::size_t{25}, std::size_t{7}}) {
+        others.push_back(resized(s, points, one_in));
+        others.back().e1 = std::min(s.e1, 0.5);
+      }
+  for (State& other : others) {
     other.k1 = other.k2 = 0;
     other.sigma = start_sigma(other, points, n);
+    other.outliers = 0.15;
+    improve(other, points, few, volume, false, 15);
     improve(other, points, few, volume, true, 25);
     if (other.cost > best.cost + 0.5) continue;
     improve(other, points, n, volume, true, 30);

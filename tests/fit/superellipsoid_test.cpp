@@ -92,7 +92,7 @@ std::vector<Vec3> sampled(const Solid& solid, int count, double noise, double ou
 TEST_CASE("superellipsoid: names seven kinds of solids from full data with 1 % noise, with and without outliers") {
   Context context;
   for (double outliers : {0.0, 0.2})
-    for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    for (std::uint64_t seed = 1; seed <= 4; ++seed)
       for (const Solid& solid : solids()) {
         const SuperellipsoidFit fit = recover_superellipsoid(sampled(solid, 4000, 0.4, outliers, seed), context);
         const auto& h = fit.hypothesis;

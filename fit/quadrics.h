@@ -1,0 +1,15 @@
+/// Proposes a sphere, an ellipsoid or a superellipsoid for parts that are one of these.
+#pragma once
+
+#include <vector>
+
+#include "fit/candidate.h"
+#include "fit/superellipsoid.h"
+
+namespace partscribe {
+
+/// Each is proposed only if the median distance of its start says that a refinement could meet the tolerance.
+/// The order is sphere, ellipsoid, superellipsoid: fewer numbers first.
+std::vector<Candidate> propose_quadrics(const FitInput& input, const SuperellipsoidFit& hypothesis, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,234 @@
+/// Blocks, wedges and convex polyhedra from noisy points whose normals have no sense, some faces never scanned.
+#include "fit/half_spaces.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/number.h"
+#include "core/random.h"
+#include "geometry/convex.h"
+
+using namespace partscribe;
+
+namespace {
+
+/// Even random points on the faces of a convex body, in a turned frame, with noise along the normal and normals of
+/// random sense; `seen` says which faces were scanned.
+FitInput scanned(const std::vector<Plane3>& planes, double noise, double outliers,
+                 const std::function<bool(const Vec3& normal)>& seen, std::uint64_t seed, double density = 1.0) {
+  Random random(seed);
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  const TriangleMesh mesh = triangulated(convex_polyhedron(planes).value());
+  FitInput input;
+  std::vector<std::pair<Vec3, Vec3>> drawn;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 n = triangle_normal(mesh, t), a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;
+    if (!seen(n)) continue;
+    const auto count = static_cast<int>(0.5 * u.cross(v).norm() * density);
+    for (int i = 0; i < count; ++i) {
+      double r = random.uniform(), s = random.uniform();
+      if (r + s > 1) r = 1 - r, s = 1 - s;
+      drawn.emplace_back(a + r * u + s * v + noise * random.normal() * n,
+                         (n + 0.05 * Vec3(random.normal(), random.normal(), random.normal())).normalized());
+    }
+  }
+  for (const auto& [p, n] : drawn) {
+    const bool wild = random.uniform() < outliers;
+    const Vec3 q = wild ? Vec3(p + 8 * Vec3(random.normal(), random.normal(), random.normal())) : p;
+    const Vec3 m = wild ? Vec3(random.normal(), random.normal(), random.normal()).normalized() : n;
+    input.cloud.points.push_back(pose * q);
+    input.cloud.normals.push_back((random.uniform() < 0.5 ? -1 : 1) * (pose.rotation * m));
+  }
+  input.cloud.sigma.assign(input.cloud.size(), static_cast<float>(noise));
+  input.sampling.sigma = noise;
+  input.sampling.spacing = input.thin_spacing = std::sqrt(1 / density);
+  input.tolerance = 0.2;
+  input.bounds = input.cloud.bounds();
+  return input;
+}
+
+std::vector<Plane3> block(double x, double y, double z) {
+  return {{{1, 0, 0}, x}, {{-1, 0, 0}, 0}, {{0, 1, 0}, y}, {{0, -1, 0}, 0}, {{0, 0, 1}, z}, {{0, 0, -1}, 0}};
+}
+
+bool all(const Vec3&) { return true; }
+
+double value(const Candidate& c, const std::string& name) {
+  for (const Parameter& p : c.parameters)
+    if (p.name == name) return p.value;
+  FAIL("no parameter " << name);
+  return 0;
+}
+
+const Candidate* find(const std::vector<Candidate>& candidates, const std::string& procedure) {
+  for (const Candidate& c : candidates)
+    if (c.procedure == procedure) return &c;
+  return nullptr;
+}
+
+/// Every corner of the body, moved into the scan, lies on at least three of the candidate's faces.
+double worst_corner(const Candidate& c, const std::vector<Plane3>& truth) {
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  const auto& shape = std::get<HalfSpaces>(c.shape);
+  Values values;
+  for (const Parameter& p : c.parameters) values[p.name] = p.value;
+  double worst = 0;
+  const ConvexPolyhedron body = convex_polyhedron(truth).value();
+  for (const Vec3& v : body.vertices) {
+    const Vec3 q = c.scan_from_part.inverse() * (pose * v);
+    std::vector<double> d;
+    for (const HalfSpace& h : shape.planes)
+      d.push_back(std::abs(evaluate(h.normal_x, values) * q.x() + evaluate(h.normal_y, values) * q.y() +
+                           evaluate(h.normal_z, values) * q.z() - evaluate(h.offset, values)));
+    std::sort(d.begin(), d.end());
+    worst = std::max(worst, d[2]);
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("half spaces: a noisy block is proposed as a box with its three sizes, a corner at the origin") {
+  Context context;
+  const auto candidates = propose_polyhedra(scanned(block(60, 35, 22), 0.03, 0.0, all, 1), context);
+  REQUIRE(candidates.size() == 2);
+  const Candidate& box = candidates[0];
+  CHECK(box.procedure == "box");
+  CHECK(value(box, "length") == Approx(60).margin(0.02));
+  CHECK(value(box, "width") == Approx(35).margin(0.02));
+  CHECK(value(box, "height") == Approx(22).margin(0.02));
+  CHECK(box.scan_from_part.rotation.determinant() == Approx(1));
+  // The box covers the block: its far corner is one of the block's.
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  const Vec3 far = pose.inverse() * (box.scan_from_part * Vec3(60, 35, 22));
+  for (int k = 0; k < 3; ++k) CHECK(std::min(std::abs(far[k]), std::abs(far[k] - Vec3(60, 35, 22)[k])) < 0.06);
+  CHECK(candidates[1].procedure == "convex polyhedron");
+  CHECK(worst_corner(candidates[1], block(60, 35, 22)) < 0.05);
+}
+
+TEST_CASE("half spaces: a block keeps its sizes with 4 % outliers and when the scan never saw its bottom") {
+  Context context;
+  const auto seen = [](const Vec3& n) { return n.z() > -0.5; };
+  for (double outliers : {0.0, 0.04}) {
+    const auto candidates = propose_polyhedra(scanned(block(60, 35, 22), 0.03, outliers, seen, 2), context);
+    INFO("outliers " << outliers);
+    const Candidate* box = find(candidates, "box");
+    REQUIRE(box);
+    CHECK(value(*box, "length") == Approx(60).margin(0.03));
+    CHECK(value(*box, "width") == Approx(35).margin(0.03));
+    // The bottom is where the data end.
+    CHECK(value(*box, "height") == Approx(22).margin(0.25));
+    CHECK(box->parameters[2].note.find("not scanned") != std::string::npos);
+  }
+}
+
+TEST_CASE("half spaces: a block seen from one corner closes where the data end") {
+  Context context;
+  const auto seen = [](const Vec3& n) { return n.sum() > 0; };
+  const auto candidates = propose_polyhedra(scanned(block(60, 35, 22), 0.02, 0, seen, 3), context);
+  const Candidate* box = find(candidates, "box");
+  REQUIRE(box);
+  CHECK(value(*box, "length") == Approx(60).margin(0.25));
+  CHECK(value(*box, "width") == Approx(35).margin(0.2));
+  CHECK(value(*box, "height") == Approx(22).margin(0.2));
+}
+
+TEST_CASE("half spaces: two faces alone do not make a body") {
+  Context context;
+  const auto seen = [](const Vec3& n) { return n.x() + n.y() > 0.5; };
+  CHECK(propose_polyhedra(scanned(block(60, 35, 22), 0.02, 0, seen, 3), context).empty());
+}
+
+TEST_CASE("half spaces: a right-angled wedge is proposed as a wedge, whole or with its tip cut off") {
+  Context context;
+  const Vec3 slope = Vec3(30, 50, 0).normalized();
+  std::vector<Plane3> wedge = {{{-1, 0, 0}, 0}, {{0, -1, 0}, 0}, {{0, 0, 1}, 25}, {{0, 0, -1}, 0}, {slope, slope.x() * 50}};
+  const auto whole = propose_polyhedra(scanned(wedge, 0.03, 0, all, 4), context);
+  const Candidate* c = find(whole, "wedge");
+  REQUIRE(c);
+  CHECK(find(whole, "box") == nullptr);
+  CHECK(value(*c, "foot_length") == Approx(50).margin(0.1));
+  CHECK(value(*c, "height") == Approx(30).margin(0.1));
+  CHECK(value(*c, "width") == Approx(25).margin(0.05));
+  CHECK(std::get<Wedge>(c->shape).top_x == Expr(0));
+
+  wedge.push_back({{0, 1, 0}, 18});
+  const auto cut = propose_polyhedra(scanned(wedge, 0.03, 0, all, 5), context);
+  c = find(cut, "wedge");
+  REQUIRE(c);
+  CHECK(value(*c, "foot_length") == Approx(50).margin(0.1));
+  CHECK(value(*c, "height") == Approx(18).margin(0.05));
+  CHECK(value(*c, "top_length") == Approx(20).margin(0.1));
+  // The wedge's sloped corner lies where the scan has it.
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  const Vec3 q = pose.inverse() * (c->scan_from_part * Vec3(20, 18, 0));
+  CHECK(q.x() == Approx(20).margin(0.1));
+  CHECK(q.y() == Approx(18).margin(0.1));
+  CHECK(std::min(std::abs(q.z()), std::abs(q.z() - 25)) < 0.1);
+}
+
+TEST_CASE("half spaces: an oblique hexahedron and a pyramid come as polyhedra, not as boxes") {
+  Context context;
+  std::vector<Plane3> hexahedron = block(50, 40, 30);
+  hexahedron[0].normal = Vec3(1, 0.2, 0.1).normalized();
+  hexahedron[2].normal = Vec3(0.1, 1, -0.25).normalized();
+  auto candidates = propose_polyhedra(scanned(hexahedron, 0.03, 0, all, 6), context);
+  REQUIRE(candidates.size() == 1);
+  CHECK(candidates[0].procedure == "convex polyhedron");
+  CHECK(worst_corner(candidates[0], hexahedron) < 0.05);
+  CHECK(candidates[0].extra_numbers == 12);
+
+  std::vector<Plane3> pyramid = {{{0, 0, -1}, 0}};
+  for (int k = 0; k < 4; ++k)
+    pyramid.push_back({Vec3(std::cos(k * pi / 2), std::sin(k * pi / 2), 0.8).normalized(), 20});
+  candidates = propose_polyhedra(scanned(pyramid, 0.03, 0, all, 7), context);
+  REQUIRE(candidates.size() == 1);
+  CHECK(worst_corner(candidates[0], pyramid) < 0.08);
+  // Its base unscanned: what the sides' areas leave over is the direction of the missing face.
+  candidates = propose_polyhedra(scanned(pyramid, 0.03, 0, [](const Vec3& n) { return n.z() > 0; }, 8), context);
+  REQUIRE(candidates.size() == 1);
+  CHECK(worst_corner(candidates[0], pyramid) < 1.5);
+}
+
+TEST_CASE("half spaces: an L-shaped body and a ball are no convex bodies with plane faces") {
+  Context context;
+  // An L: the block 60 x 40 x 25 without its quarter x > 20, y > 15.
+  Random random(9);
+  FitInput input = scanned(block(60, 40, 25), 0.02, 0, all, 9);
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  PointCloud cloud;
+  for (std::size_t i = 0; i < input.cloud.size(); ++i) {
+    const Vec3 q = pose.inverse() * input.cloud.points[i];
+    if (q.x() > 20 && q.y() > 15) continue;
+    cloud.points.push_back(input.cloud.points[i]), cloud.normals.push_back(input.cloud.normals[i]);
+  }
+  for (int i = 0; i < 1600; ++i) {
+    const bool first = i % 2 == 0;
+    const Vec3 q(first ? 20 : random.uniform(20, 60), first ? random.uniform(15, 40) : 15, random.uniform(0, 25));
+    cloud.points.push_back(pose * q);
+    cloud.normals.push_back(pose.rotation * (first ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
+  }
+  input.cloud = cloud;
+  CHECK(propose_polyhedra(input, context).empty());
+
+  FitInput ball = input;
+  ball.cloud = {};
+  for (int i = 0; i < 6000; ++i) {
+    const Vec3 n = Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    ball.cloud.points.push_back(30 * n), ball.cloud.normals.push_back(n);
+  }
+  ball.bounds = ball.cloud.bounds();
+  CHECK(propose_polyhedra(ball, context).empty());
+}
+
+TEST_CASE("half spaces: no points, or points without normals, give no proposal") {
+  Context context;
+  FitInput input;
+  CHECK(propose_polyhedra(input, context).empty());
+  input = scanned(block(10, 10, 10), 0.01, 0, all, 1, 3);
+  input.cloud.normals.clear();
+  CHECK(propose_polyhedra(input, context).empty());
+}
