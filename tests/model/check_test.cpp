@@ -1,0 +1,79 @@
+// check() lets sense through and names nonsense.
+#include <catch2/catch.hpp>
+
+#include "model/check.h"
+#include "tests/model/parts.h"
+
+using namespace partscribe;
+
+namespace {
+
+std::string complaints_of(Model model) {
+  auto outcome = check(std::move(model));
+  std::string all;
+  if (const auto* c = std::get_if<Complaints>(&outcome))
+    for (const auto& line : c->lines) all += line + "\n";
+  return all;
+}
+
+void expect_complaint(Model model, const std::string& part) {
+  const std::string all = complaints_of(std::move(model));
+  INFO("complaints: " << all);
+  CHECK(all.find(part) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("check: every sound model passes") {
+  for (const auto& model : test::one_of_each()) CHECK(complaints_of(model).empty());
+}
+
+TEST_CASE("check: names") {
+  auto renamed = [](const std::string& name) {
+    auto m = test::pin();
+    m.objects[0].name = name;
+    return m;
+  };
+  expect_complaint(renamed("Body"), "lower-case");
+  expect_complaint(renamed("module"), "reserved");
+  expect_complaint(renamed("head_radius"), "used twice");
+}
+
+TEST_CASE("check: values, references and relations") {
+  auto m = test::pin();
+  m.parameters[0].value = -20;
+  CHECK_FALSE(complaints_of(m).empty());
+  m = test::pin();
+  m.parameters.erase(m.parameters.begin());
+  expect_complaint(m, "unknown parameter 'head_radius'");
+  expect_complaint(test::model_with(Cylinder{0, 5}), "a length above 0");
+  expect_complaint(test::model_with(Cone{0, 0, 5}), "one radius");
+  expect_complaint(test::model_with(Torus{5, 6}), "below the ring's");
+  expect_complaint(test::model_with(Superellipsoid{1, 1, 1, 3, 1, 0, 0}), "exponent");
+  expect_complaint(test::model_with(Union{{"later"}}), "not an earlier object");
+  expect_complaint(test::model_with(Cylinder{Expr(1) / Expr::of("zero"), 5}, {test::length("zero", 0)}), "no finite value");
+  expect_complaint(test::model_with(HalfSpaces{{{1, 0, 0, 1, ""}, {-1, 0, 0, 1, ""}}}), "no bounded body");
+}
+
+TEST_CASE("check: sketches are simple, closed the right way round, and keep off the axis") {
+  auto extruded = [](Loop loop) { return test::model_with(Extrude{{{loop}}, 5}); };
+  expect_complaint(extruded(test::polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}})), "crosses itself");
+  expect_complaint(extruded(test::polygon({{0, 0}, {0, 10}, {10, 10}, {10, 0}})), "counter-clockwise");
+  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}})), "encloses nothing");
+  expect_complaint(test::model_with(Revolve{{{test::polygon({{-1, 0}, {5, 0}, {5, 5}, {-1, 5}})}}}), "crosses the axis");
+  Loop hole = test::polygon({{2, 2}, {4, 2}, {4, 4}, {2, 4}});
+  expect_complaint(test::model_with(Extrude{{{test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), hole}}, 5}), "must run clockwise");
+}
+
+TEST_CASE("check: triangulations are manifold and face outward") {
+  const TriSurface tetrahedron{{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0};
+  auto open = tetrahedron;
+  open.triangles.pop_back();
+  expect_complaint(test::model_with(open), "open edges");
+  auto inward = tetrahedron;
+  for (auto& t : inward.triangles) std::swap(t[0], t[1]);
+  expect_complaint(test::model_with(inward), "face inward");
+  auto bad = tetrahedron;
+  bad.triangles[0][0] = 9;
+  expect_complaint(test::model_with(bad), "names vertex 9");
+}

@@ -1,0 +1,92 @@
+/// Small models for tests: one of every shape.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/number.h"
+#include "model/model.h"
+
+namespace partscribe::test {
+
+inline Parameter length(const std::string& name, double value) {
+  Parameter p;
+  p.name = name;
+  p.value = p.fitted = value;
+  return p;
+}
+
+inline Model model_with(Shape shape, std::vector<Parameter> parameters = {}) {
+  Model m;
+  m.parameters = std::move(parameters);
+  m.objects.push_back({"body", std::move(shape), {}, {}, {}});
+  return m;
+}
+
+inline Loop polygon(const std::vector<std::pair<Expr, Expr>>& corners) {
+  Loop loop;
+  for (const auto& [x, y] : corners) loop.elements.push_back(SketchPoint{x, y, ""});
+  return loop;
+}
+
+/// A turned pin with a rounded head: radii and lengths are parameters, the round hangs on two of them.
+inline Model pin() {
+  const auto p = [](const char* name) { return Expr::of(name); };
+  Loop loop;
+  loop.name = "profile";
+  loop.elements = {SketchPoint{0, 0, "bottom"},
+                   SketchArc{p("head_radius") - p("round_radius"), p("round_radius"), p("round_radius"), -pi / 2, 0, "round", "head"},
+                   SketchPoint{p("head_radius"), p("head_height"), "shoulder"},
+                   SketchPoint{p("shank_radius"), p("head_height"), "shank"},
+                   SketchPoint{p("shank_radius"), p("total_length"), "top"},
+                   SketchPoint{0, p("total_length"), "axis"}};
+  return model_with(Revolve{{{loop}}}, {length("head_radius", 20), length("round_radius", 10), length("head_height", 15),
+                                        length("shank_radius", 9), length("total_length", 65)});
+}
+
+/// A plate with round ends and a hole.
+inline Model link() {
+  const auto p = [](const char* name) { return Expr::of(name); };
+  Loop outline;
+  outline.name = "outline";
+  outline.elements = {SketchArc{p("spacing"), 0, p("end_radius"), -pi / 2, pi / 2, "right end", ""},
+                      SketchArc{0, 0, p("end_radius"), pi / 2, 3 * pi / 2, "left end", ""}};
+  Loop hole;
+  hole.name = "hole";
+  hole.elements = {SketchArc{0, 0, p("hole_radius"), 2 * pi, 0, "hole", ""}};
+  return model_with(Extrude{{{outline, hole}}, p("height")}, {length("spacing", 40), length("end_radius", 12), length("hole_radius", 5), length("height", 8)});
+}
+
+inline std::vector<Model> one_of_each() {
+  Model cut;
+  cut.parameters = {length("size", 20), length("bore_radius", 4)};
+  cut.objects = {{"block", Box{Expr::of("size"), Expr::of("size"), Expr::of("size")}, {}, {}, {}},
+                 {"drill", Cylinder{Expr::of("bore_radius"), Expr::of("size") + Expr(2)}, {Expr::of("size") / Expr(2), 10, -1, 0, 0, 0}, {}, {}},
+                 {"drilled_block", Difference{{"block", "drill"}}, {}, {}, {}}};
+  std::vector<HalfSpace> tetrahedron = {{-1, 0, 0, 0, "left"}, {0, -1, 0, 0, "front"}, {0, 0, -1, 0, "bottom"}};
+  const double s = 1 / std::sqrt(3.0);
+  tetrahedron.push_back({s, s, s, 10, "slope"});
+  SketchNurbs bulge;
+  bulge.knots = {0, 0, 0, 0, 1, 1, 1, 1};
+  bulge.control = {{{10, 0}}, {{16, 8}}, {{4, 16}}, {{10, 24}}};
+  Loop vase;
+  vase.elements = {SketchPoint{0, 0, ""}, bulge, SketchPoint{0, 24, ""}};
+  return {model_with(Box{30, 20, 10}),
+          model_with(Wedge{30, 20, 10, 12}),
+          model_with(Wedge{30, 20, 10, 0}),
+          model_with(Cylinder{8, 25}),
+          model_with(Cone{12, 5, 20}),
+          model_with(Cone{12, 0, 20}),
+          model_with(Sphere{Expr::of("radius")}, {length("radius", 11)}),
+          model_with(Ellipsoid{20, 12, 8}),
+          model_with(Torus{20, 6}),
+          model_with(Superellipsoid{15, 12, 20, 0.5, 0.8, 0.2, -0.1}),
+          model_with(HalfSpaces{tetrahedron}),
+          model_with(Revolve{{{vase}}}),
+          model_with(TriSurface{{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0}),
+          pin(),
+          link(),
+          cut};
+}
+
+}  // namespace partscribe::test
