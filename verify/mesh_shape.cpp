@@ -68,8 +68,6 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
     const gp_Trsf world_from_face = location.Transformation();
     const auto first = static_cast<std::uint32_t>(nodes.size());
     for (int i = 1; i <= triangulation->NbNodes(); ++i) nodes.add(vec(triangulation->Node(i).Transformed(world_from_face)));
-    // At a pole one parameter says nothing: 1 where it is u, 2 where it is v.
-    std::vector<char> pole(static_cast<std::size_t>(triangulation->NbNodes()) + 1, 0);
 
     for (TopExp_Explorer edge_explorer(face.Oriented(TopAbs_FORWARD), TopAbs_EDGE); edge_explorer.More(); edge_explorer.Next()) {
       const TopoDS_Edge edge = TopoDS::Edge(edge_explorer.Current());
@@ -79,11 +77,6 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
       for (int i = 1; i <= polygon->NbNodes(); ++i)
         own.push_back(first + static_cast<std::uint32_t>(polygon->Nodes().Value(i)) - 1);
       if (BRep_Tool::Degenerated(edge)) {
-        gp_Pnt2d uv_from, uv_to;
-        BRep_Tool::UVPoints(edge, face, uv_from, uv_to);
-        const bool along_u = std::abs(uv_to.X() - uv_from.X()) >= std::abs(uv_to.Y() - uv_from.Y());
-        for (int i = 1; i <= polygon->NbNodes(); ++i)
-          pole[static_cast<std::size_t>(polygon->Nodes().Value(i))] = along_u ? 1 : 2;
         for (const auto n : own) nodes.unite(own.front(), n);
       } else {
         auto& shared = edge_nodes[static_cast<std::size_t>(edges.FindIndex(edge))];
@@ -113,23 +106,13 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
       if (turned) std::swap(n[1], n[2]);
       triangles.push_back({first + std::uint32_t(n[0]) - 1, first + std::uint32_t(n[1]) - 1, first + std::uint32_t(n[2]) - 1});
       if (surface.IsNull() || !triangulation->HasUVNodes()) continue;
-      Vec3 p[3];
       gp_XY uv[3];
-      for (int k = 0; k < 3; ++k) {
-        p[k] = nodes.point(triangles.back()[static_cast<std::size_t>(k)]);
-        uv[k] = triangulation->UVNode(n[k]).XY();
-      }
-      for (int k = 0; k < 3; ++k) {
-        const gp_XY middle = (triangulation->UVNode(n[(k + 1) % 3]).XY() + triangulation->UVNode(n[(k + 2) % 3]).XY()) / 2.0;
-        if (pole[static_cast<std::size_t>(n[k])] == 1) uv[k].SetX(middle.X());
-        if (pole[static_cast<std::size_t>(n[k])] == 2) uv[k].SetY(middle.Y());
-      }
-      auto measure = [&](const gp_XY& place, const Vec3& on_facet) {
-        const Vec3 exact = vec(surface->Value(place.X(), place.Y()).Transformed(world_from_surface));
-        result.error = std::max(result.error, facet_distance(p[0], p[1], p[2], exact, on_facet));
+      for (int k = 0; k < 3; ++k) uv[k] = triangulation->UVNode(n[k]).XY();
+      auto measure = [&](const gp_XY& place) {
+        on_surface.push_back(vec(surface->Value(place.X(), place.Y()).Transformed(world_from_surface)));
       };
-      measure((uv[0] + uv[1] + uv[2]) / 3.0, (p[0] + p[1] + p[2]) / 3);
-      for (int k = 0; k < 3; ++k) measure((uv[k] + uv[(k + 1) % 3]) / 2.0, (p[k] + p[(k + 1) % 3]) / 2);
+      measure((uv[0] + uv[1] + uv[2]) / 3.0);
+      for (int k = 0; k < 3; ++k) measure((uv[k] + uv[(k + 1) % 3]) / 2.0);
     }
   }
 
