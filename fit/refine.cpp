@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/parallel.h"
@@ -38,6 +39,7 @@ class Problem {
     center_ = input.bounds.center();
     size_ = std::max(0.5 * input.bounds.diagonal(), 1e-9);
     model_ = bare_model(candidate);
+    find_limits();
     assign_groups();
   }
 
@@ -158,7 +160,12 @@ class Problem {
 
   Candidate stepped(const Candidate& c, const Vector& step) const {
     Candidate next = c;
-    for (std::size_t k = 0; k < free_.size(); ++k) next.parameters[free_[k]].value += step[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      auto& p = next.parameters[free_[k]];
+      p.value += step[static_cast<Eigen::Index>(k)];
+      if (const auto limit = limits_.find(p.name); limit != limits_.end())
+        p.value = std::clamp(p.value, limit->second.first, limit->second.second);
+    }
     const auto first = static_cast<Eigen::Index>(free_.size());
     const Vec3 shift = step.segment<3>(first), turn = step.segment<3>(first + 3) / size_;
     const Mat3 r = rotation_of(turn);
@@ -169,7 +176,27 @@ class Problem {
 
   double size() const { return size_; }
 
+  /// False after a step that turned a size negative.
+  bool sensible(const Candidate& c) const {
+    const Values v = values(c);
+    bool all = true;
+    visit_expressions(c.shape, [&](const Expr& e, Domain domain) {
+      if (domain == Domain::length) all = all && evaluate(e, v) > 0;
+      if (domain == Domain::length_or_zero) all = all && evaluate(e, v) >= 0;
+    });
+    return all;
+  }
+
  private:
+  /// Exponents and tapers stop at the ends of their domains: a box lies there, and the other parameters go on.
+  void find_limits() {
+    visit_expressions(candidate_.shape, [&](const Expr& e, Domain domain) {
+      if (!e.is_parameter()) return;
+      if (domain == Domain::exponent) limits_[e.parameter] = {0.1, 2.0};
+      if (domain == Domain::taper) limits_[e.parameter] = {-0.95, 0.95};
+    });
+  }
+
   void assign_groups() {
     group_.resize(chosen_.size());
     std::set<int> views;
@@ -190,6 +217,7 @@ class Problem {
   Model model_;
   std::vector<std::size_t> free_, chosen_;
   std::vector<int> group_;
+  std::map<std::string, std::pair<double, double>> limits_;
   Vec3 center_;
   double size_;
 };
@@ -247,6 +275,10 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
         continue;
       }
       Candidate next = problem.stepped(best, step);
+      if (!problem.sensible(next)) {
+        lambda = std::max(lambda * 10, 1e-3);
+        continue;
+      }
       std::vector<double> next_d = problem.distances(next);
       if (problem.cost(next_d, scale) <= before * (1 + 1e-12)) {
         improved = true;
