@@ -1,0 +1,12 @@
+/// Writes a model as an Alpha_1 procedure in SCL and the prelude it includes.
+#pragma once
+
+#include "codegen/emit.h"
+
+namespace partscribe {
+
+/// Files: the procedure (stem.scl) and prelude.scl. The procedure uses constructs that the Alpha_1 manual documents and
+/// procedures of the prelude; docs/alpha1.md says which is which.
+Result<Artifact> emit_alpha1(const CheckedModel& model, const EmitOptions& options, Context& context);
+
+}  // namespace partscribe
