@@ -8,7 +8,7 @@
 namespace partscribe::formats {
 namespace {
 
-constexpr std::size_t most_ears = 2000;  // corners; beyond it ear cutting, quadratic, would let a bad file stall us
+constexpr std::size_t most_ears = 1000;  // corners; beyond it ear cutting, quadratic at best, would let a bad file stall us
 
 double cross(const Vec2& a, const Vec2& b, const Vec2& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
@@ -63,11 +63,11 @@ void cut_polygon(const std::vector<Vec3>& points, const std::uint32_t* corner, s
       }
       if (empty) ear = i;
     }
-    if (ear == n) ear = 0;  // crossing or flat polygon: any cut is as good as another
+    if (ear == n) break;  // the outline crosses itself: any cut of the rest is as good as another
     mesh.triangles.push_back({corner[left[(ear + n - 1) % n]], corner[left[ear]], corner[left[(ear + 1) % n]]});
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
   }
-  mesh.triangles.push_back({corner[left[0]], corner[left[1]], corner[left[2]]});
+  for (std::size_t i = 1; i + 1 < left.size(); ++i) mesh.triangles.push_back({corner[left[0]], corner[left[i]], corner[left[i + 1]]});
 }
 
 }  // namespace
