@@ -21,6 +21,13 @@ function _superellipse(angle, e) =
   let (c = cos(angle), s = sin(angle), p = 2 / e)
   [c, s] / (abs(c) ^ p + abs(s) ^ p) ^ (1 / p);
 
+// How far a corner lies off the plane of the three others, at most, in a ring of four-cornered facets.
+function _twist(rows) =
+  max([for (i = [0 : len(rows) - 2], j = [0 : len(rows[i]) - 1])
+    let (k = (j + 1) % len(rows[i]), p = rows[i][j], a = rows[i][k] - p, b = rows[i + 1][j] - p,
+         c = rows[i + 1][k] - p, w = cross(a, b))
+    norm(w) < 1e-12 ? 0 : abs(w * c) / norm(w)]);
+
 // The surface ((x/a1)^(2/e2) + (y/a2)^(2/e2))^(e2/e1) + (z/a3)^(2/e1) = 1 with half sizes [a1, a2, a3], then x grown
 // by 1 + taper.x z / a3 and y by 1 + taper.y z / a3. Corners lie on the surface, facets within chord_error of it.
 module superellipsoid(size, e1 = 1, e2 = 1, taper = [0, 0], chord_error = 0.01) {
@@ -33,14 +40,17 @@ module superellipsoid(size, e1 = 1, e2 = 1, taper = [0, 0], chord_error = 0.01) 
   ring = function (t) let (p = _superellipse(t, e2)) [p.x * grown.x, p.y * grown.y];
   latitudes = concat(_cuts(meridian, -90, 0, chord_error / 2), [0], _cuts(meridian, 0, 90, chord_error / 2));
   quarter = concat([0], _cuts(ring, 0, 90, chord_error / 2));
-  longitudes = [for (k = [0 : 3]) each [for (t = quarter) t + 90 * k]];
-  n = len(longitudes);
+  coarse = [for (k = [0 : 3]) each [for (t = quarter) t + 90 * k]];
   m = len(latitudes);
-  unit = [for (t = longitudes) _superellipse(t, e2)];
-  points = concat([[0, 0, -size.z]],
+  rows = function (longitudes) let (unit = [for (t = longitudes) _superellipse(t, e2)])
     [for (t = latitudes) let (p = _superellipse(t, e1), gx = 1 + taper.x * p.y, gy = 1 + taper.y * p.y)
-      each [for (u = unit) [p.x * u.x * size.x * gx, p.x * u.y * size.y * gy, p.y * size.z]]],
-    [[0, 0, size.z]]);
+      [for (u = unit) [p.x * u.x * size.x * gx, p.x * u.y * size.y * gy, p.y * size.z]]];
+  // Where the taper twists the facets, more of them share the twist.
+  shares = max(1, ceil(_twist(rows(coarse)) / chord_error));
+  longitudes = [for (j = [0 : len(coarse) - 1]) let (to = j + 1 < len(coarse) ? coarse[j + 1] : 360)
+    each [for (k = [0 : shares - 1]) coarse[j] + (to - coarse[j]) * k / shares]];
+  n = len(longitudes);
+  points = concat([[0, 0, -size.z]], [for (row = rows(longitudes)) each row], [[0, 0, size.z]]);
   top = len(points) - 1;
   faces = concat(
     [for (j = [0 : n - 1]) [0, 1 + j, 1 + (j + 1) % n]],

@@ -73,6 +73,40 @@ Parameter parameter(const std::string& name, double value, Quantity quantity = Q
   return p;
 }
 
+Model single(const std::string& name, Shape shape, double tolerance = 0.1) {
+  Model m;
+  m.name = name;
+  m.tolerance = tolerance;
+  m.objects = {{name, std::move(shape), {}, {}, ""}};
+  return m;
+}
+
+/// Every backend's file, run by its own program, lies on the model and encloses the same volume.
+void conforms(const Model& model) {
+  const ModelDistance distance(model);
+  double first_volume = 0;
+  for (const auto& backend : own_backends) {
+    const Evaluation evaluation = evaluated(emitted(model, backend), model.tolerance);
+    INFO(model.name << " " << backend << " " << (evaluation.complaints.empty() ? "" : evaluation.complaints[0]));
+    CHECK_FALSE(evaluation.failed);
+    CHECK(evaluation.solid);
+    double worst = 0;
+    const std::size_t step = std::max<std::size_t>(1, evaluation.mesh.triangles.size() / 5000);
+    for (std::size_t t = 0; t < evaluation.mesh.triangles.size(); t += step) {
+      const Vec3 a = evaluation.mesh.corner(t, 0), b = evaluation.mesh.corner(t, 1), c = evaluation.mesh.corner(t, 2);
+      for (const Vec3& p : {a, Vec3((a + b + c) / 3), Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)}) {
+        worst = std::max(worst, std::abs(distance(p).distance));
+      }
+    }
+    CHECK(worst < model.tolerance / 5);
+    // A missing face or body shows in the volume, though every sampled point is right.
+    const double enclosed = volume(evaluation.mesh);
+    CHECK(enclosed > 0);
+    if (first_volume == 0) first_volume = enclosed;
+    CHECK(std::abs(enclosed - first_volume) < area(evaluation.mesh) * model.tolerance / 5);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("goldens: every backend writes exactly the committed bytes from the committed model") {
@@ -116,28 +150,79 @@ TEST_CASE("backends: every shape, run by the real program, lies on the model wit
     if (model.name == "sheet") continue;  // has a test of its own
     // Meshing balls to a hundredth of a millimetre takes most of a minute and shows nothing more.
     if (model.name == "sphere") model.tolerance = 0.5;
-    const ModelDistance distance(model);
-    double first_volume = 0;
-    for (const auto& backend : own_backends) {
-      const Evaluation evaluation = evaluated(emitted(model, backend), model.tolerance);
-      INFO(model.name << " " << backend << " " << (evaluation.complaints.empty() ? "" : evaluation.complaints[0]));
-      CHECK_FALSE(evaluation.failed);
-      CHECK(evaluation.solid);
-      double worst = 0, surface = area(evaluation.mesh);
-      const std::size_t step = std::max<std::size_t>(1, evaluation.mesh.triangles.size() / 20000);
-      for (std::size_t t = 0; t < evaluation.mesh.triangles.size(); t += step) {
-        const Vec3 a = evaluation.mesh.corner(t, 0), b = evaluation.mesh.corner(t, 1), c = evaluation.mesh.corner(t, 2);
-        for (const Vec3& p : {a, Vec3((a + b + c) / 3), Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)}) {
-          worst = std::max(worst, std::abs(distance(p).distance));
-        }
-      }
-      CHECK(worst < model.tolerance / 5);
-      const double enclosed = volume(evaluation.mesh);
-      CHECK(enclosed > 0);
-      // A missing face or body shows in the volume, though every sampled point is right.
-      if (first_volume == 0) first_volume = enclosed;
-      CHECK(std::abs(enclosed - first_volume) < surface * model.tolerance / 5);
+    conforms(model);
+  }
+}
+
+TEST_CASE("backends: superellipsoids at the edges of their domain") {
+  struct Case {
+    double e1, e2, taper;
+  };
+  int number = 0;
+  for (const Case& k : {Case{0.1, 0.1, 0}, Case{0.1, 1, 0.5}, Case{1, 1, 0}, Case{1.6, 0.3, -0.4}, Case{2, 2, 0}, Case{1, 2, 0.9}}) {
+    conforms(single("soap_" + std::to_string(++number), Superellipsoid{20, 12, 8, k.e1, k.e2, k.taper, k.taper / 2}, 0.4));
+  }
+}
+
+TEST_CASE("backends: wedges and cones that end in an edge or a tip, or grow upwards") {
+  conforms(single("prism", Wedge{30, 20, 10, 0}));
+  conforms(single("overhang", Wedge{20, 20, 10, 35}));
+  conforms(single("tip", Cone{12, 0, 20}, 0.5));
+  conforms(single("funnel", Cone{0, 12, 20}, 0.5));
+  conforms(single("almost_cylinder", Cone{12, 12, 20}));
+}
+
+TEST_CASE("backends: profiles with holes, touching the axis, and hollow fillets") {
+  const Loop circle{"tube", {SketchArc{20, 5, 6, 0, radians(360), "tube", ""}}};
+  const Loop core{"core", {SketchArc{20, 5, 4, radians(360), 0, "core", ""}}};
+  conforms(single("pipe_ring", Revolve{Sketch{{circle, core}}}));
+  const Loop half{"half", {SketchArc{0, 0, 15, radians(-90), radians(90), "ball", "axis"}}};
+  conforms(single("turned_ball", Revolve{Sketch{{half}}}, 0.5));
+  const Loop spool{"spool", {SketchPoint{0, 0, "foot"}, SketchPoint{20, 0, "rim"}, SketchPoint{20, 5, "seat"},
+                             SketchArc{20, 15, 10, radians(270), radians(90), "throat", "seat"}, SketchPoint{20, 30, "head"},
+                             SketchPoint{0, 30, "axis"}}};
+  conforms(single("spool", Revolve{Sketch{{spool}}}));
+  const Loop square{"square", {SketchPoint{0, 0, ""}, SketchPoint{30, 0, ""}, SketchPoint{30, 30, ""}, SketchPoint{0, 30, ""}}};
+  const Loop window{"window", {SketchPoint{10, 10, ""}, SketchPoint{10, 20, ""}, SketchPoint{20, 20, ""}, SketchPoint{20, 10, ""}}};
+  conforms(single("frame", Extrude{Sketch{{square, window}}, 4}));
+  SketchNurbs arch{2, {0, 0, 0, 1, 1, 1}, {}, {{30, 0}, {15, 30}, {0, 0}}, "arch", "base"};
+  conforms(single("vault", Extrude{Sketch{{Loop{"outline", {arch}}}}, 12}));
+}
+
+TEST_CASE("backends: an object may be used by several others, and by both sides of a cut") {
+  Model m;
+  m.name = "comb";
+  m.objects = {{"bar", Box{40, 6, 6}, {}, {}, ""},
+               {"post", Cylinder{4, 20}, {8, 3, -5, 0, 0, 0}, {}, ""},
+               {"disc_1", Cylinder{12, 3}, {30, 3, 1, 0, 0, 0}, {}, ""},
+               {"together", Union{{"bar", "post", "disc_1"}}, {}, {}, ""},
+               {"tip", Box{60, 30, 30}, {-10, -12, -9, 0, 0, radians(3)}, {}, ""},
+               {"round", Cylinder{25, 60}, {20, 3, -30, 0, 0, 0}, {}, ""},
+               {"kept", Intersection{{"together", "tip", "round"}}, {}, {}, ""},
+               {"bore", Cylinder{2, 40}, {8, 3, -10, 0, 0, 0}, {}, ""},
+               {"comb", Difference{{"kept", "bore"}}, {}, {}, ""}};
+  m.scan_from_part = {1, 2, 3, radians(10), radians(20), radians(30)};
+  conforms(m);
+}
+
+TEST_CASE("backends: a mesh of two bodies, one of them hollow") {
+  TriSurface s;
+  auto add_cube = [&](double low, double high, double shift, bool inward) {
+    const auto first = static_cast<std::uint32_t>(s.vertices.size());
+    for (int i = 0; i < 8; ++i) s.vertices.push_back({shift + (i & 1 ? high : low), i & 2 ? high : low, i & 4 ? high : low});
+    for (std::array<std::uint32_t, 3> t : {std::array<std::uint32_t, 3>{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}) {
+      if (inward) std::swap(t[1], t[2]);
+      s.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     }
+  };
+  add_cube(0, 20, 0, false);
+  add_cube(5, 15, 0, true);
+  add_cube(0, 8, 40, false);
+  const Model model = single("two_bodies", s);
+  for (const auto& backend : own_backends) {
+    INFO(backend);
+    CHECK(volume(evaluated(emitted(model, backend), 0.1).mesh) == Approx(8000 - 1000 + 512));
   }
 }
 
