@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "geometry/kd_tree.h"
 #include "geometry/mesh_repair.h"
+#include "geometry/self_intersection.h"
 #include "geometry/thin.h"
 
 namespace partscribe {
@@ -168,17 +169,20 @@ class Contour {
     place_vertices();
     context_.report("reconstruct", 0.7);
     connect();
+    untangle();
     return std::move(mesh_);
   }
 
-  /// For every triangle of `mesh`: are there data nearby?
-  std::vector<std::uint8_t> supported(const TriangleMesh& mesh) const {
+  /// For every triangle of `mesh`: are there data within `cells` cells that face the same way, give or take `along`?
+  std::vector<std::uint8_t> supported(const TriangleMesh& mesh, double cells, double along) const {
     std::vector<std::uint8_t> result(mesh.triangles.size());
-    const double reach = 2.6 * grid_.cell;
+    const double reach = cells * grid_.cell;
     parallel_for(result.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) {
         const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
-        result[t] = tree_.nearest_one(middle).sq_distance <= reach * reach;
+        const Neighbour near = tree_.nearest_one(middle);
+        result[t] =
+            near.sq_distance <= reach * reach && triangle_normal(mesh, t).dot(surfels_.normals[near.index]) >= along;
       }
     });
     return result;
@@ -240,8 +244,8 @@ class Contour {
   bool inside(std::size_t i) const { return field_.value[i] < 0; }
 
   /// The meeting point of the planes around the mean crossing of one cell.
-  Vec3 vertex(int x, int y, int z, std::vector<Neighbour>& near) const {
-    Vec3 mean = Vec3::Zero();
+  Vec3 vertex(int x, int y, int z, Vec3& mean, std::vector<Neighbour>& near) const {
+    mean.setZero();
     double crossings = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (int side = 0; side < 4; ++side) {
@@ -329,9 +333,11 @@ class Contour {
           cells.push_back({x, y, z});
         }
     mesh_.vertices.resize(cells.size());
+    means_.resize(cells.size());
     parallel_for(cells.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
       std::vector<Neighbour> near;
-      for (std::size_t i = begin; i < end; ++i) mesh_.vertices[i] = vertex(cells[i][0], cells[i][1], cells[i][2], near);
+      for (std::size_t i = begin; i < end; ++i)
+        mesh_.vertices[i] = vertex(cells[i][0], cells[i][1], cells[i][2], means_[i], near);
     });
   }
 
@@ -392,12 +398,27 @@ class Contour {
     }
   }
 
+  /// Vertices that went too far for their feature, so that triangles cross, are drawn back towards their cells' means.
+  void untangle() {
+    for (const double share : {0.5, 0.0, 0.0}) {
+      const auto pairs = self_intersections(mesh_, mesh_.triangles.size());
+      if (pairs.empty()) return;
+      std::vector<std::uint8_t> involved(mesh_.vertices.size(), 0);
+      for (const auto& [a, b] : pairs)
+        for (const std::uint32_t t : {a, b})
+          for (const std::uint32_t v : mesh_.triangles[t]) involved[v] = 1;
+      for (std::size_t v = 0; v < involved.size(); ++v)
+        if (involved[v]) mesh_.vertices[v] = share * mesh_.vertices[v] + (1 - share) * means_[v];
+    }
+  }
+
   Context& context_;
   Surfels surfels_;
   KdTree tree_;
   Grid grid_;
   Field field_;
   std::vector<std::uint32_t> vertex_of_;
+  std::vector<Vec3> means_;  // of the crossings of each vertex's cell
   TriangleMesh mesh_;
 };
 
@@ -417,6 +438,28 @@ std::vector<std::uint32_t> pieces(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> result;
   for (const auto& t : mesh.triangles) result.push_back(root(t[0]));
   return result;
+}
+
+/// Where triangles still cross (touching walls, filled holes), their vertices go to the mean of their neighbours.
+void smooth_crossings(TriangleMesh& mesh) {
+  for (int round = 0; round < 8; ++round) {
+    const auto pairs = self_intersections(mesh, mesh.triangles.size());
+    if (pairs.empty()) return;
+    std::vector<std::uint8_t> involved(mesh.vertices.size(), 0);
+    for (const auto& [a, b] : pairs)
+      for (const std::uint32_t t : {a, b})
+        for (const std::uint32_t v : mesh.triangles[t]) involved[v] = 1;
+    std::vector<Vec3> sum(mesh.vertices.size(), Vec3::Zero());
+    std::vector<double> count(mesh.vertices.size(), 0);
+    for (const auto& t : mesh.triangles)
+      for (int k = 0; k < 3; ++k) {
+        if (!involved[t[k]]) continue;
+        sum[t[k]] += mesh.vertices[t[(k + 1) % 3]] + mesh.vertices[t[(k + 2) % 3]];
+        count[t[k]] += 2;
+      }
+    for (std::size_t v = 0; v < involved.size(); ++v)
+      if (involved[v]) mesh.vertices[v] = 0.3 * mesh.vertices[v] + 0.7 * sum[v] / count[v];
+  }
 }
 
 }  // namespace
@@ -440,7 +483,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   if (mesh.empty()) return result;
 
   // Pieces that the continuation made up, and specks, go.
-  const auto has_data = contour.supported(mesh);
+  auto has_data = contour.supported(mesh, 2.6, -1);
   const auto piece = pieces(mesh);
   std::vector<double> whole(mesh.vertices.size(), 0), seen(mesh.vertices.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -461,6 +504,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   }
   result.unseen_share = all > 0 ? 1 - all_seen / all : 0;
   const bool sheet = result.unseen_share > options.unseen_share;
+  // A sheet ends where its data end: the continuation must not curl round its border.
+  if (sheet) has_data = contour.supported(mesh, 1.25, 0.3);
   std::size_t at = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (keep[piece[t]] && (!sheet || has_data[t])) mesh.triangles[at++] = mesh.triangles[t];
@@ -470,6 +515,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   if (sheet) repair_options.flat_hole = 0, repair_options.small_hole = 0.1;
   RepairReport repaired = repair(mesh, repair_options);
   result.mesh = std::move(repaired.mesh);
+  smooth_crossings(result.mesh);
   result.closed = repaired.closed;
   result.dropped_pieces += repaired.dropped_components;
   context.report("reconstruct", 1);

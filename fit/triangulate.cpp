@@ -1,11 +1,14 @@
 #include "fit/triangulate.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "core/number.h"
+#include "core/parallel.h"
 #include "fit/reconstruct.h"
 #include "geometry/decimate.h"
+#include "geometry/kd_tree.h"
 #include "geometry/mesh_repair.h"
 #include "geometry/orient_normals.h"
 #include "geometry/self_intersection.h"
@@ -36,18 +39,64 @@ TriangleMesh snapped_mesh(const TriangleMesh& mesh, double resolution) {
   return mesh;
 }
 
-/// Decimated as far as the bound allows without letting the surface pass through itself.
+/// The points of `cloud` with normals on the side that those of nearby `oriented` points say.
+PointCloud turned_like(const PointCloud& oriented, const PointCloud& cloud, Context& context) {
+  PointCloud result;
+  result.points = cloud.points;
+  result.normals = cloud.normals;
+  result.rejected = cloud.rejected;
+  const KdTree tree(oriented.points);
+  parallel_for(result.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!result.points[i].allFinite()) continue;
+      tree.nearest(result.points[i], 4, near);
+      double vote = 0;
+      for (const Neighbour& n : near) {
+        const double along = oriented.normals[n.index].dot(result.normals[i]);
+        vote += along * std::abs(along) / (n.sq_distance + 1e-12);
+      }
+      if (vote < 0) result.normals[i] = -result.normals[i];
+    }
+  });
+  return result;
+}
+
+/// Are the points one point, or on one line?
+bool spans_a_line(const std::vector<Vec3>& points) {
+  if (points.size() < 3) return true;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  Mat3 cov = Mat3::Zero();
+  for (const Vec3& p : points) cov += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(cov);
+  return !(eigen.eigenvalues()[1] > 1e-8 * eigen.eigenvalues()[2]);
+}
+
+/// Decimated as far as the bound allows; where the result would pass through itself the source stays as it is.
 TriangleMesh simplified(const TriangleMesh& mesh, double max_error, Context& context) {
-  TriangleMesh first;
-  for (const double share : {1.0, 0.4, 0.1}) {
-    DecimateOptions options;
-    options.max_error = share * max_error;
-    TriangleMesh small = decimated(mesh, options, context);
-    if (self_intersections(small, 1).empty()) return small;
-    if (share == 1.0) first = std::move(small);
+  DecimateOptions options;
+  options.max_error = max_error;
+  TriangleMesh small = decimated(mesh, options, context);
+  for (int round = 0; round < 4; ++round) {
+    const auto pairs = self_intersections(small);
+    if (pairs.empty()) return small;
+    // The source crosses itself already: nothing is gained by keeping it.
+    if (round == 0 && !self_intersections(mesh, 1).empty()) return small;
+    options.frozen.resize(mesh.vertices.size(), 0);
+    for (const auto& [a, b] : pairs) {
+      Box3 box_a, box_b;
+      for (int k = 0; k < 3; ++k) box_a.add(small.corner(a, k)), box_b.add(small.corner(b, k));
+      const Vec3 margin = Vec3::Constant((3 + round) * max_error);
+      const Vec3 low = box_a.low.cwiseMax(box_b.low) - margin, high = box_a.high.cwiseMin(box_b.high) + margin;
+      for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        if ((mesh.vertices[v].array() >= low.array()).all() && (mesh.vertices[v].array() <= high.array()).all())
+          options.frozen[v] = 1;
+    }
+    small = decimated(mesh, options, context);
   }
-  // The source crosses itself already; the smallest mesh is as good as any.
-  return self_intersections(mesh, 1).empty() ? mesh : first;
+  return small;
 }
 
 /// Starts the vertices at the lowest one in each triangle and sorts both lists, so that equal surfaces have equal text.
@@ -72,8 +121,10 @@ TriangleMesh ordered_source(const TriangleMesh& mesh) { return canonical(welded(
 }  // namespace
 
 Result<Candidate> triangulate(const FitInput& input, Context& context) {
+  const Error no_surface = bad_input("triangulate: expected points that lie on a surface, found " +
+                                     std::to_string(input.cloud.size()) + " points that span none");
+  if (spans_a_line(input.cloud.points)) return no_surface;
   TriangleMesh mesh;
-  bool closed = false;
   const double tolerance = input.tolerance;
   if (input.scan && !input.scan->mesh.empty()) {
     RepairOptions options;
@@ -85,27 +136,26 @@ Result<Candidate> triangulate(const FitInput& input, Context& context) {
     if (report.filled_holes > 0)
       context.say("triangulate: " + std::to_string(report.filled_holes) + " holes of the mesh filled");
     mesh = std::move(report.mesh);
-    closed = report.closed;
   } else {
     // All points if they are prepared, because averaging many lowers the noise; else the thinned ones.
-    const bool full = input.oriented && input.scan && input.scan->cloud.normals.size() == input.scan->cloud.size();
+    const bool full = input.scan && input.scan->cloud.normals.size() == input.scan->cloud.size();
     PointCloud turned;
-    if (!full && !input.oriented) {
+    if (!input.oriented) {
       turned = input.cloud;
       orient_normals(turned, 12, context);
+      if (full) turned = turned_like(turned, input.scan->cloud, context);
     }
-    const PointCloud& cloud = full ? input.scan->cloud : input.oriented ? input.cloud : turned;
+    const PointCloud& cloud = !input.oriented ? turned : full ? input.scan->cloud : input.cloud;
     SamplingSummary sampling = input.sampling;
     if (!full) sampling.spacing = std::max(sampling.spacing, 0.6 * input.thin_spacing);
     Reconstruction made = reconstruct(cloud, sampling, {}, context);
     mesh = std::move(made.mesh);
-    closed = made.closed;
   }
-  if (mesh.empty())
-    return bad_input("triangulate: expected points that lie on a surface, found " + std::to_string(input.cloud.size()) +
-                     " points that span none");
+  if (mesh.empty()) return no_surface;
   mesh = snapped_mesh(simplified(mesh, 0.4 * tolerance, context), power_of_ten_below(tolerance / 20));
   mesh = canonical(mesh);
+
+  const bool closed = topology(mesh).closed();
 
   Candidate candidate;
   candidate.procedure = "triangulation";

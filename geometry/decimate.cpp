@@ -155,6 +155,7 @@ class Decimator {
   }
 
   void push(std::uint32_t a, std::uint32_t b) {
+    if (!options_.frozen.empty() && (options_.frozen[a] || options_.frozen[b])) return;
     if (a > b) std::swap(a, b);
     Vec3 place;
     queue_.push({best_place(a, b, place), a, b, stamps_[a], stamps_[b]});
@@ -359,6 +360,7 @@ Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 
 TriangleMesh decimated(const TriangleMesh& mesh, const DecimateOptions& options, Context& context) {
   ensure(options.max_error >= 0, "an error bound is not negative");
+  ensure(options.frozen.empty() || options.frozen.size() == mesh.vertices.size(), "one flag per vertex, or none");
   if (mesh.empty()) return mesh;
   return Decimator(mesh, options, context).run();
 }

@@ -1,6 +1,9 @@
 /// Fewer triangles within a two-sided error bound: quadric edge collapses, each checked against the original surface.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "core/context.h"
 #include "geometry/triangle_mesh.h"
 
@@ -9,6 +12,7 @@ namespace partscribe {
 struct DecimateOptions {
   double max_error = 0.1;            ///< mm; no sample of either surface is farther than this from the other one
   std::size_t target_triangles = 0;  ///< stop here even though more could go
+  std::vector<std::uint8_t> frozen;  ///< per vertex, 1: stays where it is; empty: none
   int passes = 3;                    ///< later ones retry collapses that their surroundings forbade before
 };
 

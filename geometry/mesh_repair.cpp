@@ -213,6 +213,54 @@ std::size_t split_vertices(TriangleMesh& mesh, const Links& links, double separa
   return copies;
 }
 
+/// Two sheets may share an edge though each runs smoothly past it, with the fans of its ends joined elsewhere: every
+/// linked pair but the first gets a vertex of its own in the middle of the edge.
+std::size_t split_double_edges(TriangleMesh& mesh, double separation) {
+  const std::size_t limit = 3 * mesh.triangles.size();
+  std::size_t splits = 0;
+  for (bool again = true; again && splits < limit;) {
+    again = false;
+    const Links links = linked(mesh);
+    const auto uses = edge_uses(mesh.triangles);
+    std::vector<std::uint8_t> touched(mesh.triangles.size(), 0);
+    for_each_edge(uses, [&](std::size_t i, std::size_t end) {
+      if (end - i <= 2) return;
+      again = true;
+      bool first = true;
+      for (std::size_t k = i; k < end; ++k) {
+        const std::uint32_t t = uses[k].triangle, other = links[t][uses[k].side];
+        if (other != none && other < t) continue;
+        if (std::exchange(first, false)) continue;
+        if (touched[t] || (other != none && touched[other])) continue;
+        const Triangle old = mesh.triangles[t];
+        const std::uint32_t a = old[uses[k].side], b = old[(uses[k].side + 1) % 3];
+        const Vec3 pa = mesh.vertices[a], pb = mesh.vertices[b];
+        Vec3 toward = Vec3::Zero();
+        const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.vertices.push_back(0.5 * (pa + pb));
+        for (const std::uint32_t s : {t, other}) {
+          if (s == none) continue;
+          touched[s] = 1;
+          Triangle one = mesh.triangles[s], two = one;
+          for (int c = 0; c < 3; ++c) {
+            const std::uint32_t v = mesh.triangles[s][c];
+            if (v == a) one[c] = middle;
+            if (v == b) two[c] = middle;
+            if (v != a && v != b) toward += mesh.vertices[v] - mesh.vertices[middle];
+          }
+          mesh.triangles[s] = one;
+          mesh.triangles.push_back(two);
+          touched.push_back(1);
+        }
+        if (separation > 0 && toward.norm() > 0)
+          mesh.vertices[middle] += toward * std::min(0.25, separation / toward.norm());
+        ++splits;
+      }
+    });
+  }
+  return splits;
+}
+
 double triangle_area(const TriangleMesh& mesh, const Triangle& t) {
   return 0.5 * (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]).norm();
 }
@@ -445,6 +493,7 @@ RepairReport repair(const TriangleMesh& source, const RepairOptions& options) {
     links = linked(mesh);
   }
   report.split_vertices = split_vertices(mesh, links, options.separation);
+  report.split_vertices += split_double_edges(mesh, options.separation);
   fill_holes(mesh, options, report);
   drop_unused_vertices(mesh);
   const MeshTopology result = topology(mesh);

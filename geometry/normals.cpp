@@ -302,7 +302,7 @@ std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, doub
 
 /// Marks points that lie on no neighbour's surface, or that stand alone.
 std::vector<std::uint8_t> outliers(const Ordered& in, const KdTree& tree, const std::vector<Vec3>& normals,
-                                   double spacing, double sigma, double sigmas, int threads) {
+                                   double spacing, double sigma, double sigmas, bool given, int threads) {
   constexpr std::size_t looked_at = 12, needed = 3;
   const std::size_t n = in.points.size();
   std::vector<std::uint8_t> result(n, 0);
@@ -335,10 +335,13 @@ std::vector<std::uint8_t> outliers(const Ordered& in, const KdTree& tree, const 
         // neighbour's own plane is asked. 0.05 rad: what the normals themselves may be wrong by.
         const Vec3 normal =
             std::abs(along) > 0.7 ? Vec3((along > 0 ? normals[i] : -normals[i]) + normals[j]).normalized() : normals[j];
-        if (std::abs(normal.dot(d)) <= sigmas * sigma + 0.05 * d.norm()) ++support;
+        double off = std::abs(normal.dot(d));
+        // Normals of a mesh's vertices are means over its edges, so any of the planes may hold.
+        if (given) off = std::min({off, std::abs(normals[i].dot(d)), std::abs(normals[j].dot(d))});
+        if (off <= sigmas * sigma + 0.05 * d.norm()) ++support;
       }
       std::nth_element(around.begin(), around.begin() + looked_at / 2, around.end());
-      const bool alone = third[i] > 6 * spacing && third[i] > 4 * around[looked_at / 2];
+      const bool alone = third[i] > 3 * spacing && third[i] > 3 * around[looked_at / 2];
       result[i] = support < needed || alone;
     }
   });
@@ -413,7 +416,7 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
     }
     context.report("normals", 0.8);
     const auto flags =
-        outliers(in, tree, normals, summary.spacing, level.sigma, options.outlier_sigmas, context.threads);
+        outliers(in, tree, normals, summary.spacing, level.sigma, options.outlier_sigmas, all_known, context.threads);
     const auto count = static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
     // The vertices of a sparse mesh are no samples of its surface: with given normals, a share beyond any scanner's
     // outlier rate says that the test does not apply.

@@ -16,47 +16,101 @@ bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const V
   return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
 }
 
+/// Boxes in a tree over a permuted list; leaves hold a few.
+class BoxTree {
+ public:
+  explicit BoxTree(const std::vector<Box3>& boxes) : boxes_(boxes), order_(boxes.size()) {
+    for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
+    if (!order_.empty()) build(0, order_.size());
+  }
+  /// Calls `visit` for every box that meets `box`.
+  template <class Visit>
+  void meeting(const Box3& box, Visit&& visit) const {
+    std::vector<std::uint32_t> stack;
+    if (!nodes_.empty()) stack.push_back(0);
+    while (!stack.empty()) {
+      const Node& node = nodes_[stack.back()];
+      stack.pop_back();
+      if (!meet(node.box, box)) continue;
+      if (node.right == 0) {
+        for (std::size_t i = node.begin; i < node.end; ++i)
+          if (meet(boxes_[order_[i]], box)) visit(order_[i]);
+      } else {
+        stack.push_back(node.left);
+        stack.push_back(node.right);
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    Box3 box;
+    std::size_t begin = 0, end = 0;
+    std::uint32_t left = 0, right = 0;
+  };
+  static bool meet(const Box3& a, const Box3& b) {
+    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+  }
+  std::uint32_t build(std::size_t begin, std::size_t end) {
+    const auto at = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    Box3 box, centers;
+    for (std::size_t i = begin; i < end; ++i) {
+      box.add(boxes_[order_[i]].low), box.add(boxes_[order_[i]].high);
+      centers.add(boxes_[order_[i]].center());
+    }
+    nodes_[at].box = box;
+    nodes_[at].begin = begin, nodes_[at].end = end;
+    if (end - begin <= 4) return at;
+    Eigen::Index axis = 0;
+    centers.size().maxCoeff(&axis);
+    const std::size_t middle = (begin + end) / 2;
+    std::nth_element(order_.begin() + static_cast<std::ptrdiff_t>(begin),
+                     order_.begin() + static_cast<std::ptrdiff_t>(middle),
+                     order_.begin() + static_cast<std::ptrdiff_t>(end), [&](std::uint32_t a, std::uint32_t b) {
+                       const double ca = boxes_[a].center()[axis], cb = boxes_[b].center()[axis];
+                       return ca != cb ? ca < cb : a < b;
+                     });
+    const std::uint32_t left = build(begin, middle), right = build(middle, end);
+    nodes_[at].left = left, nodes_[at].right = right;
+    return at;
+  }
+  const std::vector<Box3>& boxes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+/// Does an edge of one of two triangles that share at most a corner pass through the other?
+bool cross(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
+  int shared = 0;
+  for (const std::uint32_t v : mesh.triangles[a])
+    for (const std::uint32_t w : mesh.triangles[b]) shared += v == w;
+  if (shared >= 2) return false;
+  for (const auto& [s, t] : {std::pair{a, b}, std::pair{b, a}})
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t p = mesh.triangles[s][k], q = mesh.triangles[s][(k + 1) % 3];
+      const auto& tri = mesh.triangles[t];
+      // An edge that ends in a corner of the other triangle cannot pass through its inside.
+      if (std::count(tri.begin(), tri.end(), p) + std::count(tri.begin(), tri.end(), q) > 0) continue;
+      if (pierces(mesh.vertices[p], mesh.vertices[q], mesh.vertices[tri[0]], mesh.vertices[tri[1]],
+                  mesh.vertices[tri[2]]))
+        return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const TriangleMesh& mesh, std::size_t limit) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
-  const std::size_t n = mesh.triangles.size();
-  std::vector<Box3> boxes(n);
-  for (std::size_t t = 0; t < n; ++t)
+  std::vector<Box3> boxes(mesh.triangles.size());
+  for (std::size_t t = 0; t < boxes.size(); ++t)
     for (int k = 0; k < 3; ++k) boxes[t].add(mesh.corner(t, k));
-  // Sweep along the longest side.
-  Eigen::Index axis = 0;
-  mesh.bounds().size().maxCoeff(&axis);
-  std::vector<std::uint32_t> order(n);
-  for (std::uint32_t t = 0; t < n; ++t) order[t] = t;
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return boxes[a].low[axis] != boxes[b].low[axis] ? boxes[a].low[axis] < boxes[b].low[axis] : a < b;
-  });
-  for (std::size_t i = 0; i < n && result.size() < limit; ++i) {
-    const std::uint32_t a = order[i];
-    for (std::size_t j = i + 1; j < n && boxes[order[j]].low[axis] <= boxes[a].high[axis]; ++j) {
-      const std::uint32_t b = order[j];
-      bool apart = false;
-      for (int k = 0; k < 3; ++k)
-        apart = apart || boxes[a].low[k] > boxes[b].high[k] || boxes[b].low[k] > boxes[a].high[k];
-      if (apart) continue;
-      int shared = 0;
-      for (const std::uint32_t v : mesh.triangles[a])
-        for (const std::uint32_t w : mesh.triangles[b]) shared += v == w;
-      if (shared >= 2) continue;
-      bool crossing = false;
-      for (const auto& [s, t] : {std::pair{a, b}, std::pair{b, a}})
-        for (int k = 0; k < 3 && !crossing; ++k) {
-          const std::uint32_t p = mesh.triangles[s][k], q = mesh.triangles[s][(k + 1) % 3];
-          const auto& tri = mesh.triangles[t];
-          // An edge that ends in a corner of the other triangle cannot pass through its inside.
-          if (std::count(tri.begin(), tri.end(), p) + std::count(tri.begin(), tri.end(), q) > 0) continue;
-          crossing = pierces(mesh.vertices[p], mesh.vertices[q], mesh.vertices[tri[0]], mesh.vertices[tri[1]],
-                             mesh.vertices[tri[2]]);
-        }
-      if (crossing) result.push_back({std::min(a, b), std::max(a, b)});
-    }
-  }
+  const BoxTree tree(boxes);
+  for (std::uint32_t a = 0; a < boxes.size() && result.size() < limit; ++a)
+    tree.meeting(boxes[a], [&](std::uint32_t b) {
+      if (b > a && cross(mesh, a, b)) result.push_back({a, b});
+    });
   std::sort(result.begin(), result.end());
   if (result.size() > limit) result.resize(limit);
   return result;
