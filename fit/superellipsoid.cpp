@@ -126,7 +126,8 @@ double rough_area(const State& s) {
 
 /// Expectation and maximisation in turn; sigma falls by no more than a third per round, so that early rounds see
 /// all points.
-void improve(State& s, const std::vector<Vec3>& points, std::size_t count, double volume, bool taper, int rounds) {
+void improve(State& s, const std::vector<Vec3>& points, std::size_t count, double volume, double floor, bool taper,
+             int rounds) {
   const auto n = static_cast<double>(count);
   std::vector<double> d(count), weight(count);
   double damping = 1e-3;
@@ -184,7 +185,7 @@ void improve(State& s, const std::vector<Vec3>& points, std::size_t count, doubl
         damping = std::min(damping * 6, 1e6);
       }
     }
-    const double sigma = std::max(std::sqrt(sum_wd2 / std::max(sum_w, 1e-9)), 1e-5);
+    const double sigma = std::max(std::sqrt(sum_wd2 / std::max(sum_w, 1e-9)), floor);
     const bool settled = std::abs(sigma - s.sigma) < 1e-3 * s.sigma;
     s.sigma = std::max(sigma, 0.67 * s.sigma);
     s.outliers = std::clamp(1 - sum_w / n, 0.005, 0.7);
@@ -291,33 +292,9 @@ void tidy_axes(State& s) {
   }
 }
 
-}  // namespace
-
-SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& context) {
-  SuperellipsoidFit fit;
-  fit.hypothesis.suggests = "none";
-  fit.shape = {1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0};
-  std::vector<Vec3> points = drawn(all);
-  if (points.size() < 20) return fit;
-
-  // Centred, divided by the median radius: outliers have no say.
-  const auto n = points.size();
-  Vec3 origin;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> v;
-    for (const Vec3& p : points) v.push_back(p[k]);
-    std::sort(v.begin(), v.end());
-    origin[k] = 0.5 * (v[n / 20] + v[n - 1 - n / 20]);
-  }
-  std::vector<double> radii;
-  for (const Vec3& p : points) radii.push_back((p - origin).norm());
-  std::sort(radii.begin(), radii.end());
-  const double unit = radii[n / 2];
-  if (!(unit > 0)) return fit;
-  Box3 box;
-  for (Vec3& p : points) p = (p - origin) / unit, box.add(p);
-  const double volume = std::max(0.5, box.size().cwiseMax(0.2).prod());
-
+/// The best body of all starts. `floor` is the least sigma: how closely the points may be asked to follow it.
+State recovered(const std::vector<Vec3>& points, double volume, double floor, Context& context) {
+  const std::size_t n = points.size();
   const std::size_t few = std::min(n, screen_points);
   const State upright = upright_start(points);
   std::vector<State> starts;
@@ -338,19 +315,19 @@ SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& 
     s.sigma = start_sigma(s, points, few);
     s.outliers = 0.15;
     if (s.k1 == 0 && s.k2 == 0) {  // with outliers about, an early taper runs away: keep the straight body too
-      improve(s, points, few, volume, false, 12);
+      improve(s, points, few, volume, floor, false, 12);
       State straight = s;
-      improve(straight, points, few, volume, false, 25);
+      improve(straight, points, few, volume, floor, false, 25);
       starts.push_back(straight);
     }
-    improve(s, points, few, volume, true, 25);
+    improve(s, points, few, volume, floor, true, 25);
     starts[i] = s;
     context.report("hypothesis", 0.8 * static_cast<double>(i + 1) / static_cast<double>(drawn_starts));
   }
   const auto by_cost = [](const State& a, const State& b) { return a.cost < b.cost; };
   std::stable_sort(starts.begin(), starts.end(), by_cost);
   starts.resize(4);
-  for (State& s : starts) improve(s, points, n, volume, true, 40);
+  for (State& s : starts) improve(s, points, n, volume, floor, true, 40);
   std::stable_sort(starts.begin(), starts.end(), by_cost);
   State best = starts.front();
 
@@ -380,10 +357,10 @@ SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& 
     other.k1 = other.k2 = 0;
     other.sigma = start_sigma(other, points, n);
     other.outliers = 0.15;
-    improve(other, points, few, volume, false, 15);
-    improve(other, points, few, volume, true, 25);
+    improve(other, points, few, volume, floor, false, 15);
+    improve(other, points, few, volume, floor, true, 25);
     if (other.cost > best.cost + 0.5) continue;
-    improve(other, points, n, volume, true, 30);
+    improve(other, points, n, volume, floor, true, 30);
     if (other.cost < best.cost - 1e-4) best = other;
   }
 
@@ -391,8 +368,45 @@ SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& 
   if (best.k1 != 0 || best.k2 != 0) {
     State plain = best;
     plain.k1 = plain.k2 = 0;
-    improve(plain, points, n, volume, false, 40);
+    improve(plain, points, n, volume, floor, false, 40);
     if (0.5 * static_cast<double>(n) * (plain.cost - best.cost) < 10) best = plain;
+  }
+  return best;
+}
+
+}  // namespace
+
+SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& context) {
+  SuperellipsoidFit fit;
+  fit.hypothesis.suggests = "none";
+  fit.shape = {1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0};
+  std::vector<Vec3> points = drawn(all);
+  if (points.size() < 20) return fit;
+
+  // Centred, divided by the median radius: outliers have no say.
+  const auto n = points.size();
+  Vec3 origin;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> v;
+    for (const Vec3& p : points) v.push_back(p[k]);
+    std::sort(v.begin(), v.end());
+    origin[k] = 0.5 * (v[n / 20] + v[n - 1 - n / 20]);
+  }
+  std::vector<double> radii;
+  for (const Vec3& p : points) radii.push_back((p - origin).norm());
+  std::sort(radii.begin(), radii.end());
+  const double unit = radii[n / 2];
+  if (!(unit > 0)) return fit;
+  Box3 box;
+  for (Vec3& p : points) p = (p - origin) / unit, box.add(p);
+  const double volume = std::max(0.5, box.size().cwiseMax(0.2).prod());
+
+  State best = recovered(points, volume, 1e-5, context);
+  // Points that no filter rejected and no single body explains closely are no outliers: then the coarse body around
+  // (nearly) all of them says more of the part than a close one of a third of it.
+  if (best.inliers < 0.7) {
+    const State coarse = recovered(points, volume, 0.12, context);
+    if (coarse.inliers > std::max(0.7, best.inliers + 0.1)) best = coarse;
   }
   tidy_axes(best);
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -155,6 +157,29 @@ TEST_CASE("superellipsoid: a ball seen from one side with a tenth of outliers is
   INFO("a " << h.a1 << " " << h.a2 << " " << h.a3 << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " " << h.taper_y << " gof_mm " << h.gof_mm);
   CHECK(h.gof_mm < 0.5);
   CHECK((h.suggests == "sphere" || h.suggests == "ellipsoid" || h.suggests == "surface of revolution"));
+}
+
+TEST_CASE("superellipsoid: a stepped pin is taken as a whole, a body of revolution, not as its shank with outliers") {
+  Context context;
+  Random random(12);
+  std::vector<Vec3> points;
+  while (points.size() < 5000) {
+    const double pick = random.uniform();
+    Vec3 p;
+    if (pick < 0.35) {
+      p = on_frustum(random, 20, 20, 8);  // head
+    } else if (pick < 0.55) {
+      p = on_frustum(random, 14, 14, 12) + Vec3(0, 0, 8);  // collar
+    } else {
+      p = on_frustum(random, 9, 9, 40) + Vec3(0, 0, 20);  // shank
+    }
+    points.push_back(p + 0.03 * unit_vector(random));
+  }
+  const SuperellipsoidFit fit = recover_superellipsoid(points, context);
+  INFO("inliers " << fit.inlier_share << " e " << fit.shape.e1 << " " << fit.shape.e2);
+  CHECK(fit.hypothesis.suggests == "surface of revolution");
+  CHECK(fit.shape.e2 == Approx(1).margin(0.25));
+  CHECK(std::abs(fit.scan_from_shape.rotation(2, 2)) > 0.98);
 }
 
 TEST_CASE("superellipsoid: too few points give no hypothesis") {
