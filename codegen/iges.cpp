@@ -114,8 +114,8 @@ Result<Artifact> emit_iges(const CheckedModel& checked, const EmitOptions& optio
     }
     const std::vector<IgesTreeNode> tree = brep->solid ? iges_tree(model) : std::vector<IgesTreeNode>{};
     if (!tree.empty()) {
-      writer.AddEntity(tree.back().entity);
-      for (const IgesTreeNode& node : tree) labeller.name(node.entity, node.name);
+      writer.AddEntity(Entity(tree.back().entity.get()));
+      for (const IgesTreeNode& node : tree) labeller.name(Entity(node.entity.get()), node.name);
     }
     set_header(writer, model, options.stem + ".igs");
 

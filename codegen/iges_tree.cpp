@@ -256,7 +256,7 @@ class TreeBuilder {
     } else {
       place(entity, pose);
     }
-    nodes_.push_back({entity, object.name});
+    nodes_.push_back({{entity.get(), [entity](IGESData_IGESEntity*) {}}, object.name});
     return entity;
   }
 

@@ -1,10 +1,9 @@
 /// A model's procedure as IGES solids: primitives, sweeps and boolean trees (entities 150-180).
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
-
-#include <Standard_Handle.hxx>
 
 #include "model/model.h"
 
@@ -14,7 +13,7 @@ namespace partscribe {
 
 /// One object of the tree, to be named after the model's object.
 struct IgesTreeNode {
-  Handle(IGESData_IGESEntity) entity;
+  std::shared_ptr<IGESData_IGESEntity> entity;  ///< holds one of the writer's own counted references
   std::string name;
 };
 
