@@ -165,7 +165,17 @@ void Arguments::path(Path& target, const std::string& name, const std::string& v
 
 void Arguments::list(std::vector<std::string>& target, const std::string& name, const std::string& value_name,
                      const std::string& help) {
-  app_.add_option(name, target, wrapped(help))->type_name(value_name)->delimiter(',')->expected(1);
+  app_.add_option_function<std::string>(
+          name,
+          [&target](const std::string& text) {
+            for (std::size_t begin = 0; begin <= text.size();) {
+              const auto end = std::min(text.find(',', begin), text.size());
+              target.push_back(text.substr(begin, end - begin));
+              begin = end + 1;
+            }
+          },
+          wrapped(help))
+      ->type_name(value_name);
 }
 
 void Arguments::paths(std::vector<Path>& target, const std::string& name, const std::string& help) {
