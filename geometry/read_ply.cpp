@@ -33,7 +33,7 @@ struct Element {
 };
 
 struct Header {
-  bool ascii = true, swapped = false;
+  bool ascii = true, swapped = false, millimetres = false;
   std::vector<Element> elements;
   int columns = 0, rows = 0;  ///< of a range grid
   std::size_t data = 0, lines = 0;
@@ -111,7 +111,9 @@ Result<Header> parse_header(std::string_view bytes, const std::string& name) {
       header.elements.back().properties.push_back(property);
       if (header.elements.back().properties.size() > 10'000)
         return at_line(name, lines.line, "expected fewer than 10000 properties");
-    } else if (key != "comment" && !key.empty()) {
+    } else if (key == "comment") {
+      if (next_word(rest) == "millimetres" && next_word(rest).empty()) header.millimetres = true;  // our own files say so
+    } else if (!key.empty()) {
       return at_line(name, lines.line, "expected a PLY header line, found " + shown(line));
     }
     if (lines.line > 100'000) break;
@@ -300,6 +302,7 @@ Result<RawGeometry> parse_ply(std::string_view bytes, const std::string& name) {
   if (!header.ok()) return header.error();
   RawGeometry raw;
   raw.format = "PLY";
+  if (header->millimetres) raw.unit = "mm";
   Faces faces;
   std::vector<std::int64_t> grid;  // vertex of each grid cell, -1 where there is none
   Records records(bytes, *header, name);

@@ -151,6 +151,7 @@ TEST_CASE("write_cloud_ply: every column reads back equal to the last bit") {
   CHECK(all.view == cloud.view);
   CHECK(all.pixel == cloud.pixel);
   CHECK(all.rejected == cloud.rejected);
+  CHECK(parsed(write_cloud_ply(cloud), "cloud.ply").unit == "mm");
   PointCloud bare;
   bare.points = cloud.points;
   const auto back = parsed(write_cloud_ply(bare), "cloud.ply").cloud;

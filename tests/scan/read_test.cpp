@@ -127,9 +127,12 @@ TEST_CASE("read_scan: a unit that cannot be right is questioned, one that the us
   CHECK(scan_of({folder.put("usual.xyz", "0 0 0\n20 100 100\n")}).warnings.empty());
   // 5 x 2 1/2 x 1 3/8: nobody makes 1.375 mm; 50 x 20 x 10 mm told in inches; and ordinary millimetres.
   CHECK(warns(scan_of({folder.put("inch.stl", write_stl(block({5, 2.5, 1.375})))}), "look like inches"));
-  CHECK(warns(scan_of({folder.put("told.ply", write_mesh_ply(block(Vec3(50, 20, 10) / 25.4)))}), "look like inches"));
+  auto told = write_mesh_ply(block(Vec3(50, 20, 10) / 25.4));
+  CHECK(scan_of({folder.put("stated.ply", told)}).warnings.empty());  // it says millimetres
+  told.replace(told.find("millimetres"), 11, "no unit    ");
+  CHECK(warns(scan_of({folder.put("told.ply", told)}), "look like inches"));
   CHECK(scan_of({folder.put("mm.stl", write_stl(block({5, 2.5, 1.35})))}).warnings.empty());
-  CHECK(scan_of({folder.put("odd.ply", write_mesh_ply(block({5.317, 2.41, 1.377})))}).warnings.empty());
+  CHECK(scan_of({folder.put("odd.stl", write_stl(block({5.317, 2.41, 1.377})))}).warnings.empty());
 }
 
 TEST_CASE("read_scan: a coarse mesh is covered evenly by samples on its faces, after its vertices") {
