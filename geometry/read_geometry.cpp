@@ -15,7 +15,7 @@ using Parser = Result<RawGeometry> (*)(std::string_view, const std::string&);
 bool starts_with(std::string_view bytes, std::string_view what) { return bytes.substr(0, what.size()) == what; }
 
 /// Formats that people do try, with what to do instead.
-std::optional<std::string> refusal(std::string_view bytes) {
+std::optional<std::string> refusal(std::string_view bytes, const std::string& suffix) {
   if (starts_with(bytes, "ASTM-E57")) return "E57 files are not supported; export the scan as PLY";
   if (starts_with(bytes, "\x89PNG")) return "this is a PNG image; a range image needs a .json file of the same name";
   if (starts_with(bytes, "P5") && bytes.size() > 2 && std::isspace(static_cast<unsigned char>(bytes[2])))
@@ -25,6 +25,9 @@ std::optional<std::string> refusal(std::string_view bytes) {
   if (starts_with(bytes, "LASF")) return "LAS and LAZ files are not supported; export the points as PLY or text";
   if (starts_with(bytes, "glTF")) return "glTF files are not supported; export the mesh as PLY or STL";
   if (starts_with(bytes, "ISO-10303-21")) return "this is a STEP file: CAD, not a scan; use its triangulation (STL)";
+  // Lines of numbers and words: the reader of text points would find some in them.
+  if (suffix == ".igs" || suffix == ".iges" || suffix == ".scad" || suffix == ".scl" || suffix == ".brep")
+    return "this is CAD, not a scan; use its triangulation (STL)";
   if (bytes.substr(0, 400).find("<VTKFile") != std::string_view::npos)
     return "VTK's XML files are not supported; save as legacy .vtk, PLY or STL";
   if (starts_with(bytes, "{\n") || starts_with(bytes, "{\r") || starts_with(bytes, "{\""))
@@ -137,7 +140,7 @@ std::optional<Error> clean(RawGeometry& raw, const std::string& name) {
 Result<RawGeometry> parse_geometry(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) return bad_input(name + ": expected points or a mesh, found an empty file");
   if (starts_with(bytes, "\xEF\xBB\xBF")) bytes.remove_prefix(3);  // a text editor's byte order mark
-  if (const auto reason = refusal(bytes)) return bad_input(name + ": " + *reason);
+  if (const auto reason = refusal(bytes, suffix_of(name))) return bad_input(name + ": " + *reason);
   const Parser parser = parser_for(bytes, name);
   if (!parser) return bad_input(name + ": expected a geometry file, found binary data of no known format");
   auto result = parser(bytes, name);

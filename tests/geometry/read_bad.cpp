@@ -82,6 +82,7 @@ std::vector<Bad> bad_files() {
       {"bad_gzip.ply", "\x1f\x8b and more", "this is a gzip archive; unpack it first"},
       {"bad_png.png", "\x89PNG\r\n", "a range image needs a .json file of the same name"},
       {"bad_step.stp", "ISO-10303-21;\n", "this is a STEP file"},
+      {"bad_cad.igs", "1 2 3\n4 5 6\n", "this is CAD, not a scan"},
       {"bad_unknown.bin", std::string("\1\2\3\0\4", 5), "found binary data of no known format"},
   };
 }
