@@ -52,6 +52,8 @@ PreparedArc prepared(const Arc2& arc) {
   cuts.push_back(high);
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
     p.pieces.push_back({arc.at(cuts[i]).y(), arc.at(cuts[i + 1]).y(), std::cos(0.5 * (cuts[i] + cuts[i + 1])) > 0});
+  // sin(2 pi) is not sin(0): between the two a ray would slip through the circle.
+  if (p.cos_half == -2) p.pieces.back().y1 = p.pieces.front().y0;
   return p;
 }
 
