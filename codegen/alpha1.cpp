@@ -91,10 +91,12 @@ class Writer {
   /// The expression turned and moved to its frame.
   std::string placed(std::string made, const Frame& f) {
     const bool turns = !zero(f.rx) || !zero(f.ry) || !zero(f.rz), moves = !zero(f.x) || !zero(f.y) || !zero(f.z);
-    const bool long_line = made.size() > 60;
-    const std::string gap = long_line ? "\n    " : " ";
-    if (turns) made = "turned(" + gap + made + "," + gap + text_.angle(f.rx) + ", " + text_.angle(f.ry) + ", " + text_.angle(f.rz) + " )";
-    if (moves) made = "moved(" + gap + made + "," + gap + text_.plain(f.x) + ", " + text_.plain(f.y) + ", " + text_.plain(f.z) + " )";
+    const std::string gap = made.size() > 60 ? "\n    " : " ";
+    const std::string turn = text_.angle(f.rx) + ", " + text_.angle(f.ry) + ", " + text_.angle(f.rz);
+    const std::string move = text_.plain(f.x) + ", " + text_.plain(f.y) + ", " + text_.plain(f.z);
+    if (turns && moves) return "moved( turned(" + gap + made + "," + gap + turn + " ), " + move + " )";
+    if (turns) return "turned(" + gap + made + "," + gap + turn + " )";
+    if (moves) return "moved(" + gap + made + "," + gap + move + " )";
     return made;
   }
 
@@ -275,8 +277,14 @@ class Writer {
     Expr x, y;
   };
 
+  /// a + b, where a - b + b is a.
+  static Expr sum(const Expr& a, const Expr& b) {
+    if (a.kind == Expr::Kind::subtract && a.arguments[1] == b) return a.arguments[0];
+    if (a.kind == Expr::Kind::add && a.arguments[1] == -b) return a.arguments[0];
+    return a + b;
+  }
   static Place on_arc(const SketchArc& a, const Expr& angle) {
-    return {a.center_x + a.radius * cos_of(angle), a.center_y + a.radius * sin_of(angle)};
+    return {sum(a.center_x, a.radius * cos_of(angle)), sum(a.center_y, a.radius * sin_of(angle))};
   }
   static Place first_of(const SketchElement& e) {
     if (const auto* p = std::get_if<SketchPoint>(&e)) return {p->x, p->y};
@@ -333,7 +341,9 @@ class Writer {
           const bool last = k + 1 == parts;
           std::string role = k == 0 ? a->name : "";
           if (last && !a->edge.empty()) role += (role.empty() ? "" : ", then ") + a->edge;
-          corner("arcThru3Pts( " + at(2 * k) + ", " + at(2 * k + 1) + ", " + at(2 * k + 2) + " )", role);
+          const std::string first = at(2 * k), middle = at(2 * k + 1), end = at(2 * k + 2);
+          const std::string gap = first.size() + middle.size() + end.size() > 80 ? "\n             " : " ";
+          corner("arcThru3Pts( " + first + "," + gap + middle + "," + gap + end + " )", role);
         }
       } else {
         const auto& n = std::get<SketchNurbs>(element);

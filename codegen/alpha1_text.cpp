@@ -25,11 +25,10 @@ constexpr const char* reserved[] = {
     "savemodel", "setattr", "setcolor", "setsharedattr", "setsq", "settexture", "sg", "shelloffacets", "shellofhalfspaces",
     "shellofsurfaces", "show", "srefine", "string_attr", "surface", "surfaceopen", "surfrev", "sxyz", "total_copy_obj", "tx", "ty",
     "tz", "vec", "cone", "cylinder", "ellipsoid", "extrude", "sphere", "torus", "wedge",
-    // procedures of the prelude, and the names of formal arguments
+    // procedures of the prelude, and formal arguments of procedures in the body, which would hide a label
     "atradius", "facet", "halfspace", "moved", "nurbscurve", "polyhedronoffacets", "solidcommon", "soliddifference",
-    "solidofextrusion", "solidofhalfspaces", "solidofrevolution", "solidofsurface", "solidunion", "turned", "a", "b", "c", "facets",
-    "halfspaces", "height", "knots", "obj", "offset", "order", "points", "profiles", "q", "r", "s", "srf", "weights", "x", "y",
-    "z", "degx", "degy", "degz",
+    "solidofextrusion", "solidofhalfspaces", "solidofrevolution", "solidofsurface", "solidunion", "turned", "c", "q", "r", "s",
+    "z",
     // labels of our own
     "asdesigned", "asscanned", "out", "placed"};
 

@@ -57,7 +57,7 @@ double deviation(const TriangleMesh& mesh, const ModelDistance& distance) {
   const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / 10000);
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
     const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
-    for (const Vec3& p : {a, Vec3((a + b + c) / 3), Vec3((a + b) / 2)}) worst = std::max(worst, std::abs(distance(p).distance));
+    for (const Vec3& p : {a, Vec3(0.5 * a + 0.3 * b + 0.2 * c), Vec3(0.46 * a + 0.54 * b)}) worst = std::max(worst, std::abs(distance(p).distance));
   }
   return worst;
 }
@@ -74,7 +74,7 @@ Model one_object(const Shape& shape, std::vector<Parameter> parameters = {}) {
   m.name = "part";
   m.parameters = std::move(parameters);
   Object o;
-  o.name = "part";
+  o.name = "body";
   o.shape = shape;
   m.objects.push_back(o);
   return m;
@@ -213,16 +213,16 @@ TEST_CASE("alpha1: damaged procedures are refused, never guessed") {
 }
 
 TEST_CASE("alpha1: labels are CamelCase, never collide and never hide a word of SCL") {
-  Model m = one_object(Box{Expr::of("box"), Expr::of("bore_1_2"), Expr::of("bore_12") + Expr::of("r")},
-                       {parameter("box", 1), parameter("bore_1_2", 2), parameter("bore_12", 3), parameter("r", 4), parameter("cubic", 5)});
+  Model m = one_object(Box{Expr::of("facet"), Expr::of("bore_1_2"), Expr::of("bore_12") + Expr::of("r")},
+                       {parameter("facet", 1), parameter("bore_1_2", 2), parameter("bore_12", 3), parameter("r", 4), parameter("quartic", 5)});
   m.objects.insert(m.objects.begin(), Object{"blank", Sphere{1}, {}, {}, ""});
   m.objects.back().name = "bore_1_2b";
   const std::string text = emitted(m).files[0].bytes;
-  CHECK(contains(text, "Box_2 : 1.0;"));
+  CHECK(contains(text, "Facet_2 : 1.0;"));
   CHECK(contains(text, "Bore1_2 : 2.0;"));
   CHECK(contains(text, "Bore12 : 3.0;"));
   CHECK(contains(text, "R_2 : 4.0;"));
-  CHECK(contains(text, "Cubic_2 : 5.0;"));
+  CHECK(contains(text, "Quartic_2 : 5.0;"));
   CHECK(contains(text, "vec( 0.0, 0.0, Bore12 + R_2 )"));
   CHECK(volume(evaluated(emitted(m), 0.1).mesh) == Approx(1 * 2 * 7));
 }
