@@ -266,12 +266,13 @@ class Writer {
     std::string sketch_name = text_.names().object.at(o.name) + suffix;
     while (!modules_.insert(sketch_name).second) sketch_name += "_sketch";
     auto sketch = openscad_sketch(s.sketch, sketch_name, about_axis, text_, pack_, needs_);
-    if (!sketch.ok()) return sketch;
-    while (!sketch->empty() && sketch->back() == '\n') sketch->pop_back();
+    if (!sketch.ok()) return sketch.error();
+    std::string& module = sketch->text;
+    while (!module.empty() && module.back() == '\n') module.pop_back();
     if (needs_.library) uses_chord_error_ = true;
-    data["sketch"] = *sketch;
+    data["sketch"] = module;
     data["sketch_name"] = sketch_name;
-    if (about_axis) data["largest_radius"] = openscad_largest_radius(s.sketch, text_);
+    if (about_axis) data["largest_radius"] = sketch->largest_radius;
     return pack_.render(file, data);
   }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "codegen/describe.h"
 #include "core/number.h"
@@ -15,6 +17,9 @@ using Text = OpenscadText;
 struct Row {
   std::string text, remark;
 };
+
+// Longer rows have their remark above, not behind.
+constexpr std::size_t longest_beside = 70;
 
 std::string point_text(const Expr& x, const Expr& y, const Text& text) {
   return "[" + text.plain(x) + ", " + text.plain(y) + "]";
@@ -31,25 +36,63 @@ std::string remark_of(const std::string& name, const std::string& edge) {
   return one_line(edge.empty() ? name : name + ", then " + edge);
 }
 
-void add_rows(const SketchPoint& p, const Text& text, OpenscadNeeds&, std::vector<Row>& rows) {
-  rows.push_back({point_text(p.x, p.y, text), one_line(p.edge)});
-}
-
-void add_rows(const SketchArc& a, const Text& text, OpenscadNeeds& needs, std::vector<Row>& rows) {
-  needs.arc = true;
-  rows.push_back({"each arc(" + point_text(a.center_x, a.center_y, text) + ", " + text.plain(a.radius) + ", " +
-                      text.angle(a.from) + ", " + text.angle(a.to) + ")",
-                  remark_of(a.name, a.edge)});
-}
-
-void add_rows(const SketchNurbs& c, const Text& text, OpenscadNeeds& needs, std::vector<Row>& rows) {
-  needs.library = true;
-  rows.push_back({"each nurbs_curve(" + std::to_string(c.degree) + ", knots = " + list_text(c.knots) + ", control = [",
-                  remark_of(c.name, c.edge)});
-  for (std::size_t i = 0; i < c.control.size(); ++i) {
-    rows.push_back({"  " + point_text(c.control[i][0], c.control[i][1], text) + (i + 1 < c.control.size() ? "," : ""), {}});
+/// Letters, digits and _ of a role.
+std::string identifier_of(const std::string& role) {
+  std::string word;
+  for (const char c : role) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (letter) word += c;
+    else if (!word.empty() && word.back() != '_') word += '_';
   }
-  rows.push_back({(c.weights.empty() ? "]" : "], weights = " + list_text(c.weights)) + ", error = chord_error / 2)", {}});
+  while (!word.empty() && word.back() == '_') word.pop_back();
+  return word.empty() ? "curve" : word;
+}
+
+/// The names of the control point tables, by curve, in the order of the sketch.
+using CurveNames = std::map<const SketchNurbs*, std::string>;
+
+CurveNames curve_names(const Sketch& sketch, const std::string& module, const Text& text) {
+  std::set<std::string> taken;
+  for (const auto& [name, spelled] : text.names().parameter) taken.insert(spelled);
+  CurveNames names;
+  for (const Loop& loop : sketch.loops) {
+    for (const auto& element : loop.elements) {
+      const auto* curve = std::get_if<SketchNurbs>(&element);
+      if (!curve) continue;
+      const std::string base = module + "_" + identifier_of(curve->name);
+      std::string name = base;
+      for (int i = 2; !taken.insert(name).second; ++i) name = base + "_" + std::to_string(i);
+      names[curve] = name;
+    }
+  }
+  return names;
+}
+
+/// The table of a curve's control points.
+std::string control_table(const SketchNurbs& curve, const std::string& name, const Text& text) {
+  std::string table = "// Control points of the " + one_line(curve.name.empty() ? "curve" : curve.name) + ".\n" + name + " = [\n";
+  for (std::size_t i = 0; i < curve.control.size(); ++i) {
+    table += "  " + point_text(curve.control[i][0], curve.control[i][1], text) + (i + 1 < curve.control.size() ? ",\n" : "\n];\n\n");
+  }
+  return table;
+}
+
+Row row_of(const SketchPoint& p, const Text& text, const CurveNames&, OpenscadNeeds&) {
+  return {point_text(p.x, p.y, text), one_line(p.edge)};
+}
+
+Row row_of(const SketchArc& a, const Text& text, const CurveNames&, OpenscadNeeds& needs) {
+  needs.arc = true;
+  return {"each arc(" + point_text(a.center_x, a.center_y, text) + ", " + text.plain(a.radius) + ", " + text.angle(a.from) +
+              ", " + text.angle(a.to) + ")",
+          remark_of(a.name, a.edge)};
+}
+
+Row row_of(const SketchNurbs& c, const Text&, const CurveNames& names, OpenscadNeeds& needs) {
+  needs.library = true;
+  return {"each nurbs_curve(" + std::to_string(c.degree) + ", " + list_text(c.knots) + ", " + names.at(&c) + ", " +
+              (c.weights.empty() ? "" : "weights = " + list_text(c.weights) + ", ") + "error = chord_error / 2)",
+          remark_of(c.name, c.edge)};
 }
 
 /// A full turn is a circle of its own.
@@ -79,7 +122,7 @@ bool needs_axis_guard(const Loop& loop, const Text& text) {
 }
 
 Result<std::string> loop_text(const Loop& loop, const std::string& role, bool about_axis, const Text& text,
-                              const TemplatePack& pack, OpenscadNeeds& needs) {
+                              const CurveNames& names, const TemplatePack& pack, OpenscadNeeds& needs) {
   if (const auto* circle = circle_of(loop, text)) {
     needs.disc = needs.facets = true;
     const bool centred = circle->center_x == Expr(0) && circle->center_y == Expr(0);
@@ -89,17 +132,19 @@ Result<std::string> loop_text(const Loop& loop, const std::string& role, bool ab
   }
   std::vector<Row> rows;
   for (std::size_t i = 0; i < loop.elements.size(); ++i) {
-    std::visit([&](const auto& e) { add_rows(e, text, needs, rows); }, loop.elements[i]);
+    rows.push_back(std::visit([&](const auto& e) { return row_of(e, text, names, needs); }, loop.elements[i]));
     if (i + 1 < loop.elements.size()) rows.back().text += ",";
   }
   std::size_t width = 0;
   for (const Row& row : rows) {
-    if (!row.remark.empty() && row.text.size() <= 70) width = std::max(width, row.text.size());
+    if (!row.remark.empty() && row.text.size() <= longest_beside) width = std::max(width, row.text.size());
   }
   std::string lines;
   for (const Row& row : rows) {
     std::string line = row.text;
-    if (!row.remark.empty()) {
+    if (!row.remark.empty() && row.text.size() > longest_beside) {
+      line = "// " + row.remark + "\n" + row.text;
+    } else if (!row.remark.empty()) {
       line.resize(std::max(width, line.size()), ' ');
       line += "  // " + row.remark;
     }
@@ -110,54 +155,66 @@ Result<std::string> loop_text(const Loop& loop, const std::string& role, bool ab
   return pack.render("polygon.scad", {{"rows", lines}, {"role", role}, {"open", guard ? "on_axis(" : ""}, {"close", guard ? ")" : ""}});
 }
 
+/// An expression for the largest first coordinate of a loop.
+std::string largest_radius(const Loop& loop, const Text& text, const CurveNames& names) {
+  double largest = -1;
+  std::string winner;
+  auto consider = [&](double radius, const std::string& expression) {
+    if (radius > largest + 1e-9) {
+      largest = radius;
+      winner = expression;
+    }
+  };
+  auto consider_expr = [&](const Expr& radius) { consider(text.value(radius), text.plain(radius)); };
+  for (const auto& element : loop.elements) {
+    if (const auto* p = std::get_if<SketchPoint>(&element)) consider_expr(p->x);
+    if (const auto* c = std::get_if<SketchNurbs>(&element)) {
+      double most = 0;
+      for (const auto& control : c->control) most = std::max(most, text.value(control[0]));
+      consider(most, "max([for (p = " + names.at(c) + ") p.x])");
+    }
+    if (const auto* a = std::get_if<SketchArc>(&element)) {
+      const double low = std::min(text.value(a->from), text.value(a->to)), high = std::max(text.value(a->from), text.value(a->to));
+      // The arc's easternmost point, or its farther end.
+      const bool east = std::floor(high / (2 * pi) + 1e-12) >= std::ceil(low / (2 * pi) - 1e-12);
+      if (east) {
+        consider_expr(a->center_x + a->radius);
+      } else {
+        const bool first = std::cos(text.value(a->from)) > std::cos(text.value(a->to));
+        consider_expr(a->center_x + a->radius * Expr::call(Expr::Kind::cos, {first ? a->from : a->to}));
+      }
+    }
+  }
+  return winner;
+}
+
 }  // namespace
 
-Result<std::string> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis, const Text& text,
-                                    const TemplatePack& pack, OpenscadNeeds& needs) {
+Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis, const Text& text,
+                                       const TemplatePack& pack, OpenscadNeeds& needs) {
+  const CurveNames names = curve_names(sketch, name, text);
   TemplateRecord data{{"name", name}, {"single", TemplateList{}}, {"several", TemplateList{}}};
   const bool several = sketch.loops.size() > 1;
-  std::string outer, holes;
+  std::string outer, holes, tables;
   for (std::size_t i = 0; i < sketch.loops.size(); ++i) {
-    auto loop = loop_text(sketch.loops[i], several ? one_line(sketch.loops[i].name) : "", about_axis, text, pack, needs);
-    if (!loop.ok()) return loop;
-    (i == 0 ? outer : holes) += *loop;
+    const Loop& loop = sketch.loops[i];
+    for (const auto& element : loop.elements) {
+      if (const auto* curve = std::get_if<SketchNurbs>(&element)) tables += control_table(*curve, names.at(curve), text);
+    }
+    auto written = loop_text(loop, several ? one_line(loop.name) : "", about_axis, text, names, pack, needs);
+    if (!written.ok()) return written.error();
+    (i == 0 ? outer : holes) += *written;
   }
   if (several) {
     data["several"] = TemplateList{{{"outer", outer}, {"holes", holes}}};
   } else {
     data["single"] = TemplateList{{{"loop", outer}}};
   }
-  return pack.render("sketch.scad", data);
-}
-
-std::string openscad_largest_radius(const Sketch& sketch, const Text& text) {
-  double largest = -1;
-  Expr winner = 0;
-  auto consider = [&](const Expr& radius) {
-    if (text.value(radius) > largest + 1e-9) {
-      largest = text.value(radius);
-      winner = radius;
-    }
-  };
+  data["tables"] = tables;
+  auto module = pack.render("sketch.scad", data);
+  if (!module.ok()) return module.error();
   // Holes lie inside the first loop.
-  for (const auto& element : sketch.loops.front().elements) {
-    if (const auto* p = std::get_if<SketchPoint>(&element)) consider(p->x);
-    if (const auto* c = std::get_if<SketchNurbs>(&element)) {
-      for (const auto& control : c->control) consider(control[0]);
-    }
-    if (const auto* a = std::get_if<SketchArc>(&element)) {
-      const double low = std::min(text.value(a->from), text.value(a->to)), high = std::max(text.value(a->from), text.value(a->to));
-      // The arc's easternmost point, or its farther end: a radius just has to be no smaller than the profile.
-      const bool east = std::floor(high / (2 * pi) + 1e-12) >= std::ceil(low / (2 * pi) - 1e-12);
-      if (east) {
-        consider(a->center_x + a->radius);
-      } else {
-        const bool first = std::cos(text.value(a->from)) > std::cos(text.value(a->to));
-        consider(a->center_x + a->radius * Expr::call(Expr::Kind::cos, {first ? a->from : a->to}));
-      }
-    }
-  }
-  return text.plain(winner);
+  return OpenscadSketch{std::move(module).value(), largest_radius(sketch.loops.front(), text, names)};
 }
 
 }  // namespace partscribe

@@ -13,11 +13,14 @@ struct OpenscadNeeds {
   bool facets = false, arc = false, on_axis = false, disc = false, ball = false, library = false;
 };
 
-/// A module `name` that draws the sketch; `about_axis`: the first coordinate is a radius.
-Result<std::string> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis,
-                                    const OpenscadText& text, const TemplatePack& pack, OpenscadNeeds& needs);
+/// A sketch as script text.
+struct OpenscadSketch {
+  std::string text;            ///< the module that draws it, after the control points of its NURBS curves
+  std::string largest_radius;  ///< an expression for the largest first coordinate of its outline
+};
 
-/// An expression for the largest first coordinate of a profile.
-std::string openscad_largest_radius(const Sketch& sketch, const OpenscadText& text);
+/// A module `name` that draws the sketch; `about_axis`: the first coordinate is a radius.
+Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis,
+                                       const OpenscadText& text, const TemplatePack& pack, OpenscadNeeds& needs);
 
 }  // namespace partscribe

@@ -1,3 +1,4 @@
+{{tables}}
 {{#single}}
 module {{name}}()
   {{loop}}

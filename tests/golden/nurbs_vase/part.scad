@@ -23,22 +23,26 @@ height = as_designed ? 70 : 70.01;        // fitted 70.01 +/- 0.008 from 4,120 p
 // largest distance between a curved surface and the facets that stand for it [mm]
 chord_error = 0.01;
 
+// Control points of the wall.
+vase_profile_wall = [
+  [foot_radius, 0],
+  [31.5, 12],
+  [27.25, 30],
+  [9.5, 44],
+  [12.75, 60],
+  [17, height]
+];
+
 module vase_profile()
   polygon([
     [0, 0],      // foot
-    each nurbs_curve(3, knots = [0, 0, 0, 0, 0.4, 0.7, 1, 1, 1, 1], control = [  // wall, then rim
-      [foot_radius, 0],
-      [31.5, 12],
-      [27.25, 30],
-      [9.5, 44],
-      [12.75, 60],
-      [17, height]
-    ], weights = [1, 1, 1.2, 0.9, 1, 1], error = chord_error / 2),
+    // wall, then rim
+    each nurbs_curve(3, [0, 0, 0, 0, 0.4, 0.7, 1, 1, 1, 1], vase_profile_wall, weights = [1, 1, 1.2, 0.9, 1, 1], error = chord_error / 2),
     [0, height]  // axis
   ]);
 
 module vase() {
-  n = facets(31.5);
+  n = facets(max([for (p = vase_profile_wall) p.x]));
   rotate_extrude($fn = n) scale([straddled(1, n), 1]) vase_profile();
 }
 

@@ -38,7 +38,8 @@ module pin_profile()
     [shank_radius, chamfer],         // shank
     [shank_radius, shank_length],    // shoulder
     [head_radius, shank_length],     // head
-    each arc([head_radius - fillet_radius, shank_length + head_height - fillet_radius], fillet_radius, 0, 90),  // fillet, then top
+    // fillet, then top
+    each arc([head_radius - fillet_radius, shank_length + head_height - fillet_radius], fillet_radius, 0, 90),
     [0, shank_length + head_height]  // axis
   ]);
 
