@@ -122,16 +122,24 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
 
   context.report("candidates", 0.25);
   std::vector<Judged> judged;
+  auto consider = [&](Candidate candidate) {
+    judged.push_back(judge(std::move(candidate), input, context));
+    const auto& j = judged.back();
+    context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) + ", cost " +
+                print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
+  };
+  // A superellipsoid is a hypothesis first; as a description it serves only where no procedure of the trade does.
+  std::vector<Candidate> last_resort;
   for (const auto& maker : makers()) {
     for (auto& candidate : maker.propose(input, hypothesis, directions, context)) {
       if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
       if (!asked_for(options.force, candidate)) continue;
-      judged.push_back(judge(std::move(candidate), input, context));
-      const auto& j = judged.back();
-      context.say(std::string(maker.name) + ": " + j.candidate.procedure + ", deviation " + millimetres(j.evidence.local_max, options.tolerance) +
-                  ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
+      if (std::holds_alternative<Superellipsoid>(candidate.shape)) last_resort.push_back(std::move(candidate));
+      else consider(std::move(candidate));
     }
   }
+  if (std::none_of(judged.begin(), judged.end(), [](const Judged& j) { return j.meets; }))
+    for (auto& candidate : last_resort) consider(std::move(candidate));
   // Those that meet the tolerance by total cost, then the others by deviation.
   std::stable_sort(judged.begin(), judged.end(), [](const Judged& a, const Judged& b) {
     if (a.meets != b.meets) return a.meets;
@@ -147,7 +155,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   for (std::size_t i = 0; i < judged.size() && judged[i].meets && !found; ++i) {
     Candidate exact = judged[i].candidate;
     RefineOptions full;
-    full.points = std::holds_alternative<Superellipsoid>(exact.shape) ? 6000 : 30000;
+    full.points = std::holds_alternative<Superellipsoid>(exact.shape) ? 2000 : 30000;
     refine(exact, input, full, context);
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;

@@ -80,7 +80,8 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
       if (values.size() >= 9) local[i] = robust_mean(values);
     }
   });
-  const double sigma = std::max(input.sampling.sigma, 0.05 * input.tolerance);
+  // Deviations well inside the tolerance are not worth a longer description.
+  const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double u = d[i] / sigma;

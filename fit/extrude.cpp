@@ -210,7 +210,8 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
         pieces += loop.segments.size();
         if (loop.segments.size() > 1 || (loop.segments.size() == 1 && loop.segments[0].arc)) loops.push_back(std::move(loop));
       }
-      if (loops.empty() || pieces > 120 || std::find(seen_sizes.begin(), seen_sizes.end(), pieces) != seen_sizes.end()) continue;
+      if (pieces > 120) break;  // more detail only adds pieces
+      if (loops.empty() || std::find(seen_sizes.begin(), seen_sizes.end(), pieces) != seen_sizes.end()) continue;
       seen_sizes.push_back(pieces);
       // x along the longest straight edge.
       double longest = 0, angle = 0;

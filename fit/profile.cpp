@@ -123,6 +123,8 @@ std::vector<Piece> split(const std::vector<ChainNode>& nodes, const ProfileOptio
     const double w = nodes[i].corner ? 0 : 1 / (nodes[i].sigma * nodes[i].sigma + o.floor * o.floor);
     sum[i + 1].add(w, nodes[i].position - origin);
   }
+  std::vector<double> along(n, 0.0);
+  for (std::size_t i = 1; i < n; ++i) along[i] = along[i - 1] + (nodes[i].position - nodes[i - 1].position).norm();
   std::vector<double> best(n + 1, 1e300);
   std::vector<std::size_t> from(n + 1, 0);
   std::vector<char> is_arc(n + 1, 0);
@@ -144,8 +146,8 @@ std::vector<Piece> split(const std::vector<ChainNode>& nodes, const ProfileOptio
       if (!(arc.radius > 0) || arc.radius > 4 * o.size) continue;
       const double cost = best[i] + 0.5 * arc.cost + o.arc_cost;
       if (cost >= best[j]) continue;
-      const double sweep = std::abs(swept_angle(nodes, i, j - 1, arc.center + origin));
-      if (sweep < 0.15 || sweep > 6.4) continue;
+      const double sweep = (along[j - 1] - along[i]) / arc.radius;
+      if (sweep < 0.15 || sweep > 6.6) continue;
       best[j] = cost, from[j] = i, is_arc[j] = 1;
     }
   std::vector<Piece> pieces;

@@ -73,7 +73,8 @@ class Problem {
     const double h = 1e-6 * size_;
     for (std::size_t k = 0; k < free_.size(); ++k) {
       const auto& p = candidate_.parameters[free_[k]];
-      const double step = p.quantity == Quantity::length ? h : 1e-6;
+      double step = p.quantity == Quantity::length ? h : 1e-6;
+      if (const auto limit = limits_.find(p.name); limit != limits_.end() && base.at(p.name) + step > limit->second.second) step = -step;
       Values shifted = base;
       shifted[p.name] += step;
       const ModelDistance above(model_, shifted);

@@ -248,8 +248,8 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
   std::vector<Axis> axes = revolution_axes(input, start_directions);
   if (axes.size() > 2) axes.resize(2);
   for (Axis axis : axes) {
-    if (axis.share < 0.8) continue;
     context.say("revolve: axis shared by " + print_number(snapped(100 * axis.share, 0.1)) + " % of the normals");
+    if (axis.share < 0.8) continue;
     // The larger flat end is the bottom.
     {
       double up = 0, down = 0;
@@ -273,7 +273,8 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
       profile_options.floor = share * input.tolerance;
       profile_options.size = outline / 2;
       auto loop = loop_of(chains[0], profile_options, chain_options.cell, input.tolerance);
-      if (!loop || loop->segments.size() > 60) continue;
+      if (!loop) continue;
+      if (loop->segments.size() > 60) break;  // more detail only adds pieces
       if (std::find(seen_sizes.begin(), seen_sizes.end(), loop->segments.size()) != seen_sizes.end()) continue;
       seen_sizes.push_back(loop->segments.size());
       SketchOptions sketch_options;
