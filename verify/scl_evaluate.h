@@ -12,7 +12,7 @@ namespace partscribe {
 
 /// So that no text, however it is meant, runs without end.
 struct SclLimits {
-  std::size_t steps = 20'000'000;    ///< statements and calls
+  std::size_t steps = 5'000'000;     ///< statements and calls
   std::size_t values = 10'000'000;   ///< members of arrays altogether
   std::size_t objects = 200'000;     ///< curves, surfaces and shells
   int recursion = 64;                ///< procedures in procedures

@@ -101,9 +101,13 @@ SclMesh surface_mesh(const SclGeometry& geometry, double deviation) {
       result.mesh = welded(result.mesh, 0);
       return result;
     }
-    const bool twisted = std::max(u_error, v_error) < 0.5 * error;
-    if (twisted || u_error >= 0.5 * v_error) u_parts *= 2;
-    if (twisted || v_error >= 0.5 * u_error) v_parts *= 2;
+    // Chord errors fall with the square of the step; both directions together fill the budget.
+    auto wanted = [&](int parts, double chord) {
+      return std::max(parts, std::min(4 * parts, static_cast<int>(std::ceil(parts * std::sqrt(chord / (0.45 * deviation))))));
+    };
+    const int u_before = u_parts, v_before = v_parts;
+    u_parts = wanted(u_parts, u_error), v_parts = wanted(v_parts, v_error);
+    if (u_parts == u_before && v_parts == v_before) ++u_parts, ++v_parts;
   }
 }
 
