@@ -47,11 +47,27 @@ double sampled_noise(const PointCloud& cloud, int threads) {
   return estimate_normals(sample, {}, silent).sigma;
 }
 
-/// The least of 1, 2, 5 times a power of ten that is not below `value`.
+/// Diagonal of the box that holds all but the outermost half per cent on each side: stray points have no say.
+double robust_diagonal(const PointCloud& cloud) {
+  if (cloud.empty()) return 0;
+  Vec3 size;
+  std::vector<double> values(cloud.size());
+  const std::size_t low = cloud.size() / 200, high = cloud.size() - 1 - low;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < cloud.size(); ++i) values[i] = cloud.points[i][axis];
+    std::nth_element(values.begin(), values.begin() + low, values.end());
+    const double least = values[low];
+    std::nth_element(values.begin(), values.begin() + high, values.end());
+    size[axis] = values[high] - least;
+  }
+  return size.norm();
+}
+
+/// The least round number that is not below `value`.
 double rounded_up(double value) {
   const double decade = power_of_ten_below(value);
-  for (const double step : {1.0, 2.0, 5.0})
-    if (value <= step * decade * (1 + 1e-9)) return snapped(step * decade, decade);
+  for (const double step : {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0})
+    if (value <= step * decade * (1 + 1e-9)) return snapped(step * decade, decade / 10);
   return snapped(10 * decade, decade);
 }
 
@@ -140,7 +156,7 @@ ChosenTolerance tolerance_for(const Scan& scan, Session& session) {
     return chosen;
   }
   chosen.noise = sampled_noise(scan.cloud, session.context.threads);
-  const double diagonal = scan.cloud.bounds().diagonal();
+  const double diagonal = robust_diagonal(scan.cloud);
   const double from_noise = 5 * chosen.noise, from_size = diagonal / 1000;
   chosen.tolerance = rounded_up(std::max({from_noise, from_size, 1e-6}));
   chosen.reason =

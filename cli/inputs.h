@@ -40,8 +40,8 @@ struct ChosenTolerance {
   std::string reason;    ///< one line for the user
 };
 
-/// --tolerance, or five times the noise of the scan but at least a thousandth of its diagonal, rounded up to
-/// 1, 2 or 5 times a power of ten. Five, because a fit judged at twice the local noise is still an honest verdict.
+/// --tolerance, or five times the noise of the scan but at least a thousandth of its diagonal (stray points
+/// aside), rounded up. Five, because a fit judged at twice the local noise is still an honest verdict.
 ChosenTolerance tolerance_for(const Scan& scan, Session& session);
 
 }  // namespace partscribe
