@@ -93,8 +93,9 @@ std::string describe_fit(const Parameter& p, double tolerance) {
   std::string text = "fitted " + print_number(snapped(fitted, resolution)) + " +/- " + one_digit(sigma);
   if (p.points > 0) text += " from " + with_thousands(p.points) + " points";
   if (p.nominal) {
-    text += "; " + value_text(p.quantity, p.nominal->candidate) + (p.nominal->series.empty() ? " nominal" : " by the " + one_line(p.nominal->series)) +
-            (p.nominal->kept ? "" : " refused") + " (z = " + print_number(snapped(p.nominal->z, 0.1)) + ")";
+    const std::string series = p.nominal->series.empty() ? "" : one_line(p.nominal->series) + ", ";
+    text += "; nominal " + value_text(p.quantity, p.nominal->candidate) + (p.nominal->kept ? "" : " refused") + " (" + series +
+            "z = " + print_number(snapped(p.nominal->z, 0.1)) + ")";
   }
   return text;
 }
@@ -119,7 +120,10 @@ std::optional<std::string> as_built_text(const Parameter& p, double tolerance) {
   const double resolution = resolution_of(p, tolerance);
   const double shown = snapped(angle ? degrees(p.fitted) : p.fitted, resolution);
   const double value = angle ? degrees(p.value) : p.value;
-  if (std::abs(shown - value) <= 0.75 * resolution) return {};
+  // Without a nominal size the value is what was fitted, rounded: there is nothing to choose between.
+  const bool nominal = p.nominal && p.nominal->kept;
+  const double sigma = angle ? degrees(p.sigma) : p.sigma;
+  if (std::abs(shown - value) <= (nominal ? 0.75 * resolution : std::max(sigma, 0.75 * resolution))) return {};
   return print_number(shown);
 }
 

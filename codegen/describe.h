@@ -24,7 +24,7 @@ std::vector<std::string> header_lines(const Model& model);
 /// "rms 0.012 mm, at most 0.034 mm from 4,120 points, 87 % of its surface scanned"; empty without evidence.
 std::string describe_evidence(const Evidence& evidence);
 
-/// "fitted 8.9987 +/- 0.0004 from 4,120 points; 9 by the 0.5 mm grid (z = 3.2)"; empty if the value was not fitted.
+/// "fitted 8.9987 +/- 0.0004 from 4,120 points; nominal 9 (0.5 mm grid, z = 3.2)"; empty if the value was not fitted.
 std::string describe_fit(const Parameter& parameter, double tolerance);
 
 /// "mm", "deg" or nothing.

@@ -178,7 +178,9 @@ std::string largest_radius(const Loop& loop, const Text& text, const CurveNames&
       // The arc's easternmost point, or its farther end.
       const bool east = std::floor(high / (2 * pi) + 1e-12) >= std::ceil(low / (2 * pi) - 1e-12);
       if (east) {
-        consider_expr(a->center_x + a->radius);
+        // The centre of a fillet often is written as edge - radius.
+        const bool from_edge = a->center_x.kind == Expr::Kind::subtract && a->center_x.arguments[1] == a->radius;
+        consider_expr(from_edge ? a->center_x.arguments[0] : a->center_x + a->radius);
       } else {
         const bool first = std::cos(text.value(a->from)) > std::cos(text.value(a->to));
         consider_expr(a->center_x + a->radius * Expr::call(Expr::Kind::cos, {first ? a->from : a->to}));

@@ -298,7 +298,7 @@ TEST_CASE("iges and step: no clock, user or machine in the file") {
 TEST_CASE("openscad: a parameter is printed once, with its evidence") {
   const std::string script = script_of(golden("pin"));
   CHECK(contains(script, "shank_radius = as_designed ? 9 : 8.9987;"));
-  CHECK(contains(script, "fitted 8.9987 +/- 0.0004 from 4,120 points; 9 by the 0.5 mm grid (z = 3.3)"));
+  CHECK(contains(script, "fitted 8.9987 +/- 0.0004 from 4,120 points; nominal 9 (0.5 mm grid, z = 3.3)"));
   CHECK(contains(script, "each arc([head_radius - fillet_radius, shank_length + head_height - fillet_radius], fillet_radius, 0, 90)"));
   CHECK(contains(script, "if (as_scanned) scan_from_part() part();"));
 }
@@ -426,7 +426,10 @@ TEST_CASE("descriptions: numbers as a person writes them") {
   p.sigma = 0.0041;
   p.points = 4120;
   CHECK(describe_fit(p, 0.1) == "fitted 10.997 +/- 0.004 from 4,120 points");
+  p.nominal = NominalEvidence{11, 0.7, true, "1 mm grid"};
+  CHECK(describe_fit(p, 0.1) == "fitted 10.997 +/- 0.004 from 4,120 points; nominal 11 (1 mm grid, z = 0.7)");
   CHECK(as_built_text(p, 0.1) == "10.997");
-  p.value = 10.997;
+  p.nominal->kept = false;
+  p.value = 10.998;
   CHECK_FALSE(as_built_text(p, 0.1).has_value());
 }

@@ -13,9 +13,9 @@ as_scanned = true;
 
 /* [Block] */
 // size along x [mm]
-width = as_designed ? 60 : 60.012;  // fitted 60.012 +/- 0.008 from 4,120 points; 60 by the 0.5 mm grid (z = -1.5)
+width = as_designed ? 60 : 60.012;  // fitted 60.012 +/- 0.008 from 4,120 points; nominal 60 (0.5 mm grid, z = -1.5)
 // size along y [mm]
-depth = as_designed ? 40 : 39.991;  // fitted 39.991 +/- 0.007 from 4,120 points; 40 by the 0.5 mm grid (z = 1.3)
+depth = as_designed ? 40 : 39.991;  // fitted 39.991 +/- 0.007 from 4,120 points; nominal 40 (0.5 mm grid, z = 1.3)
 // size along z [mm]
 height = 25.3;                      // fitted 25.3 +/- 0.006 from 4,120 points
 

@@ -13,27 +13,27 @@ as_scanned = true;
 
 /* [Foot] */
 // width of both plates [mm]
-width = as_designed ? 40 : 40.004;    // fitted 40.004 +/- 0.006 from 4,120 points; 40 by the 0.5 mm grid (z = -0.7)
+width = as_designed ? 40 : 40.004;    // fitted 40.004 +/- 0.006 from 4,120 points; nominal 40 (0.5 mm grid, z = -0.7)
 // length of the foot [mm]
-length = as_designed ? 60 : 60.011;   // fitted 60.011 +/- 0.008 from 4,120 points; 60 by the 0.5 mm grid (z = -1.4)
+length = as_designed ? 60 : 60.011;   // fitted 60.011 +/- 0.008 from 4,120 points; nominal 60 (0.5 mm grid, z = -1.4)
 // thickness of both plates [mm]
-thickness = as_designed ? 8 : 8.002;  // fitted 8.002 +/- 0.004 from 4,120 points; 8 by the 0.5 mm grid (z = -0.5)
+thickness = as_designed ? 8 : 8.002;  // fitted 8.002 +/- 0.004 from 4,120 points; nominal 8 (0.5 mm grid, z = -0.5)
 
 /* [Wall] */
 // height of the wall [mm]
-height = as_designed ? 50 : 49.996;  // fitted 49.996 +/- 0.007 from 4,120 points; 50 by the 0.5 mm grid (z = 0.6)
+height = as_designed ? 50 : 49.996;  // fitted 49.996 +/- 0.007 from 4,120 points; nominal 50 (0.5 mm grid, z = 0.6)
 
 /* [Bore 1] */
 // radius of the bores in the foot [mm]
-bore_radius = as_designed ? 4.5 : 4.499;    // fitted 4.499 +/- 0.002 from 4,120 points; 4.5 by the 0.5 mm grid (z = 0.9)
+bore_radius = as_designed ? 4.5 : 4.499;    // fitted 4.499 +/- 0.002 from 4,120 points; nominal 4.5 (0.5 mm grid, z = 0.9)
 // distance between the bores in the foot [mm]
-bore_distance = as_designed ? 22 : 22.003;  // fitted 22.003 +/- 0.003 from 4,120 points; 22 by the 0.5 mm grid (z = -1)
+bore_distance = as_designed ? 22 : 22.003;  // fitted 22.003 +/- 0.003 from 4,120 points; nominal 22 (0.5 mm grid, z = -1)
 // by which a cut reaches out of the part [mm]
 overshoot = 1;
 
 /* [Eye] */
 // radius of the eye in the wall [mm]
-eye_radius = as_designed ? 9 : 9.003;  // fitted 9.003 +/- 0.002 from 4,120 points; 9 by the 0.5 mm grid (z = -1.5)
+eye_radius = as_designed ? 9 : 9.003;  // fitted 9.003 +/- 0.002 from 4,120 points; nominal 9 (0.5 mm grid, z = -1.5)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -11,11 +11,11 @@ as_designed = true;
 
 /* [Frustum] */
 // radius at the foot [mm]
-foot_radius = as_designed ? 20 : 20.003;  // fitted 20.003 +/- 0.004 from 4,120 points; 20 by the 0.5 mm grid (z = -0.8)
+foot_radius = as_designed ? 20 : 20.003;  // fitted 20.003 +/- 0.004 from 4,120 points; nominal 20 (0.5 mm grid, z = -0.8)
 // radius at the tip [mm]
-tip_radius = as_designed ? 5 : 4.998;     // fitted 4.998 +/- 0.005 from 4,120 points; 5 by the 0.5 mm grid (z = 0.4)
+tip_radius = as_designed ? 5 : 4.998;     // fitted 4.998 +/- 0.005 from 4,120 points; nominal 5 (0.5 mm grid, z = 0.4)
 // height of the frustum [mm]
-height = as_designed ? 35 : 35.006;       // fitted 35.006 +/- 0.01 from 4,120 points; 35 by the 0.5 mm grid (z = -0.6)
+height = as_designed ? 35 : 35.006;       // fitted 35.006 +/- 0.01 from 4,120 points; nominal 35 (0.5 mm grid, z = -0.6)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -13,9 +13,9 @@ as_scanned = true;
 
 /* [Bar] */
 // radius of the bar [mm]
-radius = as_designed ? 12 : 11.999;  // fitted 11.999 +/- 0.001 from 4,120 points; 12 by the 0.5 mm grid (z = 0.9)
+radius = as_designed ? 12 : 11.999;  // fitted 11.999 +/- 0.001 from 4,120 points; nominal 12 (0.5 mm grid, z = 0.9)
 // length of the bar [mm]
-length = as_designed ? 80 : 80.021;  // fitted 80.021 +/- 0.02 from 4,120 points; 80 by the 0.5 mm grid (z = -1.4)
+length = as_designed ? 80 : 80.021;  // fitted 80.021 +/- 0.02 from 4,120 points; nominal 80 (0.5 mm grid, z = -1.4)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -13,11 +13,11 @@ as_scanned = true;
 
 /* [Egg] */
 // half axis along x [mm]
-half_length = as_designed ? 30 : 30.01;  // fitted 30.01 +/- 0.006 from 4,120 points; 30 by the 0.5 mm grid (z = -1.7)
+half_length = as_designed ? 30 : 30.01;  // fitted 30.01 +/- 0.006 from 4,120 points; nominal 30 (0.5 mm grid, z = -1.7)
 // half axis along y [mm]
-half_width = as_designed ? 20 : 20.01;   // fitted 20.01 +/- 0.006 from 4,120 points; 20 by the 0.5 mm grid (z = -1.7)
+half_width = as_designed ? 20 : 20.01;   // fitted 20.01 +/- 0.006 from 4,120 points; nominal 20 (0.5 mm grid, z = -1.7)
 // half axis along z [mm]
-half_height = as_designed ? 12 : 12.01;  // fitted 12.01 +/- 0.006 from 4,120 points; 12 by the 0.5 mm grid (z = -1.7)
+half_height = as_designed ? 12 : 12.01;  // fitted 12.01 +/- 0.006 from 4,120 points; nominal 12 (0.5 mm grid, z = -1.7)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -15,11 +15,11 @@ as_scanned = true;
 
 /* [Cut block] */
 // distance of the sides from the middle [mm]
-half_width = as_designed ? 20 : 20.003;         // fitted 20.003 +/- 0.004 from 4,120 points; 20 by the 0.5 mm grid (z = -0.8)
+half_width = as_designed ? 20 : 20.003;         // fitted 20.003 +/- 0.004 from 4,120 points; nominal 20 (0.5 mm grid, z = -0.8)
 // distance of the top from the bottom [mm]
-height = as_designed ? 30 : 29.995;             // fitted 29.995 +/- 0.006 from 4,120 points; 30 by the 0.5 mm grid (z = 0.8)
+height = as_designed ? 30 : 29.995;             // fitted 29.995 +/- 0.006 from 4,120 points; nominal 30 (0.5 mm grid, z = 0.8)
 // distance of the cut corner from the origin [mm]
-corner_distance = as_designed ? 32.5 : 32.499;  // fitted 32.499 +/- 0.008 from 4,120 points; 32.5 by the 0.5 mm grid (z = 0.1)
+corner_distance = as_designed ? 32.5 : 32.499;  // fitted 32.499 +/- 0.008 from 4,120 points; nominal 32.5 (0.5 mm grid, z = 0.1)
 
 // Each face by its outward normal and its distance from the origin.
 module cut_block()

@@ -11,17 +11,17 @@ as_designed = true;
 
 /* [Front] */
 // radius of the front [mm]
-front_radius = as_designed ? 40 : 40.01;       // fitted 40.01 +/- 0.01 from 4,120 points; 40 by the 0.5 mm grid (z = -1)
+front_radius = as_designed ? 40 : 40.01;       // fitted 40.01 +/- 0.01 from 4,120 points; nominal 40 (0.5 mm grid, z = -1)
 // thickness in the middle [mm]
-center_thickness = as_designed ? 10 : 10.001;  // fitted 10.001 +/- 0.004 from 4,120 points; 10 by the 0.5 mm grid (z = -0.2)
+center_thickness = as_designed ? 10 : 10.001;  // fitted 10.001 +/- 0.004 from 4,120 points; nominal 10 (0.5 mm grid, z = -0.2)
 
 /* [Back] */
 // radius of the back [mm]
-back_radius = as_designed ? 55 : 55.02;  // fitted 55.02 +/- 0.02 from 4,120 points; 55 by the 0.5 mm grid (z = -1)
+back_radius = as_designed ? 55 : 55.02;  // fitted 55.02 +/- 0.02 from 4,120 points; nominal 55 (0.5 mm grid, z = -1)
 
 /* [Groove] */
 // of the groove [deg]
-tilt = as_designed ? 7.5 : 7.51;  // fitted 7.51 +/- 0.02 from 1,200 points
+tilt = 7.5;  // fitted 7.51 +/- 0.02 from 1,200 points
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -15,9 +15,9 @@ as_scanned = true;
 
 /* [Vase] */
 // radius of the foot [mm]
-foot_radius = as_designed ? 20 : 20.002;  // fitted 20.002 +/- 0.004 from 4,120 points; 20 by the 0.5 mm grid (z = -0.5)
+foot_radius = as_designed ? 20 : 20.002;  // fitted 20.002 +/- 0.004 from 4,120 points; nominal 20 (0.5 mm grid, z = -0.5)
 // height of the vase [mm]
-height = as_designed ? 70 : 70.01;        // fitted 70.01 +/- 0.008 from 4,120 points; 70 by the 0.5 mm grid (z = -1.3)
+height = as_designed ? 70 : 70.01;        // fitted 70.01 +/- 0.008 from 4,120 points; nominal 70 (0.5 mm grid, z = -1.3)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -13,17 +13,17 @@ as_scanned = true;
 
 /* [Pin] */
 // radius of the shank [mm]
-shank_radius = as_designed ? 9 : 8.9987;   // fitted 8.9987 +/- 0.0004 from 4,120 points; 9 by the 0.5 mm grid (z = 3.3)
+shank_radius = as_designed ? 9 : 8.9987;   // fitted 8.9987 +/- 0.0004 from 4,120 points; nominal 9 (0.5 mm grid, z = 3.3)
 // length of the shank below the head [mm]
-shank_length = as_designed ? 60 : 60.004;  // fitted 60.004 +/- 0.006 from 4,120 points; 60 by the 0.5 mm grid (z = -0.7)
+shank_length = as_designed ? 60 : 60.004;  // fitted 60.004 +/- 0.006 from 4,120 points; nominal 60 (0.5 mm grid, z = -0.7)
 // radius of the head [mm]
-head_radius = as_designed ? 15 : 14.993;   // fitted 14.993 +/- 0.001 from 4,120 points; 15 by the 0.5 mm grid (z = 5.7)
+head_radius = as_designed ? 15 : 14.993;   // fitted 14.993 +/- 0.001 from 4,120 points; nominal 15 (0.5 mm grid, z = 5.7)
 // height of the head [mm]
-head_height = as_designed ? 10 : 10.002;   // fitted 10.002 +/- 0.004 from 4,120 points; 10 by the 0.5 mm grid (z = -0.5)
+head_height = as_designed ? 10 : 10.002;   // fitted 10.002 +/- 0.004 from 4,120 points; nominal 10 (0.5 mm grid, z = -0.5)
 // radius of the rounded upper edge of the head [mm]
-fillet_radius = as_designed ? 2 : 1.994;   // fitted 1.994 +/- 0.009 from 4,120 points; 2 by the 0.5 mm grid (z = 0.7)
+fillet_radius = as_designed ? 2 : 1.994;   // fitted 1.994 +/- 0.009 from 4,120 points; nominal 2 (0.5 mm grid, z = 0.7)
 // size of the bevel at the foot of the shank [mm]
-chamfer = as_designed ? 1.5 : 1.48;        // fitted 1.48 +/- 0.02 from 4,120 points; 1.5 by the 0.5 mm grid (z = 1.3)
+chamfer = as_designed ? 1.5 : 1.48;        // fitted 1.48 +/- 0.02 from 4,120 points; nominal 1.5 (0.5 mm grid, z = 1.3)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -13,7 +13,7 @@ as_scanned = true;
 
 /* [Ball] */
 // radius of the ball [mm]
-radius = as_designed ? 25 : 24.996;  // fitted 24.996 +/- 0.002 from 4,120 points; 25 by the 0.5 mm grid (z = 1.8)
+radius = as_designed ? 25 : 24.996;  // fitted 24.996 +/- 0.002 from 4,120 points; nominal 25 (0.5 mm grid, z = 1.8)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

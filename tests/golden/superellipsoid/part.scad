@@ -15,11 +15,11 @@ as_scanned = true;
 
 /* [Soap] */
 // half size along x [mm]
-half_length = as_designed ? 30 : 30.01;  // fitted 30.01 +/- 0.006 from 4,120 points; 30 by the 0.5 mm grid (z = -1.7)
+half_length = as_designed ? 30 : 30.01;  // fitted 30.01 +/- 0.006 from 4,120 points; nominal 30 (0.5 mm grid, z = -1.7)
 // half size along y [mm]
-half_width = as_designed ? 20 : 20.01;   // fitted 20.01 +/- 0.006 from 4,120 points; 20 by the 0.5 mm grid (z = -1.7)
+half_width = as_designed ? 20 : 20.01;   // fitted 20.01 +/- 0.006 from 4,120 points; nominal 20 (0.5 mm grid, z = -1.7)
 // half size along z [mm]
-half_height = as_designed ? 15 : 15.01;  // fitted 15.01 +/- 0.006 from 4,120 points; 15 by the 0.5 mm grid (z = -1.7)
+half_height = as_designed ? 15 : 15.01;  // fitted 15.01 +/- 0.006 from 4,120 points; nominal 15 (0.5 mm grid, z = -1.7)
 // 0: square edges, 1: round
 squareness = 0.4;                        // fitted 0.4 +/- 0.003 from 9,000 points
 

@@ -13,13 +13,13 @@ as_scanned = true;
 
 /* [Tie bar] */
 // distance between the axes of the eyes [mm]
-eye_distance = as_designed ? 80 : 80.008;  // fitted 80.008 +/- 0.004 from 4,120 points; 80 by the 0.5 mm grid (z = -2)
+eye_distance = as_designed ? 80 : 80.008;  // fitted 80.008 +/- 0.004 from 4,120 points; nominal 80 (0.5 mm grid, z = -2)
 // radius of the rounded ends [mm]
-end_radius = as_designed ? 15 : 14.997;    // fitted 14.997 +/- 0.003 from 4,120 points; 15 by the 0.5 mm grid (z = 1)
+end_radius = as_designed ? 15 : 14.997;    // fitted 14.997 +/- 0.003 from 4,120 points; nominal 15 (0.5 mm grid, z = 1)
 // radius of both bores [mm]
-bore_radius = as_designed ? 8 : 8.002;     // fitted 8.002 +/- 0.001 from 4,120 points; 8 by the 0.5 mm grid (z = -1.9)
+bore_radius = as_designed ? 8 : 8.002;     // fitted 8.002 +/- 0.001 from 4,120 points; nominal 8 (0.5 mm grid, z = -1.9)
 // thickness of the bar [mm]
-thickness = as_designed ? 12 : 12.003;     // fitted 12.003 +/- 0.005 from 4,120 points; 12 by the 0.5 mm grid (z = -0.6)
+thickness = as_designed ? 12 : 12.003;     // fitted 12.003 +/- 0.005 from 4,120 points; nominal 12 (0.5 mm grid, z = -0.6)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

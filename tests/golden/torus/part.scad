@@ -13,9 +13,9 @@ as_scanned = true;
 
 /* [Ring] */
 // radius of the centre circle [mm]
-ring_radius = as_designed ? 30 : 30.001;  // fitted 30.001 +/- 0.003 from 4,120 points; 30 by the 0.5 mm grid (z = -0.3)
+ring_radius = as_designed ? 30 : 30.001;  // fitted 30.001 +/- 0.003 from 4,120 points; nominal 30 (0.5 mm grid, z = -0.3)
 // radius of the tube [mm]
-tube_radius = as_designed ? 8 : 7.999;    // fitted 7.999 +/- 0.002 from 4,120 points; 8 by the 0.5 mm grid (z = 0.4)
+tube_radius = as_designed ? 8 : 7.999;    // fitted 7.999 +/- 0.002 from 4,120 points; nominal 8 (0.5 mm grid, z = 0.4)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]

@@ -13,13 +13,13 @@ as_scanned = true;
 
 /* [Ramp] */
 // size along x at the foot [mm]
-length = as_designed ? 50 : 50.004;      // fitted 50.004 +/- 0.009 from 4,120 points; 50 by the 0.5 mm grid (z = -0.4)
+length = as_designed ? 50 : 50.004;      // fitted 50.004 +/- 0.009 from 4,120 points; nominal 50 (0.5 mm grid, z = -0.4)
 // size along y [mm]
-depth = as_designed ? 30 : 30.002;       // fitted 30.002 +/- 0.009 from 4,120 points; 30 by the 0.5 mm grid (z = -0.2)
+depth = as_designed ? 30 : 30.002;       // fitted 30.002 +/- 0.009 from 4,120 points; nominal 30 (0.5 mm grid, z = -0.2)
 // size along z [mm]
-height = as_designed ? 20 : 19.997;      // fitted 19.997 +/- 0.009 from 4,120 points; 20 by the 0.5 mm grid (z = 0.3)
+height = as_designed ? 20 : 19.997;      // fitted 19.997 +/- 0.009 from 4,120 points; nominal 20 (0.5 mm grid, z = 0.3)
 // size along x at the far side [mm]
-top_length = as_designed ? 15 : 15.011;  // fitted 15.011 +/- 0.01 from 4,120 points; 15 by the 0.5 mm grid (z = -0.9)
+top_length = as_designed ? 15 : 15.011;  // fitted 15.011 +/- 0.01 from 4,120 points; nominal 15 (0.5 mm grid, z = -0.9)
 
 assert(length > 0, "length must be positive");
 assert(depth > 0, "depth must be positive");
