@@ -14,12 +14,12 @@
 #include <Poly_Triangulation.hxx>
 #include <ShapeUpgrade_UnifySameDomain.hxx>
 #include <Standard_Failure.hxx>
+#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
-#include <TopExp.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 #include <gp_Trsf.hxx>
@@ -50,7 +50,8 @@ TopoDS_Shape moved(const TopoDS_Shape& shape, const Pose& pose) {
   const Mat3& r = pose.rotation;
   const Vec3& t = pose.translation;
   gp_Trsf motion;
-  motion.SetValues(r(0, 0), r(0, 1), r(0, 2), t.x(), r(1, 0), r(1, 1), r(1, 2), t.y(), r(2, 0), r(2, 1), r(2, 2), t.z());
+  motion.SetValues(r(0, 0), r(0, 1), r(0, 2), t.x(), r(1, 0), r(1, 1), r(1, 2), t.y(), r(2, 0), r(2, 1), r(2, 2),
+                   t.z());
   return BRepBuilderAPI_Transform(shape, motion, true).Shape();
 }
 
@@ -230,7 +231,8 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
     Brep brep;
     brep.solid = !(sheet && !sheet->closed);
     brep.error = builder.error();
-    brep.shape = std::make_shared<TopoDS_Shape>(model.as_scanned ? moved(*part, evaluate(model.scan_from_part, values)) : *part);
+    brep.shape =
+        std::make_shared<TopoDS_Shape>(model.as_scanned ? moved(*part, evaluate(model.scan_from_part, values)) : *part);
     const TopoDS_Shape& shape = *brep.shape;
 
     TopTools_IndexedMapOfShape faces;
@@ -243,8 +245,8 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
     if (brep.solid) {
       const double volume = volume_of(shape), allowed = 1e-3 * std::abs(volume) + 2 * model.tolerance * area_of(shape);
       if (!(volume > 0) || !tessellation.complete || std::abs(volume - tessellation.volume) > allowed) {
-        return bad_input(where + "expected a boundary whose volume agrees with its triangles, found " + print_number(volume) +
-                         " and " + print_number(tessellation.volume) + " mm^3");
+        return bad_input(where + "expected a boundary whose volume agrees with its triangles, found " +
+                         print_number(volume) + " and " + print_number(tessellation.volume) + " mm^3");
       }
     }
     if (faces.Extent() <= most_named_faces) {
@@ -265,7 +267,8 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
     }
     return brep;
   } catch (const Standard_Failure& failure) {
-    return bad_input(where + "expected a boundary that can be measured, OpenCASCADE says: " + failure.GetMessageString());
+    return bad_input(where +
+                     "expected a boundary that can be measured, OpenCASCADE says: " + failure.GetMessageString());
   }
 }
 

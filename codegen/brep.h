@@ -24,8 +24,8 @@ struct BrepFace {
 struct Brep {
   std::shared_ptr<TopoDS_Shape> shape;  ///< a solid (or a compound of several), or the shell of an open sheet
   bool solid = true;
-  std::vector<BrepFace> faces;          ///< in the order of the shape
-  double error = 0;                     ///< mm, how far the shape is from the model (superellipsoids are approximated)
+  std::vector<BrepFace> faces;  ///< in the order of the shape
+  double error = 0;             ///< mm, how far the shape is from the model (superellipsoids are approximated)
 };
 
 /// Placed by `scan_from_part` when `model.as_scanned`. Checked: valid, closed where it is a solid, and of a volume

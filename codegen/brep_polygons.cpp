@@ -1,3 +1,4 @@
+// Planar polygons on shared corners as OpenCASCADE shells and solids.
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRep_Builder.hxx>
 #include <Eigen/Geometry>
@@ -24,7 +25,8 @@ using Polygon = std::vector<std::uint32_t>;
 Vec3 area_vector(const std::vector<Vec3>& vertices, const Polygon& polygon) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    sum += (vertices[polygon[i]] - vertices[polygon[0]]).cross(vertices[polygon[(i + 1) % polygon.size()]] - vertices[polygon[0]]);
+    sum += (vertices[polygon[i]] - vertices[polygon[0]])
+               .cross(vertices[polygon[(i + 1) % polygon.size()]] - vertices[polygon[0]]);
   }
   return sum;
 }
@@ -91,7 +93,8 @@ TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices, const std::vect
     wire.Closed(true);
     TopoDS_Face face;
     const Vec3& p = vertices[polygon[0]];
-    builder.MakeFace(face, new Geom_Plane(gp_Pnt(p.x(), p.y(), p.z()), gp_Dir(normal.x(), normal.y(), normal.z())), 1e-7);
+    builder.MakeFace(face, new Geom_Plane(gp_Pnt(p.x(), p.y(), p.z()), gp_Dir(normal.x(), normal.y(), normal.z())),
+                     1e-7);
     builder.Add(face, wire);
     const auto number = static_cast<std::size_t>(piece_of[i]);
     if (number == pieces.size()) {

@@ -149,7 +149,8 @@ TopoDS_Shape brep_of(const WedgeOf<double>& s) {
 TopoDS_Shape brep_of(const CylinderOf<double>& s) { return BRepPrimAPI_MakeCylinder(s.radius, s.height).Shape(); }
 
 TopoDS_Shape brep_of(const ConeOf<double>& s) {
-  if (std::abs(s.bottom_radius - s.top_radius) < 1e-7) return BRepPrimAPI_MakeCylinder(s.bottom_radius, s.height).Shape();
+  if (std::abs(s.bottom_radius - s.top_radius) < 1e-7)
+    return BRepPrimAPI_MakeCylinder(s.bottom_radius, s.height).Shape();
   return BRepPrimAPI_MakeCone(s.bottom_radius, s.top_radius, s.height).Shape();
 }
 

@@ -28,7 +28,7 @@ TopoDS_Shape brep_of(const TriSurfaceOf<double>& shape);
 TopoDS_Shape brep_of(const SuperellipsoidOf<double>& shape, double tolerance, double& error);
 
 /// Planar faces on shared corners and edges: one shell per connected piece. `closed`: solids, cavities cut out.
-TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices, const std::vector<std::vector<std::uint32_t>>& polygons,
-                              bool closed);
+TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices,
+                              const std::vector<std::vector<std::uint32_t>>& polygons, bool closed);
 
 }  // namespace partscribe

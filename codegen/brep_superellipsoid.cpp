@@ -1,3 +1,4 @@
+// Superellipsoids as one spline surface each.
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
@@ -14,9 +15,9 @@
 #include "codegen/brep_shapes.h"
 #include "core/number.h"
 
-// A superellipsoid is the product of two plane curves: x = a1 U(u) C(v) (1 + taper_x S(v)) and so on, with (U, V) on the
-// unit superellipse of exponent e2, (C, S) on that of e1. Each curve is replaced by C1 cubics in the angle of the ray
-// (regular for all exponents below 2), refined where they deviate; the product of two splines is a spline surface.
+// A superellipsoid is the product of two plane curves: x = a1 U(u) C(v) (1 + taper_x S(v)) and so on, with (U, V) on
+// the unit superellipse of exponent e2, (C, S) on that of e1. Each curve is replaced by C1 cubics in the angle of the
+// ray (regular for all exponents below 2), refined where they deviate; the product of two splines is a spline surface.
 
 namespace partscribe {
 namespace {
@@ -78,7 +79,8 @@ double deviation(const Curve& curve, int part, double from, double to, const Vec
   return worst;
 }
 
-/// Cuts [0, pi/2] until every cubic is within tolerance in all parts; the same cuts for all, mirrored where they run back.
+/// Cuts [0, pi/2] until every cubic is within tolerance in all parts; the same cuts for all, mirrored where they run
+/// back.
 std::vector<double> nodes_of(const Curve& curve, int parts, const Vec3& size, double tolerance) {
   std::vector<double> nodes{0, pi / 4, pi / 2};
   for (std::size_t i = 0; i + 1 < nodes.size() && nodes.size() < 400;) {
@@ -161,8 +163,8 @@ TopoDS_Shape brep_of(const SuperellipsoidOf<double>& s, double tolerance, double
     for (std::size_t i = 0; i < list.size(); ++i) array(static_cast<int>(i) + 1) = list[i];
     return array;
   };
-  const Handle(Geom_BSplineSurface) surface =
-      new Geom_BSplineSurface(poles, reals(u.knots), reals(v.knots), integers(u.multiplicities), integers(v.multiplicities), 3, 3);
+  const Handle(Geom_BSplineSurface) surface = new Geom_BSplineSurface(
+      poles, reals(u.knots), reals(v.knots), integers(u.multiplicities), integers(v.multiplicities), 3, 3);
   BRepBuilderAPI_MakeFace face(surface, 1e-6);
   if (!face.IsDone()) return {};
   BRep_Builder builder;

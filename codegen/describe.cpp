@@ -94,18 +94,21 @@ std::string describe_fit(const Parameter& p, double tolerance) {
   if (p.points > 0) text += " from " + with_thousands(p.points) + " points";
   if (p.nominal) {
     const std::string series = p.nominal->series.empty() ? "" : one_line(p.nominal->series) + ", ";
-    text += "; nominal " + value_text(p.quantity, p.nominal->candidate) + (p.nominal->kept ? "" : " refused") + " (" + series +
-            "z = " + print_number(snapped(p.nominal->z, 0.1)) + ")";
+    text += "; nominal " + value_text(p.quantity, p.nominal->candidate) + (p.nominal->kept ? "" : " refused") + " (" +
+            series + "z = " + print_number(snapped(p.nominal->z, 0.1)) + ")";
   }
   return text;
 }
 
 std::string unit_of(Quantity quantity) {
   switch (quantity) {
-    case Quantity::length: return "mm";
-    case Quantity::angle: return "deg";
+    case Quantity::length:
+      return "mm";
+    case Quantity::angle:
+      return "deg";
     case Quantity::count:
-    case Quantity::ratio: return {};
+    case Quantity::ratio:
+      return {};
   }
   return {};
 }
@@ -131,7 +134,9 @@ std::vector<ParameterGroup> grouped_parameters(const Model& model) {
   std::map<std::string, std::string> group_of;
   for (const Object& object : model.objects) {
     const std::string title = as_title(object.name);
-    auto visit = [&](const Expr& e) { visit_parameters(e, [&](const std::string& name) { group_of.emplace(name, title); }); };
+    auto visit = [&](const Expr& e) {
+      visit_parameters(e, [&](const std::string& name) { group_of.emplace(name, title); });
+    };
     visit_expressions(object.shape, [&](const Expr& e, Domain) { visit(e); });
     each_frame_expression(object.frame, visit);
   }

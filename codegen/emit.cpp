@@ -17,7 +17,8 @@ const std::vector<Backend>& backends() {
   return all;
 }
 
-Result<Artifact> emit(const CheckedModel& model, const std::string& backend, const EmitOptions& options, Context& context) {
+Result<Artifact> emit(const CheckedModel& model, const std::string& backend, const EmitOptions& options,
+                      Context& context) {
   if (context.cancelled) return Error{"stopped before writing " + backend, ErrorKind::stopped};
   if (backend == "openscad") return emit_openscad(model, options, context);
   if (backend == "alpha1") return emit_alpha1(model, options, context);

@@ -39,7 +39,8 @@ Entity entity_of(IGESControl_Writer& writer, const TopoDS_Shape& shape) {
   return Entity::DownCast(found);
 }
 
-/// Hangs names and colours on entities, in the order of the calls (OpenCASCADE's own writer uses the order of addresses).
+/// Hangs names and colours on entities, in the order of the calls (OpenCASCADE's own writer uses the order of
+/// addresses).
 class Labeller {
  public:
   explicit Labeller(IGESControl_Writer& writer) : writer_(writer) {}
@@ -101,7 +102,8 @@ Result<Artifact> emit_iges(const CheckedModel& checked, const EmitOptions& optio
     IGESControl_Controller::Init();
     // Solids keep their shared edges as manifold solids; loose faces are better understood trimmed.
     IGESControl_Writer writer("MM", brep->solid ? 1 : 0);
-    if (!writer.AddShape(*brep->shape)) return bad_input("model '" + model.name + "': OpenCASCADE could not turn the body into IGES");
+    if (!writer.AddShape(*brep->shape))
+      return bad_input("model '" + model.name + "': OpenCASCADE could not turn the body into IGES");
     writer.ComputeModel();
 
     Labeller labeller(writer);

@@ -74,7 +74,8 @@ Entity curve_of(const Arc2& arc) {
   const bool full = std::abs(arc.to - arc.from) > 2 * pi - 1e-9;
   const Vec2 start = arc.at(arc.from), end = full ? start : arc.at(arc.to);
   const Handle(IGESGeom_CircularArc) e = new IGESGeom_CircularArc;
-  e->Init(0, gp_XY(arc.center.x(), flip * arc.center.y()), gp_XY(start.x(), flip * start.y()), gp_XY(end.x(), flip * end.y()));
+  e->Init(0, gp_XY(arc.center.x(), flip * arc.center.y()), gp_XY(start.x(), flip * start.y()),
+          gp_XY(end.x(), flip * end.y()));
   if (clockwise) {
     Pose over;
     over.rotation = Vec3(1, -1, -1).asDiagonal();
@@ -86,7 +87,8 @@ Entity curve_of(const Arc2& arc) {
 Entity curve_of(const Nurbs2& curve) {
   const int last = static_cast<int>(curve.control.size()) - 1;
   const Handle(TColStd_HArray1OfReal) knots = new TColStd_HArray1OfReal(-curve.degree, last + 1);
-  for (std::size_t i = 0; i < curve.knots.size(); ++i) knots->SetValue(static_cast<int>(i) - curve.degree, curve.knots[i]);
+  for (std::size_t i = 0; i < curve.knots.size(); ++i)
+    knots->SetValue(static_cast<int>(i) - curve.degree, curve.knots[i]);
   const Handle(TColStd_HArray1OfReal) weights = new TColStd_HArray1OfReal(0, last);
   const Handle(TColgp_HArray1OfXYZ) poles = new TColgp_HArray1OfXYZ(0, last);
   bool polynomial = true;
@@ -98,8 +100,8 @@ Entity curve_of(const Nurbs2& curve) {
   }
   const bool closed = (curve.control.front() - curve.control.back()).norm() < sketch_join;
   const Handle(IGESGeom_BSplineCurve) e = new IGESGeom_BSplineCurve;
-  e->Init(last, curve.degree, true, closed, polynomial, false, knots, weights, poles, curve.knots.front(), curve.knots.back(),
-          along_z);
+  e->Init(last, curve.degree, true, closed, polynomial, false, knots, weights, poles, curve.knots.front(),
+          curve.knots.back(), along_z);
   return Entity(e);
 }
 
@@ -195,7 +197,8 @@ template <class Sweep>
 Entity swept(const EvaluatedSketch& sketch, const Sweep& sweep) {
   const Outline2 outline = outline_of(sketch);
   std::vector<Entity> bodies;
-  for (std::size_t loop = 0; loop < sketch.loops.size(); ++loop) bodies.push_back(sweep(loop_of(outline, static_cast<int>(loop))));
+  for (std::size_t loop = 0; loop < sketch.loops.size(); ++loop)
+    bodies.push_back(sweep(loop_of(outline, static_cast<int>(loop))));
   return tree_of(bodies, subtract);
 }
 

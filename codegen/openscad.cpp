@@ -189,8 +189,12 @@ class Writer {
     return "max(" + text_.plain(a) + ", " + text_.plain(b) + ")";
   }
 
-  Result<std::string> module_of(const Object& o, const Box& s) { return pack_.render("box.scad", data_of_fields(o, s)); }
-  Result<std::string> module_of(const Object& o, const Wedge& s) { return pack_.render("wedge.scad", data_of_fields(o, s)); }
+  Result<std::string> module_of(const Object& o, const Box& s) {
+    return pack_.render("box.scad", data_of_fields(o, s));
+  }
+  Result<std::string> module_of(const Object& o, const Wedge& s) {
+    return pack_.render("wedge.scad", data_of_fields(o, s));
+  }
 
   Result<std::string> module_of(const Object& o, const Cylinder& s) {
     needs_.facets = true;
@@ -253,7 +257,9 @@ class Writer {
     return pack_.render("half_spaces.scad", data);
   }
 
-  Result<std::string> module_of(const Object& o, const Extrude& s) { return swept(o, s, "_outline", false, "extrude.scad"); }
+  Result<std::string> module_of(const Object& o, const Extrude& s) {
+    return swept(o, s, "_outline", false, "extrude.scad");
+  }
 
   Result<std::string> module_of(const Object& o, const Revolve& s) {
     needs_.facets = true;
@@ -288,11 +294,13 @@ class Writer {
     table(name + "_points", "Corners [mm].", points);
     if (!s.closed) {
       std::vector<std::string> normals, rim;
-      for (const Vec3& n : sheet_normals(s.vertices, s.triangles)) normals.push_back(point_text(snapped_vector(n, 1e-6)));
+      for (const Vec3& n : sheet_normals(s.vertices, s.triangles))
+        normals.push_back(point_text(snapped_vector(n, 1e-6)));
       for (const auto& [from, to] : sheet_rim(s.triangles)) {
         rim.push_back("[" + std::to_string(to) + ", " + std::to_string(from) + "]");
       }
-      table(name + "_normals", "Outward directions at the corners, scaled so that the sheet moves by its thickness.", normals);
+      table(name + "_normals", "Outward directions at the corners, scaled so that the sheet moves by its thickness.",
+            normals);
       table(name + "_rim", "Edges of the boundary.", rim);
       needs_.library = true;
       if (text_.value(s.thickness) <= 0) data["thickness"] = print_number(10 * model_.tolerance);
@@ -307,9 +315,12 @@ class Writer {
 
   Result<std::string> module_of(const Object& o, const Union& s) { return combined(o, "union", s.objects); }
   Result<std::string> module_of(const Object& o, const Difference& s) { return combined(o, "difference", s.objects); }
-  Result<std::string> module_of(const Object& o, const Intersection& s) { return combined(o, "intersection", s.objects); }
+  Result<std::string> module_of(const Object& o, const Intersection& s) {
+    return combined(o, "intersection", s.objects);
+  }
 
-  Result<std::string> combined(const Object& o, const std::string& operation, const std::vector<std::string>& operands) {
+  Result<std::string> combined(const Object& o, const std::string& operation,
+                               const std::vector<std::string>& operands) {
     TemplateRecord data = data_of(o, false);
     data["operation"] = operation;
     std::vector<std::string> calls;

@@ -41,8 +41,10 @@ std::string identifier_of(const std::string& role) {
   std::string word;
   for (const char c : role) {
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (letter) word += c;
-    else if (!word.empty() && word.back() != '_') word += '_';
+    if (letter)
+      word += c;
+    else if (!word.empty() && word.back() != '_')
+      word += '_';
   }
   while (!word.empty() && word.back() == '_') word.pop_back();
   return word.empty() ? "curve" : word;
@@ -70,9 +72,11 @@ CurveNames curve_names(const Sketch& sketch, const std::string& module, const Te
 
 /// The table of a curve's control points.
 std::string control_table(const SketchNurbs& curve, const std::string& name, const Text& text) {
-  std::string table = "// Control points of the " + one_line(curve.name.empty() ? "curve" : curve.name) + ".\n" + name + " = [\n";
+  std::string table =
+      "// Control points of the " + one_line(curve.name.empty() ? "curve" : curve.name) + ".\n" + name + " = [\n";
   for (std::size_t i = 0; i < curve.control.size(); ++i) {
-    table += "  " + point_text(curve.control[i][0], curve.control[i][1], text) + (i + 1 < curve.control.size() ? ",\n" : "\n];\n\n");
+    table += "  " + point_text(curve.control[i][0], curve.control[i][1], text) +
+             (i + 1 < curve.control.size() ? ",\n" : "\n];\n\n");
   }
   return table;
 }
@@ -83,8 +87,8 @@ Row row_of(const SketchPoint& p, const Text& text, const CurveNames&, OpenscadNe
 
 Row row_of(const SketchArc& a, const Text& text, const CurveNames&, OpenscadNeeds& needs) {
   needs.arc = true;
-  return {"each arc(" + point_text(a.center_x, a.center_y, text) + ", " + text.plain(a.radius) + ", " + text.angle(a.from) +
-              ", " + text.angle(a.to) + ")",
+  return {"each arc(" + point_text(a.center_x, a.center_y, text) + ", " + text.plain(a.radius) + ", " +
+              text.angle(a.from) + ", " + text.angle(a.to) + ")",
           remark_of(a.name, a.edge)};
 }
 
@@ -126,9 +130,10 @@ Result<std::string> loop_text(const Loop& loop, const std::string& role, bool ab
   if (const auto* circle = circle_of(loop, text)) {
     needs.disc = needs.facets = true;
     const bool centred = circle->center_x == Expr(0) && circle->center_y == Expr(0);
-    return pack.render("circle.scad", {{"center", centred ? "" : text.plain(circle->center_x) + ", " + text.plain(circle->center_y)},
-                                       {"radius", text.plain(circle->radius)},
-                                       {"role", role}});
+    return pack.render("circle.scad",
+                       {{"center", centred ? "" : text.plain(circle->center_x) + ", " + text.plain(circle->center_y)},
+                        {"radius", text.plain(circle->radius)},
+                        {"role", role}});
   }
   std::vector<Row> rows;
   for (std::size_t i = 0; i < loop.elements.size(); ++i) {
@@ -152,7 +157,8 @@ Result<std::string> loop_text(const Loop& loop, const std::string& role, bool ab
   }
   const bool guard = about_axis && needs_axis_guard(loop, text);
   if (guard) needs.on_axis = true;
-  return pack.render("polygon.scad", {{"rows", lines}, {"role", role}, {"open", guard ? "on_axis(" : ""}, {"close", guard ? ")" : ""}});
+  return pack.render("polygon.scad",
+                     {{"rows", lines}, {"role", role}, {"open", guard ? "on_axis(" : ""}, {"close", guard ? ")" : ""}});
 }
 
 /// An expression for the largest first coordinate of a loop.
@@ -174,7 +180,8 @@ std::string largest_radius(const Loop& loop, const Text& text, const CurveNames&
       consider(most, "max([for (p = " + names.at(c) + ") p.x])");
     }
     if (const auto* a = std::get_if<SketchArc>(&element)) {
-      const double low = std::min(text.value(a->from), text.value(a->to)), high = std::max(text.value(a->from), text.value(a->to));
+      const double low = std::min(text.value(a->from), text.value(a->to)),
+                   high = std::max(text.value(a->from), text.value(a->to));
       // The arc's easternmost point, or its farther end.
       const bool east = std::floor(high / (2 * pi) + 1e-12) >= std::ceil(low / (2 * pi) - 1e-12);
       if (east) {
@@ -201,7 +208,8 @@ Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& 
   for (std::size_t i = 0; i < sketch.loops.size(); ++i) {
     const Loop& loop = sketch.loops[i];
     for (const auto& element : loop.elements) {
-      if (const auto* curve = std::get_if<SketchNurbs>(&element)) tables += control_table(*curve, names.at(curve), text);
+      if (const auto* curve = std::get_if<SketchNurbs>(&element))
+        tables += control_table(*curve, names.at(curve), text);
     }
     auto written = loop_text(loop, several ? one_line(loop.name) : "", about_axis, text, names, pack, needs);
     if (!written.ok()) return written.error();

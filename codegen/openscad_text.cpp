@@ -8,18 +8,60 @@ namespace partscribe {
 namespace {
 
 // Words that a module of ours must not be called, because it would hide what other modules call.
-const std::set<std::string> taken_modules = {
-    "assert",       "children",       "circle",      "color",        "cube",       "cylinder", "difference",
-    "echo",         "each",           "else",        "false",        "for",        "function", "group",
-    "hull",         "if",             "import",      "include",      "intersection", "intersection_for", "let",
-    "linear_extrude", "minkowski",    "mirror",      "module",       "multmatrix", "offset",   "polygon",
-    "polyhedron",   "projection",     "render",      "resize",       "rotate",     "rotate_extrude", "scale",
-    "sphere",       "square",         "surface",     "text",         "translate",  "true",     "undef",
-    "union",        "use",            "assign",      "ball",         "disc",       "half_spaces", "superellipsoid",
-    "thick_sheet",  "scan_from_part"};
-const std::set<std::string> taken_variables = {"as_designed", "as_scanned", "assert", "chord_error", "each", "echo", "else",
-                                               "false",       "for",        "function", "if",        "include", "let",
-                                               "module",      "n",          "true",   "undef",       "use"};
+const std::set<std::string> taken_modules = {"assert",
+                                             "children",
+                                             "circle",
+                                             "color",
+                                             "cube",
+                                             "cylinder",
+                                             "difference",
+                                             "echo",
+                                             "each",
+                                             "else",
+                                             "false",
+                                             "for",
+                                             "function",
+                                             "group",
+                                             "hull",
+                                             "if",
+                                             "import",
+                                             "include",
+                                             "intersection",
+                                             "intersection_for",
+                                             "let",
+                                             "linear_extrude",
+                                             "minkowski",
+                                             "mirror",
+                                             "module",
+                                             "multmatrix",
+                                             "offset",
+                                             "polygon",
+                                             "polyhedron",
+                                             "projection",
+                                             "render",
+                                             "resize",
+                                             "rotate",
+                                             "rotate_extrude",
+                                             "scale",
+                                             "sphere",
+                                             "square",
+                                             "surface",
+                                             "text",
+                                             "translate",
+                                             "true",
+                                             "undef",
+                                             "union",
+                                             "use",
+                                             "assign",
+                                             "ball",
+                                             "disc",
+                                             "half_spaces",
+                                             "superellipsoid",
+                                             "thick_sheet",
+                                             "scan_from_part"};
+const std::set<std::string> taken_variables = {"as_designed", "as_scanned", "assert", "chord_error", "each",  "echo",
+                                               "else",        "false",      "for",    "function",    "if",    "include",
+                                               "let",         "module",     "n",      "true",        "undef", "use"};
 
 std::string free_name(std::string name, const std::set<std::string>& taken, const std::string& suffix) {
   while (taken.count(name)) name += suffix;
@@ -65,16 +107,23 @@ std::string OpenscadText::angle(const Expr& expr) const { return piece(expr, tru
 
 bool OpenscadText::carries_angle(const Expr& e) const {
   switch (e.kind) {
-    case Expr::Kind::parameter: return quantity_.at(e.parameter) == Quantity::angle;
-    case Expr::Kind::negate: return carries_angle(e.arguments[0]);
+    case Expr::Kind::parameter:
+      return quantity_.at(e.parameter) == Quantity::angle;
+    case Expr::Kind::negate:
+      return carries_angle(e.arguments[0]);
     case Expr::Kind::add:
-    case Expr::Kind::subtract: return carries_angle(e.arguments[0]) || carries_angle(e.arguments[1]);
-    case Expr::Kind::multiply: return carries_angle(e.arguments[0]) != carries_angle(e.arguments[1]);
-    case Expr::Kind::divide: return carries_angle(e.arguments[0]) && !carries_angle(e.arguments[1]);
+    case Expr::Kind::subtract:
+      return carries_angle(e.arguments[0]) || carries_angle(e.arguments[1]);
+    case Expr::Kind::multiply:
+      return carries_angle(e.arguments[0]) != carries_angle(e.arguments[1]);
+    case Expr::Kind::divide:
+      return carries_angle(e.arguments[0]) && !carries_angle(e.arguments[1]);
     case Expr::Kind::asin:
     case Expr::Kind::acos:
-    case Expr::Kind::atan2: return true;
-    default: return false;
+    case Expr::Kind::atan2:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -97,9 +146,12 @@ OpenscadText::Piece OpenscadText::piece(const Expr& e, bool as_angle) const {
     }
     case Expr::Kind::parameter:
       return converted({names_.parameter.at(e.parameter), atom}, quantity_.at(e.parameter) == Quantity::angle);
-    case Expr::Kind::negate: return {"-" + argument(0, as_angle, atom), sign};
-    case Expr::Kind::add: return {argument(0, as_angle, sum) + " + " + argument(1, as_angle, sum), sum};
-    case Expr::Kind::subtract: return {argument(0, as_angle, sum) + " - " + argument(1, as_angle, product), sum};
+    case Expr::Kind::negate:
+      return {"-" + argument(0, as_angle, atom), sign};
+    case Expr::Kind::add:
+      return {argument(0, as_angle, sum) + " + " + argument(1, as_angle, sum), sum};
+    case Expr::Kind::subtract:
+      return {argument(0, as_angle, sum) + " - " + argument(1, as_angle, product), sum};
     case Expr::Kind::multiply: {
       const bool first = carries_angle(e.arguments[0]), second = carries_angle(e.arguments[1]);
       if (!as_angle || (first && second)) {
@@ -124,7 +176,8 @@ OpenscadText::Piece OpenscadText::piece(const Expr& e, bool as_angle) const {
       return converted({"sqrt(" + text + ")", atom}, false);
     }
     case Expr::Kind::sin:
-    case Expr::Kind::cos: return converted({std::string(kind_name(e.kind)) + "(" + argument(0, true, sum) + ")", atom}, false);
+    case Expr::Kind::cos:
+      return converted({std::string(kind_name(e.kind)) + "(" + argument(0, true, sum) + ")", atom}, false);
     case Expr::Kind::asin:
     case Expr::Kind::acos: {
       std::string text = argument(0, false, sum);

@@ -41,7 +41,8 @@ Handle(TDocStd_Document) document_of(const Model& model, const Brep& brep) {
     const TDF_Label sub = shapes->AddSubShape(label, *face.face);
     if (sub.IsNull()) continue;
     TDataStd_Name::Set(sub, TCollection_ExtendedString(one_line(face.name).c_str(), true));
-    colors->SetColor(sub, Quantity_Color(face.color[0], face.color[1], face.color[2], Quantity_TOC_sRGB), XCAFDoc_ColorSurf);
+    colors->SetColor(sub, Quantity_Color(face.color[0], face.color[1], face.color[2], Quantity_TOC_sRGB),
+                     XCAFDoc_ColorSurf);
   }
   return document;
 }
@@ -78,7 +79,8 @@ Result<Artifact> emit_step(const CheckedModel& checked, const EmitOptions& optio
 
     const TemporaryDirectory folder;
     const Path path = folder.path() / (options.stem + ".step");
-    if (writer.Write(path.string().c_str()) != IFSelect_RetDone) return bad_input(path.string() + ": could not be written");
+    if (writer.Write(path.string().c_str()) != IFSelect_RetDone)
+      return bad_input(path.string() + ": could not be written");
     auto bytes = read_file(path);
     if (!bytes.ok()) return bytes.error();
     return Artifact{"step", {{options.stem + ".step", std::move(bytes).value()}}};

@@ -17,7 +17,7 @@ std::string_view trimmed(std::string_view text) {
 struct Token {
   enum class Kind { text, key, open, open_if_empty, close, remark };
   Kind kind = Kind::text;
-  std::string text;         // of the text or key
+  std::string text;  // of the text or key
   int line = 1;
   std::string indentation;  // of a key that stands first on its line
   bool alone = false;       // a key with nothing else on its line
@@ -39,7 +39,8 @@ Result<std::vector<Token>> tokens_of(std::string_view text, const std::string& w
     std::string_view rest = line;
     for (;;) {
       const auto begin = rest.find("{{");
-      if (begin != 0 && !rest.empty()) found.push_back({Token::Kind::text, std::string(rest.substr(0, begin)), number, {}, false});
+      if (begin != 0 && !rest.empty())
+        found.push_back({Token::Kind::text, std::string(rest.substr(0, begin)), number, {}, false});
       if (begin == std::string_view::npos) break;
       const auto close = rest.find("}}", begin);
       if (close == std::string_view::npos) {
@@ -63,7 +64,8 @@ Result<std::vector<Token>> tokens_of(std::string_view text, const std::string& w
     const bool only_tags = !found.empty() && std::all_of(found.begin(), found.end(), [](const Token& t) {
       return t.kind == Token::Kind::text ? blank(t.text) : t.kind != Token::Kind::key;
     });
-    const bool has_tags = std::any_of(found.begin(), found.end(), [](const Token& t) { return t.kind != Token::Kind::text; });
+    const bool has_tags =
+        std::any_of(found.begin(), found.end(), [](const Token& t) { return t.kind != Token::Kind::text; });
     if (only_tags && has_tags) {
       std::erase_if(found, [](const Token& t) { return t.kind == Token::Kind::text; });
     } else {
@@ -77,7 +79,8 @@ Result<std::vector<Token>> tokens_of(std::string_view text, const std::string& w
           found.erase(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(first));
         }
       }
-      if (ended && (found.empty() || !found.back().alone)) found.push_back({Token::Kind::text, "\n", number, {}, false});
+      if (ended && (found.empty() || !found.back().alone))
+        found.push_back({Token::Kind::text, "\n", number, {}, false});
     }
     for (auto& token : found) tokens.push_back(std::move(token));
   }
@@ -118,8 +121,8 @@ class Renderer {
       if (open.empty()) return fault(t, "expected no {{/" + t.text + "}} here, no section is open");
       const Token& opened = tokens_[open.back()];
       if (opened.text != t.text) {
-        return fault(t, "expected {{/" + opened.text + "}} (opened in line " + std::to_string(opened.line) + "), found {{/" +
-                            t.text + "}}");
+        return fault(t, "expected {{/" + opened.text + "}} (opened in line " + std::to_string(opened.line) +
+                            "), found {{/" + t.text + "}}");
       }
       closing_[open.back()] = i;
       open.pop_back();
@@ -135,9 +138,12 @@ class Renderer {
     for (std::size_t i = begin; i < end; ++i) {
       const Token& t = tokens_[i];
       switch (t.kind) {
-        case Token::Kind::text: out += t.text; break;
+        case Token::Kind::text:
+          out += t.text;
+          break;
         case Token::Kind::remark:
-        case Token::Kind::close: break;
+        case Token::Kind::close:
+          break;
         case Token::Kind::key: {
           const TemplateValue* value = sought(scopes, t.text);
           if (!value) return fault(t, "unknown name '" + t.text + "'");

@@ -24,7 +24,8 @@ std::vector<Vec3> sheet_normals(const std::vector<std::array<double, 3>>& vertic
   return normals;
 }
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> sheet_rim(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+std::vector<std::pair<std::uint32_t, std::uint32_t>> sheet_rim(
+    const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> directed;
   for (const auto& t : triangles) {
     for (int k = 0; k < 3; ++k) directed.insert({t[k], t[(k + 1) % 3]});

@@ -16,6 +16,7 @@ std::vector<Vec3> sheet_normals(const std::vector<std::array<double, 3>>& vertic
                                 const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
 /// Directed edges with one triangle, as the triangle runs through them, in order of the triangles.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> sheet_rim(const std::vector<std::array<std::uint32_t, 3>>& triangles);
+std::vector<std::pair<std::uint32_t, std::uint32_t>> sheet_rim(
+    const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
 }  // namespace partscribe

@@ -1,8 +1,8 @@
 /// Backends: what is written is what was committed, is the same every time, and really describes the model.
 ///
 /// PARTSCRIBE_WRITE_GOLDENS=1 rewrites tests/golden and ends red: regenerating is not verifying.
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
 
@@ -159,8 +159,10 @@ TEST_CASE("backends: superellipsoids at the edges of their domain") {
     double e1, e2, taper;
   };
   int number = 0;
-  for (const Case& k : {Case{0.1, 0.1, 0}, Case{0.1, 1, 0.5}, Case{1, 1, 0}, Case{1.6, 0.3, -0.4}, Case{2, 2, 0}, Case{1, 2, 0.9}}) {
-    conforms(single("soap_" + std::to_string(++number), Superellipsoid{20, 12, 8, k.e1, k.e2, k.taper, k.taper / 2}, 0.8));
+  for (const Case& k :
+       {Case{0.1, 0.1, 0}, Case{0.1, 1, 0.5}, Case{1, 1, 0}, Case{1.6, 0.3, -0.4}, Case{2, 2, 0}, Case{1, 2, 0.9}}) {
+    conforms(
+        single("soap_" + std::to_string(++number), Superellipsoid{20, 12, 8, k.e1, k.e2, k.taper, k.taper / 2}, 0.8));
   }
 }
 
@@ -178,12 +180,15 @@ TEST_CASE("backends: profiles with holes, touching the axis, and hollow fillets"
   conforms(single("pipe_ring", Revolve{Sketch{{circle, core}}}));
   const Loop half{"half", {SketchArc{0, 0, 15, radians(-90), radians(90), "ball", "axis"}}};
   conforms(single("turned_ball", Revolve{Sketch{{half}}}, 0.5));
-  const Loop spool{"spool", {SketchPoint{0, 0, "foot"}, SketchPoint{20, 0, "rim"}, SketchPoint{20, 5, "seat"},
-                             SketchArc{20, 15, 10, radians(270), radians(90), "throat", "seat"}, SketchPoint{20, 30, "head"},
-                             SketchPoint{0, 30, "axis"}}};
+  const Loop spool{"spool",
+                   {SketchPoint{0, 0, "foot"}, SketchPoint{20, 0, "rim"}, SketchPoint{20, 5, "seat"},
+                    SketchArc{20, 15, 10, radians(270), radians(90), "throat", "seat"}, SketchPoint{20, 30, "head"},
+                    SketchPoint{0, 30, "axis"}}};
   conforms(single("spool", Revolve{Sketch{{spool}}}));
-  const Loop square{"square", {SketchPoint{0, 0, ""}, SketchPoint{30, 0, ""}, SketchPoint{30, 30, ""}, SketchPoint{0, 30, ""}}};
-  const Loop window{"window", {SketchPoint{10, 10, ""}, SketchPoint{10, 20, ""}, SketchPoint{20, 20, ""}, SketchPoint{20, 10, ""}}};
+  const Loop square{"square",
+                    {SketchPoint{0, 0, ""}, SketchPoint{30, 0, ""}, SketchPoint{30, 30, ""}, SketchPoint{0, 30, ""}}};
+  const Loop window{
+      "window", {SketchPoint{10, 10, ""}, SketchPoint{10, 20, ""}, SketchPoint{20, 20, ""}, SketchPoint{20, 10, ""}}};
   conforms(single("frame", Extrude{Sketch{{square, window}}, 4}));
   SketchNurbs arch{2, {0, 0, 0, 1, 1, 1}, {}, {{30, 0}, {15, 30}, {0, 0}}, "arch", "base"};
   conforms(single("vault", Extrude{Sketch{{Loop{"outline", {arch}}}}, 12}));
@@ -209,9 +214,20 @@ TEST_CASE("backends: a mesh of two bodies, one of them hollow") {
   TriSurface s;
   auto add_cube = [&](double low, double high, double shift, bool inward) {
     const auto first = static_cast<std::uint32_t>(s.vertices.size());
-    for (int i = 0; i < 8; ++i) s.vertices.push_back({shift + (i & 1 ? high : low), i & 2 ? high : low, i & 4 ? high : low});
-    for (std::array<std::uint32_t, 3> t : {std::array<std::uint32_t, 3>{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}) {
+    for (int i = 0; i < 8; ++i)
+      s.vertices.push_back({shift + (i & 1 ? high : low), i & 2 ? high : low, i & 4 ? high : low});
+    for (std::array<std::uint32_t, 3> t : {std::array<std::uint32_t, 3>{0, 2, 1},
+                                           {1, 2, 3},
+                                           {4, 5, 6},
+                                           {5, 7, 6},
+                                           {0, 1, 4},
+                                           {1, 5, 4},
+                                           {2, 6, 3},
+                                           {3, 6, 7},
+                                           {0, 4, 2},
+                                           {2, 4, 6},
+                                           {1, 3, 5},
+                                           {3, 7, 5}}) {
       if (inward) std::swap(t[1], t[2]);
       s.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     }
@@ -232,10 +248,10 @@ TEST_CASE("backends: volumes agree with formulas") {
     double volume;
   };
   const double eyes = 80 * 30 + pi * 15 * 15 - 2 * pi * 8 * 8;
-  for (const Known& known : {Known{"box", 60 * 40 * 25.3}, Known{"wedge", (50 + 15) / 2.0 * 30 * 20},
-                             Known{"cylinder", pi * 144 * 80}, Known{"cone", pi * 35 / 3 * (400 + 100 + 25)},
-                             Known{"torus", 2 * pi * pi * 30 * 64}, Known{"ellipsoid", 4 * pi / 3 * 30 * 20 * 12},
-                             Known{"tie_bar", eyes * 12}}) {
+  for (const Known& known :
+       {Known{"box", 60 * 40 * 25.3}, Known{"wedge", (50 + 15) / 2.0 * 30 * 20}, Known{"cylinder", pi * 144 * 80},
+        Known{"cone", pi * 35 / 3 * (400 + 100 + 25)}, Known{"torus", 2 * pi * pi * 30 * 64},
+        Known{"ellipsoid", 4 * pi / 3 * 30 * 20 * 12}, Known{"tie_bar", eyes * 12}}) {
     for (const auto& backend : own_backends) {
       INFO(known.name << " " << backend);
       const TriangleMesh mesh = evaluated(emitted(golden(known.name), backend), 0.1).mesh;
@@ -299,7 +315,9 @@ TEST_CASE("openscad: a parameter is printed once, with its evidence") {
   const std::string script = script_of(golden("pin"));
   CHECK(contains(script, "shank_radius = as_designed ? 9 : 8.9987;"));
   CHECK(contains(script, "fitted 8.9987 +/- 0.0004 from 4,120 points; nominal 9 (0.5 mm grid, z = 3.3)"));
-  CHECK(contains(script, "each arc([head_radius - fillet_radius, shank_length + head_height - fillet_radius], fillet_radius, 0, 90)"));
+  CHECK(contains(
+      script,
+      "each arc([head_radius - fillet_radius, shank_length + head_height - fillet_radius], fillet_radius, 0, 90)"));
   CHECK(contains(script, "if (as_scanned) scan_from_part() part();"));
 }
 
@@ -330,7 +348,8 @@ TEST_CASE("openscad: impossible sizes are refused by the script itself") {
 
 TEST_CASE("openscad: expressions keep their meaning") {
   const Expr a = Expr::of("a"), b = Expr::of("b"), c = Expr::of("c"), t = Expr::of("t");
-  const std::vector<Parameter> all = {parameter("a", 40), parameter("b", 7), parameter("c", 3), parameter("t", radians(30), Quantity::angle)};
+  const std::vector<Parameter> all = {parameter("a", 40), parameter("b", 7), parameter("c", 3),
+                                      parameter("t", radians(30), Quantity::angle)};
   struct Said {
     Expr expr;
     std::string text;
@@ -342,11 +361,14 @@ TEST_CASE("openscad: expressions keep their meaning") {
       {Expr::call(Kind::divide, {a, Expr::call(Kind::multiply, {b, c})}), "a / (b * c)"},
       {Expr::call(Kind::multiply, {Expr::call(Kind::add, {a, b}), c}), "(a + b) * c"},
       {Expr::call(Kind::multiply, {a, Expr::call(Kind::sin, {t})}), "a * sin(t)"},
-      {Expr::call(Kind::multiply, {a, Expr::call(Kind::cos, {Expr::call(Kind::multiply, {Expr(2), t})})}), "a * cos(2 * t)"},
+      {Expr::call(Kind::multiply, {a, Expr::call(Kind::cos, {Expr::call(Kind::multiply, {Expr(2), t})})}),
+       "a * cos(2 * t)"},
       {Expr::call(Kind::multiply, {a, Expr::call(Kind::cos, {Expr(radians(45))})}), "a * cos(45)"},
       {Expr::call(Kind::multiply, {a, t}), "a * t * PI / 180"},
-      {Expr::call(Kind::sqrt, {Expr::call(Kind::subtract, {Expr::call(Kind::multiply, {a, a}), b})}), "sqrt(a * a - b)"},
-      {Expr::call(Kind::multiply, {b, Expr::call(Kind::asin, {Expr::call(Kind::divide, {b, a})})}), "b * asin(b / a) * PI / 180"},
+      {Expr::call(Kind::sqrt, {Expr::call(Kind::subtract, {Expr::call(Kind::multiply, {a, a}), b})}),
+       "sqrt(a * a - b)"},
+      {Expr::call(Kind::multiply, {b, Expr::call(Kind::asin, {Expr::call(Kind::divide, {b, a})})}),
+       "b * asin(b / a) * PI / 180"},
       {Expr::call(Kind::subtract, {a, Expr::call(Kind::negate, {b})}), "a - (-b)"},
   };
   for (const Said& said : table) {

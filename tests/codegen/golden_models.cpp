@@ -69,9 +69,7 @@ void finish(Model& m, Shape shape) {
 }
 
 /// A model that stands somewhere else in the scan.
-void place(Model& m) {
-  m.scan_from_part = {12.5, -3.25, 40, deg(30), deg(-20), deg(75)};
-}
+void place(Model& m) { m.scan_from_part = {12.5, -3.25, 40, deg(30), deg(-20), deg(75)}; }
 
 Model sphere() {
   Model m = model("sphere", "ball", "a ball");
@@ -189,8 +187,8 @@ Model pin() {
                 SketchPoint{p("shank_radius"), p("chamfer"), "shank"},
                 SketchPoint{p("shank_radius"), p("shank_length"), "shoulder"},
                 SketchPoint{p("head_radius"), p("shank_length"), "head"},
-                SketchArc{p("head_radius") - p("fillet_radius"), top - p("fillet_radius"), p("fillet_radius"), 0, deg(90),
-                          "fillet", "top"},
+                SketchArc{p("head_radius") - p("fillet_radius"), top - p("fillet_radius"), p("fillet_radius"), 0,
+                          deg(90), "fillet", "top"},
                 SketchPoint{0, top, "axis"}}};
   finish(m, Revolve{Sketch{{outline}}});
   place(m);
@@ -232,7 +230,8 @@ Model sheet() {
   s.thickness = p("sheet_thickness");
   const int columns = 5, rows = 3;
   for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) s.vertices.push_back({10.0 * i, 12.0 * j, 0.25 * (i - 2) * (i - 2) * 4 + 0.5 * j});
+    for (int i = 0; i < columns; ++i)
+      s.vertices.push_back({10.0 * i, 12.0 * j, 0.25 * (i - 2) * (i - 2) * 4 + 0.5 * j});
   }
   for (int j = 0; j + 1 < rows; ++j) {
     for (int i = 0; i + 1 < columns; ++i) {
@@ -304,8 +303,8 @@ Model lens() {
 }  // namespace
 
 std::vector<Model> golden_models() {
-  return {sphere(), box(),     wedge(),       cylinder(), cone(),       torus(),   ellipsoid(), superellipsoid(),
-          half_spaces(), pin(), tie_bar(), tri_surface(), sheet(), nurbs_vase(), bracket(), lens()};
+  return {sphere(),      box(), wedge(),   cylinder(),    cone(),  torus(),      ellipsoid(), superellipsoid(),
+          half_spaces(), pin(), tie_bar(), tri_surface(), sheet(), nurbs_vase(), bracket(),   lens()};
 }
 
 }  // namespace partscribe

@@ -14,9 +14,10 @@ std::string rendered(const std::string& text, const TemplateRecord& data) {
 }  // namespace
 
 TEST_CASE("template: keys, lists, records and inner scopes") {
-  const TemplateRecord data{{"name", "pin"},
-                            {"parameters", TemplateList{{{"key", "a"}, {"value", "1 < 2"}}, {{"key", "b"}, {"value", "\"&\""}}}},
-                            {"part", TemplateRecord{{"name", "inner"}}}};
+  const TemplateRecord data{
+      {"name", "pin"},
+      {"parameters", TemplateList{{{"key", "a"}, {"value", "1 < 2"}}, {{"key", "b"}, {"value", "\"&\""}}}},
+      {"part", TemplateRecord{{"name", "inner"}}}};
   CHECK(rendered("{{name}}: {{#part}}{{name}}{{/part}}", data) == "pin: inner");
   CHECK(rendered("begin\n{{#parameters}}\n{{key}} = {{value}}; // {{name}}\n{{/parameters}}\nend\n", data) ==
         "begin\na = 1 < 2; // pin\nb = \"&\"; // pin\nend\n");
