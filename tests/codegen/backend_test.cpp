@@ -282,7 +282,7 @@ TEST_CASE("backends: an open sheet is covered, and OpenSCAD gets a closed solid 
   CHECK(volume(solid.mesh) == Approx(2 * area(front)).epsilon(0.03));
 }
 
-TEST_CASE("conformance: a model that is spoiled by a fifth of the tolerance no longer fits the artifact") {
+TEST_CASE("backends: a part that is off by half the tolerance is noticed by the conformance measure") {
   Model spoiled = golden("pin");
   const ModelDistance truth(golden("pin"));
   for (auto& p : spoiled.parameters) {
