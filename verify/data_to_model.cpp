@@ -167,7 +167,8 @@ class Comparison {
         for (int attempt = 0; attempt < 2; ++attempt, asked *= 4) {
           source_.tree->nearest(source_.points[place.point], asked, near);
           place.spacing = spacing_from_eighth(std::sqrt(near[std::min<std::size_t>(8, near.size() - 1)].sq_distance));
-          const double reach = 2.5 * place.spacing * std::sqrt(double(wanted));
+          // Twice the radius of a disc that holds so many points.
+          const double reach = 1.2 * std::min(place.spacing, source_.sparsest) * std::sqrt(double(wanted));
           group.clear();
           for (const auto& n : near) {
             if (n.sq_distance > reach * reach || group.size() == wanted) break;
@@ -179,7 +180,13 @@ class Comparison {
         for (const auto p : group) values.push_back(field_.distance[p]);
         const RobustMean mean = robust_mean(values);
         place.mean = mean.mean, place.spread = mean.spread;
-        if (std::abs(place.mean) > tolerance_) place.surface = group.size() >= 4 && is_surface(group);
+        // Beyond the noise that the choice of k already allows for, a mean is as uncertain as its own neighbours
+        // say: too few of them, or a scatter that is no surface's, prove no deviation.
+        const double excess = 3.3 * (std::max(source_.noise, mean.spread) / std::sqrt(double(values.size())) -
+                                     source_.noise / std::sqrt(double(least)));
+        if (excess > 0) place.mean = std::copysign(std::max(std::abs(place.mean) - excess, 0.0), place.mean);
+        if (std::abs(place.mean) > tolerance_)
+          place.surface = place.spacing <= source_.sparsest && group.size() >= 4 && is_surface(group);
       }
     }, 256);
   }

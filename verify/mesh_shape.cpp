@@ -3,6 +3,7 @@
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
+#include <Eigen/Geometry>
 #include <Geom_Surface.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
@@ -49,7 +50,77 @@ class NodeUnion {
   std::vector<Vec3> points_;
 };
 
-ShapeMesh collect(const TopoDS_Shape& shape) {
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Splits inner edges of one face that are farther than `limit` from the surface: the mesher leaves long strips
+/// across narrow spline faces uncontrolled. Border edges stay, so neighbours keep fitting.
+void split_inner_edges(const Geom_Surface& surface, const gp_Trsf& world_from_surface, double limit, std::uint32_t first,
+                       NodeUnion& nodes, std::vector<gp_XY>& uv, std::vector<Triangle>& triangles) {
+  struct Use {
+    std::uint64_t edge;
+    std::uint32_t triangle;
+    int corner;
+  };
+  for (int round = 0; round < 6; ++round) {
+    std::vector<Use> uses;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const std::uint64_t a = triangles[t][std::size_t(k)], b = triangles[t][std::size_t((k + 1) % 3)];
+        uses.push_back({std::min(a, b) << 32 | std::max(a, b), t, k});
+      }
+    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
+      return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
+    });
+    constexpr std::uint32_t none = ~0u;
+    std::vector<Triangle> middles(triangles.size(), {none, none, none});
+    bool any = false;
+    for (std::size_t i = 0; i + 1 < uses.size(); ++i) {
+      if (uses[i].edge != uses[i + 1].edge) continue;
+      const auto a = static_cast<std::uint32_t>(uses[i].edge >> 32), b = static_cast<std::uint32_t>(uses[i].edge);
+      const gp_XY place = (uv[a - first] + uv[b - first]) / 2.0;
+      const Vec3 exact = vec(surface.Value(place.X(), place.Y()).Transformed(world_from_surface));
+      const Vec3 chord = nodes.point(b) - nodes.point(a);
+      if (!((exact - nodes.point(a)).cross(chord).norm() > limit * chord.norm())) continue;
+      const auto middle = nodes.add(exact);
+      uv.push_back(place);
+      for (const auto& use : {uses[i], uses[i + 1]}) middles[use.triangle][std::size_t(use.corner)] = middle;
+      any = true;
+      ++i;
+    }
+    if (!any) return;
+    std::vector<Triangle> finer;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      // Cut corners off where both edges at it are split, then fan what is left from a middle.
+      std::vector<std::uint32_t> ring;
+      for (std::size_t k = 0; k < 3; ++k) {
+        ring.push_back(triangles[t][k]);
+        if (middles[t][k] != none) ring.push_back(middles[t][k]);
+      }
+      const Triangle& m = middles[t];
+      if (ring.size() == 6) {
+        for (std::size_t k = 0; k < 3; ++k) finer.push_back({triangles[t][k], m[k], m[(k + 2) % 3]});
+        finer.push_back({m[0], m[1], m[2]});
+        continue;
+      }
+      std::size_t start = 0;  // a fan from the last split edge's middle never makes a flat triangle
+      for (std::size_t k = 0; k < ring.size(); ++k)
+        if (ring[k] == m[0] || ring[k] == m[1] || ring[k] == m[2]) start = k;
+      for (std::size_t k = 1; k + 1 < ring.size(); ++k)
+        finer.push_back({ring[start], ring[(start + k) % ring.size()], ring[(start + k + 1) % ring.size()]});
+    }
+    triangles = std::move(finer);
+  }
+}
+
+bool has_gaps(const TopoDS_Shape& shape) {
+  for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
+    TopLoc_Location location;
+    if (BRep_Tool::Triangulation(TopoDS::Face(faces.Current()), location).IsNull()) return true;
+  }
+  return false;
+}
+
+ShapeMesh collect(const TopoDS_Shape& shape, double limit) {
   ShapeMesh result;
   TopTools_IndexedMapOfShape edges, vertices;
   TopExp::MapShapes(shape, TopAbs_EDGE, edges);
@@ -57,7 +128,7 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
   std::vector<std::vector<std::uint32_t>> edge_nodes(static_cast<std::size_t>(edges.Extent()) + 1);
   std::vector<std::int64_t> vertex_node(static_cast<std::size_t>(vertices.Extent()) + 1, -1);
   NodeUnion nodes;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Triangle> triangles;
   std::vector<Vec3> on_surface;  // exact places over the middles of facets and of their edges
 
   for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
@@ -100,20 +171,27 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
     TopLoc_Location surface_location;
     const Handle(Geom_Surface) surface = BRep_Tool::Surface(face, surface_location);
     const gp_Trsf world_from_surface = surface_location.Transformation();
+    std::vector<Triangle> own_triangles;
     for (int i = 1; i <= triangulation->NbTriangles(); ++i) {
       int n[3];
       triangulation->Triangle(i).Get(n[0], n[1], n[2]);
       if (turned) std::swap(n[1], n[2]);
-      triangles.push_back({first + std::uint32_t(n[0]) - 1, first + std::uint32_t(n[1]) - 1, first + std::uint32_t(n[2]) - 1});
-      if (surface.IsNull() || !triangulation->HasUVNodes()) continue;
-      gp_XY uv[3];
-      for (int k = 0; k < 3; ++k) uv[k] = triangulation->UVNode(n[k]).XY();
+      own_triangles.push_back({first + std::uint32_t(n[0]) - 1, first + std::uint32_t(n[1]) - 1, first + std::uint32_t(n[2]) - 1});
+    }
+    if (!surface.IsNull() && triangulation->HasUVNodes()) {
+      std::vector<gp_XY> uv;
+      for (int i = 1; i <= triangulation->NbNodes(); ++i) uv.push_back(triangulation->UVNode(i).XY());
+      split_inner_edges(*surface, world_from_surface, limit, first, nodes, uv, own_triangles);
       auto measure = [&](const gp_XY& place) {
         on_surface.push_back(vec(surface->Value(place.X(), place.Y()).Transformed(world_from_surface)));
       };
-      measure((uv[0] + uv[1] + uv[2]) / 3.0);
-      for (int k = 0; k < 3; ++k) measure((uv[k] + uv[(k + 1) % 3]) / 2.0);
+      for (const auto& t : own_triangles) {
+        const gp_XY corner[3] = {uv[t[0] - first], uv[t[1] - first], uv[t[2] - first]};
+        measure((corner[0] + corner[1] + corner[2]) / 3.0);
+        for (int k = 0; k < 3; ++k) measure((corner[k] + corner[(k + 1) % 3]) / 2.0);
+      }
     }
+    triangles.insert(triangles.end(), own_triangles.begin(), own_triangles.end());
   }
 
   std::vector<std::uint32_t> index(nodes.size(), ~0u);
@@ -141,13 +219,23 @@ ShapeMesh collect(const TopoDS_Shape& shape) {
 
 ShapeMesh mesh_shape(const TopoDS_Shape& shape, double tolerance) {
   constexpr double angle = 0.35;  // rad; keeps small fillets round where the deflection would allow a chamfer
-  BRepMesh_IncrementalMesh(shape, tolerance / 10, Standard_False, angle, Standard_False);
-  ShapeMesh result = collect(shape);
+  // Watson's algorithm: Delabella's is faster but crashes on faces that the other merely leaves out.
+  auto mesh = [&](double deflection, double turn) {
+    BRepMesh_IncrementalMesh(shape, deflection, Standard_False, turn, Standard_False);
+  };
+  mesh(tolerance / 10, angle);
+  // A face whose border crosses itself once it is made of chords is left out; another step width mends it.
+  for (const double factor : {0.5, 2.0, 5.0}) {
+    if (!has_gaps(shape)) break;
+    BRepTools::Clean(shape);
+    mesh(factor * tolerance / 10, angle);
+  }
+  ShapeMesh result = collect(shape, tolerance / 10);
   if (result.error > tolerance / 5) {
     BRepTools::Clean(shape);
-    const double factor = std::max(0.1, tolerance / 10 / result.error);
-    BRepMesh_IncrementalMesh(shape, factor * tolerance / 10, Standard_False, angle / 2, Standard_False);
-    result = collect(shape);
+    mesh(std::max(0.1, tolerance / 10 / result.error) * tolerance / 10, angle / 2);
+    ShapeMesh finer = collect(shape, tolerance / 20);
+    if (!has_gaps(shape) && finer.error < result.error) result = std::move(finer);
   }
   return result;
 }

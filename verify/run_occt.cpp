@@ -15,7 +15,6 @@
 #include <Message_Printer.hxx>
 #include <OSD.hxx>
 #include <STEPControl_Reader.hxx>
-#include <ShapeFix_Shell.hxx>
 #include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
 #include <TopExp_Explorer.hxx>
@@ -69,11 +68,7 @@ TopoDS_Shape as_solids(const TopoDS_Shape& shape) {
   BRep_Builder builder;
   builder.MakeCompound(all);
   for (TopExp_Explorer shells(sewn, TopAbs_SHELL); shells.More(); shells.Next()) {
-    // Sewing joins edges but leaves each face the sense it had in the file, which means nothing for loose faces.
-    ShapeFix_Shell fixer;
-    fixer.FixFaceOrientation(TopoDS::Shell(shells.Current()));
-    const TopoDS_Shell shell = fixer.Shell();
-    if (shell.IsNull()) continue;
+    const TopoDS_Shell shell = TopoDS::Shell(shells.Current());
     BRepBuilderAPI_MakeSolid maker(shell);
     if (BRep_Tool::IsClosed(shell) && maker.IsDone()) {
       TopoDS_Solid solid = maker.Solid();
@@ -102,7 +97,8 @@ void take_shape(Evaluation& evaluation, const TopoDS_Shape& shape, double tolera
     evaluation.failed = true;
     evaluation.complaints.push_back("OpenCASCADE's checker finds the geometry invalid");
   }
-  const ShapeMesh meshed = mesh_shape(body, tolerance);
+  ShapeMesh meshed = mesh_shape(body, tolerance);
+  if (count(shape, TopAbs_SOLID) == 0) orient_facets(meshed.mesh);
   auto check = check_solid(meshed.mesh);
   evaluation.mesh = std::move(check.mesh);
   evaluation.error = meshed.error;

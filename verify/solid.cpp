@@ -1,5 +1,6 @@
 #include "verify/solid.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -75,6 +76,60 @@ SolidCheck check_solid(const TriangleMesh& mesh) {
   }
   check.solid = check.faults.empty();
   return check;
+}
+
+void orient_facets(TriangleMesh& mesh) {
+  struct Use {
+    std::uint64_t edge;
+    std::uint32_t triangle;
+    bool forward;
+  };
+  std::vector<Use> uses;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+      uses.push_back({std::min(a, b) << 32 | std::max(a, b), t, a < b});
+    }
+  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
+    return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
+  });
+  struct Link {
+    std::uint32_t other;
+    bool agrees;
+  };
+  std::vector<std::vector<Link>> links(mesh.triangles.size());
+  for (std::size_t i = 0; i < uses.size();) {
+    std::size_t end = i;
+    while (end < uses.size() && uses[end].edge == uses[i].edge) ++end;
+    if (end - i == 2) {
+      const bool agrees = uses[i].forward != uses[i + 1].forward;
+      links[uses[i].triangle].push_back({uses[i + 1].triangle, agrees});
+      links[uses[i + 1].triangle].push_back({uses[i].triangle, agrees});
+    }
+    i = end;
+  }
+  std::vector<signed char> turn(mesh.triangles.size(), -1);
+  for (std::uint32_t seed = 0; seed < turn.size(); ++seed) {
+    if (turn[seed] >= 0) continue;
+    std::vector<std::uint32_t> piece = {seed};
+    turn[seed] = 0;
+    double areas[2] = {0, 0};
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      const auto t = piece[i];
+      areas[turn[t]] += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+      for (const auto& link : links[t])
+        if (turn[link.other] < 0) {
+          turn[link.other] = static_cast<signed char>(link.agrees ? turn[t] : 1 - turn[t]);
+          piece.push_back(link.other);
+        }
+    }
+    if (areas[1] > areas[0])
+      for (const auto t : piece) turn[t] = static_cast<signed char>(1 - turn[t]);
+  }
+  for (std::size_t t = 0; t < turn.size(); ++t)
+    if (turn[t] == 1) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  if (volume(mesh) < 0 && topology(mesh).closed())
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
 TriangleMesh in_canonical_order(const TriangleMesh& mesh) {

@@ -23,6 +23,7 @@ struct ScanSource {
   std::size_t kept = 0;                  ///< points of the cloud that were kept
   std::unique_ptr<KdTree> tree;          ///< over points
   double spacing = 0;                    ///< mm, median over the cloud of the spacing in the 8-neighbourhood
+  double sparsest = 0;                   ///< mm, spacing above which points are no surface but strays: see .cpp
   double noise = 0;                      ///< mm, scatter along the normal inside small neighbourhoods
   std::vector<SightMap> sights;
   std::unique_ptr<MeshDistance> surface; ///< of a scan that is a mesh

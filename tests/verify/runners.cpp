@@ -240,7 +240,7 @@ TEST_CASE("run occt: a sphere is refined until its error is small") {
     INFO(complaints(e));
     CHECK(e.solid);
     CHECK(e.error <= tolerance / 4);
-    CHECK(volume(e.mesh) == Approx(4000 * pi / 3).epsilon(0.01));
+    CHECK(volume(e.mesh) == Approx(4000 * pi / 3).epsilon(0.02));
   }
 }
 
