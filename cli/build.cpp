@@ -33,16 +33,16 @@ struct BuildArguments {
   Path templates;
 };
 
-/// A dash of JSON, a page of words: what build says at the end.
-void print_result(const Model& model, const Verdict& verdict, const Path& folder, const std::vector<Path>& scripts,
-                  Session& session) {
+/// What build says at the end.
+void print_result(const Model& model, const Verdict& verdict, const Path& folder, Session& session) {
   session.print("\nFound: " + procedure_text(model) + ".\n");
   if (const auto dimensions = dimension_table(model); !dimensions.empty()) session.print("\n" + dimensions);
   for (const auto& u : model.unexplained)
     session.print("Unexplained: " + u.reason + " (" + readable(u.area) + " mm2, " + std::to_string(u.points) + " points)\n");
   session.print("\n" + verdict_table(verdict));
   std::string names;
-  for (const auto& script : scripts) names += " " + script.filename().string();
+  for (const auto& name : artifact_names())
+    if (std::filesystem::exists(folder / name)) names += " " + name;
   session.print("\nFiles in " + folder.string() + ":" + names + " model.json cloud.ply verdict.json report.html\n");
   session.print("Open " + (folder / "report.html").string() + " for pictures and reasons.\n");
   session.print(seconds_line(session) + "\n");
@@ -101,7 +101,7 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   if (auto ok = write_file(folder / "report.html", page); !ok) return ok.error();
   session.finish_stage();
 
-  print_result(**model, *verdict, folder, *scripts, session);
+  print_result(**model, *verdict, folder, session);
   session.print_json(json);
   return exit_code_of(verdict->verdict);
 }

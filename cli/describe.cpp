@@ -49,9 +49,9 @@ std::size_t columns(const std::string& text) {
 
 std::string readable(double value) {
   if (!std::isfinite(value)) return "unknown";
-  if (value == 0) return "0";
+  if (std::abs(value) < 1e-6) return "0";
   const double step = power_of_ten_below(std::abs(value)) / 100;
-  return print_number(snapped(value, std::min(std::max(step, 1e-9), 1.0)));
+  return print_number(snapped(value, std::min(step, 1.0)));
 }
 
 std::string with_sigma(double value, double sigma) {

@@ -23,13 +23,14 @@ h1 { margin: 0 0 .2rem; } h2 { margin: 2.2rem 0 .6rem; border-bottom: 1px solid 
 .scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: .92rem; }
 caption { text-align: left; font-weight: 600; padding: .4rem 0; }
 th, td { padding: .28rem .7rem; border-bottom: 1px solid #dde2e8; text-align: left; vertical-align: top; }
-td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; } td.number { white-space: nowrap; }
 thead th { background: #f2f4f7; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(340px, 1fr)); gap: 1rem; }
 figure { margin: 0; } figure img { width: 100%; height: auto; border: 1px solid #dde2e8; }
 figcaption { font-size: .9rem; } .scale { max-width: 30rem; margin: .8rem 0; }
 .bar { height: 1rem; border: 1px solid #888; display: flex; } .bar span { flex: 1; }
-.marks { display: flex; justify-content: space-between; font-size: .85rem; }
+.marks { position: relative; height: 1.4rem; font-size: .85rem; }
+.marks span { position: absolute; transform: translateX(-50%); white-space: nowrap; }
 pre { background: #f6f7f9; padding: 1rem; overflow-x: auto; font-size: .85rem; line-height: 1.35; }
 canvas { width: 100%; max-width: 780px; border: 1px solid #dde2e8; touch-action: none; cursor: grab; }
 @media print { body { max-width: none; padding: 0; font-size: 11pt; } .interactive { display: none; }
@@ -194,8 +195,11 @@ std::string scale_bar(double tolerance) {
   for (int k = -14; k <= 14; ++k)
     text += "<span style=\"background:" + css(deviation_color(k / 12.0 * tolerance, tolerance)) + "\"></span>";
   const std::string t = print_number(tolerance);
-  return text + "</div><div class=\"marks\"><span>beyond</span><span>&minus;" + t +
-         " mm (tolerance)</span><span>0</span><span>+" + t + " mm (tolerance)</span><span>beyond</span></div></div>\n";
+  // The marks stand where the magenta ends begin: after 2 of 29 pieces.
+  return text + "</div><div class=\"marks\"><span style=\"left:6.9%\">&minus;" + t +
+         " mm</span><span style=\"left:50%\">0</span><span style=\"left:93.1%\">+" + t +
+         " mm</span></div>Blue: the scan lies behind the model's surface; orange: in front of it; magenta: beyond the "
+         "tolerance.</div>\n";
 }
 
 std::string picture_section(const ReportInput& input) {
