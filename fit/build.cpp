@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "core/number.h"
 #include "fit/coverage.h"
@@ -185,10 +186,24 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   }
   if (!found) {
     context.report("triangulation", 0.7);
-    auto mesh = triangulate(input, context);
-    if (!mesh) return mesh.error();
-    if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
-    final_evidence = evidence_of(*mesh, input, context);
+    std::optional<Candidate> mesh;
+    // The triangulation aims at a share of the tolerance; where that was not enough it tries again, finer.
+    for (const double share : {1.0, 0.5, 0.25}) {
+      FitInput finer = input;
+      finer.tolerance = share * options.tolerance;
+      auto attempt = triangulate(finer, context);
+      if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+      if (!attempt) {
+        if (mesh) break;
+        return attempt.error();
+      }
+      const CandidateEvidence evidence = evidence_of(*attempt, input, context);
+      context.say("triangulation: deviation " + millimetres(evidence.local_max, options.tolerance));
+      if (mesh && evidence.local_max > final_evidence.local_max) break;
+      mesh = std::move(*attempt);
+      final_evidence = evidence;
+      if (evidence.local_max < 0.8 * options.tolerance) break;
+    }
     final_covered = covered_share(*mesh, input, context);
     model = model_of(*mesh, input);
     model.scan_from_part = {};

@@ -113,11 +113,10 @@ ProfileSegment flat_end(const Vec2& from, const Vec2& to) {
 }
 
 /// The chain's pieces in order with the solid on the left, closed at ends that were not scanned.
-std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double cell, double tolerance) {
+std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double cell, double at_axis, double tolerance) {
   std::vector<Vec2> polygon;
   const Vec2 first = chain.nodes.front().position, last = chain.nodes.back().position;
   for (const auto& node : chain.nodes) polygon.push_back(node.position);
-  const double at_axis = 4 * cell + tolerance;
   if (!chain.closed) {
     polygon.emplace_back(0, last.y());
     polygon.emplace_back(0, first.y());
@@ -150,8 +149,10 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
   while (loop.segments.size() > 2 && along_axis(loop.segments.front())) loop.segments.erase(loop.segments.begin());
   while (loop.segments.size() > 2 && along_axis(loop.segments.back())) loop.segments.pop_back();
   const Vec2 s = loop.segments.front().start, e = loop.segments.back().end;
-  if (!starts) loop.segments.insert(loop.segments.begin(), flat_end({0, s.y()}, s));
-  if (!ends) loop.segments.push_back(flat_end(e, {0, e.y()}));
+  // A flat face that stops short of the axis goes on to it; any other end gets a face of its own.
+  auto flat = [](const ProfileSegment& face) { return !face.arc && std::abs(face.direction.y()) < 0.1; };
+  if (!starts && !flat(loop.segments.front())) loop.segments.insert(loop.segments.begin(), flat_end({0, s.y()}, s));
+  if (!ends && !flat(loop.segments.back())) loop.segments.push_back(flat_end(e, {0, e.y()}));
   return loop;
 }
 
@@ -264,7 +265,8 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
     ChainOptions chain_options;
     chain_options.noise = std::max(input.sampling.sigma, 1e-6 * outline);
     chain_options.cell = std::max({outline / 700, 1.5 * chain_options.noise, 2 * outline / double(std::max<std::size_t>(data.points.size(), 1)) * 3});
-    chain_options.axis = 4 * chain_options.cell + input.tolerance;
+    // Near the axis a ring holds few points: the last nodes may be missing.
+    chain_options.axis = std::max(4 * chain_options.cell + input.tolerance, 8 * input.thin_spacing);
     const auto chains = chains_of(data.points, chain_options);
     if (chains.empty()) continue;
     std::vector<std::size_t> seen_sizes;
@@ -272,7 +274,7 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
       ProfileOptions profile_options;
       profile_options.floor = share * input.tolerance;
       profile_options.size = outline / 2;
-      auto loop = loop_of(chains[0], profile_options, chain_options.cell, input.tolerance);
+      auto loop = loop_of(chains[0], profile_options, chain_options.cell, chain_options.axis, input.tolerance);
       if (!loop) continue;
       if (loop->segments.size() > 60) break;  // more detail only adds pieces
       if (std::find(seen_sizes.begin(), seen_sizes.end(), loop->segments.size()) != seen_sizes.end()) continue;

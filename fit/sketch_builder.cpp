@@ -470,9 +470,13 @@ class Builder {
   std::string edge_role(const Piece& p) const {
     if (p.s.arc) return "";
     if (!p.s.supported) return "unseen end";
-    if (!o_.revolve) return "";
-    if (p.way == Way::horizontal) return p.s.direction.x() > 0 ? "bottom face" : "top face";
-    if (p.way == Way::vertical) return p.s.direction.y() > 0 ? "cylinder" : "bore";
+    if (!o_.revolve) {
+      if (p.way == Way::horizontal) return p.s.direction.x() > 0 ? "front" : "back";
+      if (p.way == Way::vertical) return p.s.direction.y() > 0 ? "right" : "left";
+      return "slope";
+    }
+    // Faces are named after the parameter of their level, once that has its name.
+    if (p.way != Way::oblique) return "#" + std::to_string(p.level);
     return "cone";
   }
 
@@ -564,6 +568,7 @@ class Builder {
     const Vec2 joint = intersection(a.s, b.s).value_or(0.5 * (a.s.end + b.s.start));
     const Vec2 safe = (joint - 0.5 * (a.s.end + b.s.start)).norm() < a.s.length() + b.s.length() ? joint : Vec2(0.5 * (a.s.end + b.s.start));
     // Parallel neighbours leave a small step between two levels.
+    if (a.way == b.way && a.way != Way::oblique && a.level == b.level) return;  // one edge in two pieces
     if (x_of(a) && x_of(b)) {
       const Expr step = coordinate(1, safe.y(), o_.revolve ? "step_z" : "step_y", "position of a step");
       if (!(*x_of(a) == *x_of(b))) add_point(loop, *x_of(a), step, "step");
@@ -670,6 +675,19 @@ class Builder {
       if (e.is_parameter()) e.parameter = names.at(e.parameter);
       for (auto& a : e.arguments) rename(a);
     };
+    auto face_name = [&](const std::string& edge) -> std::string {
+      if (edge.empty() || edge[0] != '#') return edge;
+      const Level& level = levels_[std::stoul(edge.substr(1))];
+      if (level.axis == 1 && level.expr == Expr(0)) return "bottom face";
+      std::string name = level.expr.is_parameter() ? names.at(level.expr.parameter) : level.axis == 0 ? "wall" : "face";
+      if (name == "total_length") return "top face";
+      for (const char* suffix : {"_radius", "_z"})
+        if (name.ends_with(suffix)) name.resize(name.size() - std::string(suffix).size());
+      std::replace(name.begin(), name.end(), '_', ' ');
+      return name;
+    };
+    for (auto& loop : result_.sketch.loops)
+      for (auto& element : loop.elements) std::visit([&](auto& e) { e.edge = face_name(e.edge); }, element);
     Shape shape = Extrude{std::move(result_.sketch), Expr(1)};
     visit_expressions(shape, [&](Expr& e, Domain) { rename(e); });
     result_.sketch = std::move(std::get<Extrude>(shape).sketch);

@@ -1,0 +1,170 @@
+// From points to a model: the right procedure, the true numbers inside their stated uncertainty, and the same bytes
+// whatever the order of the points and the number of threads.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/build.h"
+#include "model/distance.h"
+#include "model/json.h"
+#include "tests/fit/sampled.h"
+#include "tests/model/parts.h"
+
+using namespace partscribe;
+
+namespace {
+
+Model placed(Model model, const Vec3& move, const Vec3& turn) {
+  model.scan_from_part = {move.x(), move.y(), move.z(), turn.x(), turn.y(), turn.z()};
+  return model;
+}
+
+Model built(Scan scan, double tolerance, int threads = 1) {
+  Context context;
+  context.threads = threads;
+  context.log = [](const std::string& line) { UNSCOPED_INFO(line); };
+  BuildOptions options;
+  options.tolerance = tolerance;
+  auto model = build_model(scan, options, context);
+  REQUIRE(model.ok());
+  return **model;
+}
+
+std::string kind(const Model& m) { return std::string(kind_of(m.objects.back().shape)); }
+
+/// The parameter nearest to a true value must hold it within three sigma.
+void expect_value(const Model& m, double truth) {
+  const auto best = std::min_element(m.parameters.begin(), m.parameters.end(), [&](const Parameter& a, const Parameter& b) {
+    return std::abs(a.fitted - truth) < std::abs(b.fitted - truth);
+  });
+  REQUIRE(best != m.parameters.end());
+  INFO(best->name << " " << best->fitted << " +- " << best->sigma << ", truth " << truth);
+  CHECK(std::abs(best->fitted - truth) < 3 * best->sigma + 1e-9);
+  CHECK(best->sigma < 0.05);
+}
+
+/// No point of the truth's surface is farther than the tolerance from the fitted one.
+void expect_same_surface(const Model& truth, const Model& fitted, double tolerance) {
+  test::Sampling exact;
+  exact.points = 3000, exact.noise = 0, exact.seed = 99;
+  const auto points = test::sampled(truth, exact);
+  const ModelDistance distance(fitted);
+  double worst = 0;
+  for (const auto& p : points.cloud.points) worst = std::max(worst, std::abs(distance(p).distance));
+  CHECK(worst < tolerance);
+}
+
+}  // namespace
+
+TEST_CASE("build: a noisy ball becomes a sphere with the true radius") {
+  const Model truth = placed(test::model_with(Sphere{17.3}), {100, -50, 20}, {0, 0, 0});
+  const Model m = built(test::sampled(truth, {}), 0.1);
+  CHECK(kind(m) == "sphere");
+  expect_value(m, 17.3);
+  expect_same_surface(truth, m, 0.01);
+}
+
+TEST_CASE("build: a tilted cylinder keeps radius and height") {
+  const Model truth = placed(test::model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
+  const Model m = built(test::sampled(truth, {}), 0.1);
+  CHECK(kind(m) == "cylinder");
+  expect_value(m, 8);
+  expect_value(m, 25);
+  expect_same_surface(truth, m, 0.02);
+}
+
+TEST_CASE("build: a frustum is a cone, a torus a torus") {
+  const Model cone = placed(test::model_with(Cone{12, 5, 20}), {1, 2, 3}, {1.1, 0.2, 0});
+  const Model fitted_cone = built(test::sampled(cone, {}), 0.1);
+  CHECK(kind(fitted_cone) == "cone");
+  expect_same_surface(cone, fitted_cone, 0.03);
+  const Model torus = placed(test::model_with(Torus{20, 6}), {1, 2, 3}, {0.3, 0.9, 0});
+  const Model fitted_torus = built(test::sampled(torus, {}), 0.1);
+  CHECK(kind(fitted_torus) == "torus");
+  expect_value(fitted_torus, 20);
+  expect_value(fitted_torus, 6);
+}
+
+TEST_CASE("build: a box has three sizes, at any attitude") {
+  const Model truth = placed(test::model_with(Box{30, 20, 10}), {-10, 4, 9}, {0.5, 0.3, 1.2});
+  const Model m = built(test::sampled(truth, {}), 0.1);
+  CHECK(kind(m) == "box");
+  for (const double size : {30.0, 20.0, 10.0}) expect_value(m, size);
+  expect_same_surface(truth, m, 0.03);
+}
+
+TEST_CASE("build: a pin is turned, its round hangs on the head's radius") {
+  Model truth = placed(test::pin(), {30, 30, -15}, {0.2, 0.1, 0});
+  test::Sampling s;
+  s.reach = 70, s.points = 40000, s.noise = 0.03;
+  const Model m = built(test::sampled(truth, s), 0.15);
+  CHECK(kind(m) == "revolve");
+  CHECK(m.parameters.size() == 5);
+  for (const double v : {20.0, 10.0, 15.0, 9.0, 65.0}) expect_value(m, v);
+  expect_same_surface(truth, m, 0.05);
+}
+
+TEST_CASE("build: a link is an extrusion with round ends and a hole") {
+  Model truth = placed(test::link(), {0, 0, 50}, {0.7, -0.3, 0.4});
+  test::Sampling s;
+  s.reach = 55, s.points = 40000, s.noise = 0.02;
+  const Model m = built(test::sampled(truth, s), 0.1);
+  CHECK(kind(m) == "extrude");
+  expect_value(m, 12);
+  expect_value(m, 5);
+  expect_value(m, 8);
+  expect_same_surface(truth, m, 0.05);
+}
+
+TEST_CASE("build: outliers change nothing") {
+  const Model truth = placed(test::model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
+  test::Sampling s;
+  s.outliers = 0.05;
+  const Model m = built(test::sampled(truth, s), 0.1);
+  CHECK(kind(m) == "cylinder");
+  expect_same_surface(truth, m, 0.03);
+}
+
+TEST_CASE("build: order of the points and number of threads leave every byte alone") {
+  const Model truth = placed(test::pin(), {30, 30, -15}, {0.2, 0.1, 0});
+  test::Sampling s;
+  s.reach = 70, s.points = 15000;
+  const Scan scan = test::sampled(truth, s);
+  Scan shuffled = scan;
+  Random random(5);
+  for (std::size_t i = shuffled.cloud.points.size(); i > 1; --i) std::swap(shuffled.cloud.points[i - 1], shuffled.cloud.points[random.below(i)]);
+  const std::string first = write_model_json(built(scan, 0.15, 1));
+  CHECK(write_model_json(built(scan, 0.15, 2)) == first);
+  CHECK(write_model_json(built(shuffled, 0.15, 1)) == first);
+}
+
+TEST_CASE("build: moving the part moves the model, and nothing else") {
+  const Model here = placed(test::model_with(Cylinder{8, 25}), {0, 0, 0}, {0.4, -0.7, 0});
+  const Model there = placed(test::model_with(Cylinder{8, 25}), {1e5, -2e5, 3e5}, {0.4, -0.7, 0});
+  const Model a = built(test::sampled(here, {}), 0.1), b = built(test::sampled(there, {}), 0.1);
+  REQUIRE(kind(b) == "cylinder");
+  CHECK(a.parameters[0].fitted == Approx(b.parameters[0].fitted).margin(0.002));
+  expect_same_surface(there, b, 0.02);
+}
+
+TEST_CASE("build: too few points are one line of bad news") {
+  Scan scan;
+  scan.files = {"tiny.xyz"};
+  for (int i = 0; i < 10; ++i) scan.cloud.points.push_back(Vec3(i, 0, 0));
+  Context context;
+  const auto result = build_model(scan, {}, context);
+  REQUIRE_FALSE(result.ok());
+  CHECK(result.error().message.find("tiny.xyz: expected at least 50 points, found 10") == 0);
+}
+
+TEST_CASE("build: forcing a procedure changes the script") {
+  const Model truth = placed(test::model_with(Box{30, 20, 10}), {0, 0, 0}, {0, 0, 0});
+  Scan scan = test::sampled(truth, {});
+  Context context;
+  BuildOptions options;
+  options.force = "half_spaces";
+  const auto model = build_model(scan, options, context);
+  REQUIRE(model.ok());
+  CHECK(kind(**model) != "box");
+}
