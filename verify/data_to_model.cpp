@@ -15,6 +15,7 @@ namespace partscribe {
 namespace {
 
 constexpr std::size_t most_places = 60000;
+constexpr std::size_t fewest = 9;           // points that can prove a deviation
 constexpr double same_face = 0.7071;       // cosine of 45 degrees
 constexpr double edge_on = 0.17;           // sine of 10 degrees: no sensor sees a surface that steeply
 
@@ -186,7 +187,7 @@ class Comparison {
                                      source_.noise / std::sqrt(double(least)));
         if (excess > 0) place.mean = std::copysign(std::max(std::abs(place.mean) - excess, 0.0), place.mean);
         if (std::abs(place.mean) > tolerance_)
-          place.surface = place.spacing <= source_.sparsest && group.size() >= 4 && is_surface(group);
+          place.surface = place.spacing <= source_.sparsest && group.size() >= fewest && is_surface(group);
       }
     }, 256);
   }
