@@ -25,6 +25,33 @@ std::vector<Vec3> facet_normals(const TriangleMesh& mesh) {
   return normals;
 }
 
+/// Area of separate bodies that no point supports: nobody can have scanned a part and missed one of its pieces
+/// altogether. Cavities (pieces of negative volume) are hidden by nature and do not count.
+double unsupported_bodies(const TriangleMesh& mesh, const SurfaceField& field) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& t : mesh.triangles)
+    for (const auto v : {t[1], t[2]}) parent[std::max(root(t[0]), root(v))] = std::min(root(t[0]), root(v));
+  std::vector<double> areas(parent.size(), 0), volumes(parent.size(), 0);
+  std::vector<char> supported(parent.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto r = root(mesh.triangles[t][0]);
+    const Vec3 o = mesh.vertices[r], a = mesh.corner(t, 0) - o, b = mesh.corner(t, 1) - o, c = mesh.corner(t, 2) - o;
+    areas[r] += 0.5 * (b - a).cross(c - a).norm();
+    volumes[r] += a.dot(b.cross(c)) / 6;
+  }
+  for (std::size_t i = 0; i < field.samples.size(); ++i)
+    if (field.support[i] == Support::supported) supported[root(mesh.triangles[field.samples[i].triangle][0])] = 1;
+  double sum = 0;
+  for (std::uint32_t v = 0; v < parent.size(); ++v)
+    if (root(v) == v && !supported[v] && volumes[v] > 0) sum += areas[v];
+  return sum;
+}
+
 std::vector<FeatureVerdict> rows(const ScanSource& source, const FaceNames& faces, const PointField& points,
                                  const SurfaceField& surface, const VerifyOptions& options, int threads) {
   std::vector<FeatureVerdict> result(faces.names.size());
@@ -149,6 +176,8 @@ void compare(const ScanSource& source, const FaceNames& faces, const VerifyOptio
   if (field.summary.contradicted > field.allowed_contradiction)
     faults.push_back(shown(field.summary.contradicted) + " mm^2 of the model's surface contradict the scan, near " +
                      shown(field.worst));
+  if (const double alone = unsupported_bodies(verdict.mesh, field); alone > field.allowed_contradiction)
+    faults.push_back("a separate body of " + shown(alone) + " mm^2 has no scanned point at all");
   if (options.strict && field.summary.not_scanned > field.allowed_contradiction)
     faults.push_back(shown(field.summary.not_scanned) + " mm^2 of the model's surface were not scanned");
   if (!faults.empty()) verdict.verdict = Outcome::out_of_tolerance;

@@ -140,6 +140,14 @@ TEST_CASE("verdict: a view that looked through invented material contradicts it"
   CHECK(all_reasons(verdict).find("contradict") != std::string::npos);
 }
 
+TEST_CASE("verdict: a separate body without any data is refused") {
+  const auto truth = pin();
+  const auto scan = scanned(truth, 30000, sigma);
+  const auto verdict = verdict_on(joined(truth, box({50, 50, 50}, {55, 55, 50.1})), scan, at(T));
+  CHECK(verdict.verdict == Outcome::out_of_tolerance);
+  CHECK(all_reasons(verdict).find("separate body") != std::string::npos);
+}
+
 TEST_CASE("verdict: scattered outliers do not refuse a true model, a cluster of them does") {
   const auto truth = holed_plate(40, 10, 6, 5, -8);
   auto scan = scanned(truth, 60000, sigma);
