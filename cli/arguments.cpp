@@ -50,8 +50,7 @@ std::string wrapped(const std::string& text) {
 /// Reads a number the way all files are read; the answer is CLI11's: an empty string is agreement.
 std::string parse_into(double& target, const std::string& text, double low, double high) {
   const auto value = parse_number(text);
-  if (!value || *value < low || *value > high)
-    return "expected " + range_text(low, high) + ", found '" + text + "'";
+  if (!value || *value < low || *value > high) return "expected " + range_text(low, high) + ", found '" + text + "'";
   target = *value;
   return {};
 }
@@ -159,7 +158,8 @@ void Arguments::count(int& target, const std::string& name, const std::string& v
 }
 
 void Arguments::path(Path& target, const std::string& name, const std::string& value_name, const std::string& help) {
-  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, wrapped(help))
+  app_.add_option_function<std::string>(
+          name, [&target](const std::string& text) { target = text; }, wrapped(help))
       ->type_name(value_name);
 }
 
@@ -187,7 +187,8 @@ void Arguments::paths(std::vector<Path>& target, const std::string& name, const 
 }
 
 void Arguments::operand(Path& target, const std::string& name, const std::string& help) {
-  app_.add_option_function<std::string>(name, [&target](const std::string& text) { target = text; }, wrapped(help))
+  app_.add_option_function<std::string>(
+          name, [&target](const std::string& text) { target = text; }, wrapped(help))
       ->type_name("")
       ->required();
 }
@@ -216,7 +217,8 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
       names += (names.empty() ? "" : ", ") + command.name;
       known = known || words.front() == command.name;
     }
-    if (!known) return fail(usage_error("expected one of " + names + ", found '" + words.front() + "'; see 'partscribe --help'"));
+    if (!known)
+      return fail(usage_error("expected one of " + names + ", found '" + words.front() + "'; see 'partscribe --help'"));
     std::reverse(words.begin(), words.end());  // as the parser wants them
     app.parse(words);
   } catch (const CLI::CallForHelp&) {

@@ -38,7 +38,8 @@ void print_result(const Model& model, const Verdict& verdict, const Path& folder
   session.print("\nFound: " + procedure_text(model) + ".\n");
   if (const auto dimensions = dimension_table(model); !dimensions.empty()) session.print("\n" + dimensions);
   for (const auto& u : model.unexplained)
-    session.print("Unexplained: " + u.reason + " (" + readable(u.area) + " mm2, " + std::to_string(u.points) + " points)\n");
+    session.print("Unexplained: " + u.reason + " (" + readable(u.area) + " mm2, " + std::to_string(u.points) +
+                  " points)\n");
   session.print("\n" + verdict_table(verdict));
   std::string names;
   for (const auto& name : artifact_names())
@@ -58,7 +59,8 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   const Path cloud_file = folder / "cloud.ply";
   std::error_code ignored;
   bool reads_cloud = false;
-  for (const auto& scan : arguments.scans) reads_cloud = reads_cloud || std::filesystem::equivalent(scan, cloud_file, ignored);
+  for (const auto& scan : arguments.scans)
+    reads_cloud = reads_cloud || std::filesystem::equivalent(scan, cloud_file, ignored);
   auto outputs = artifact_names();
   for (const char* file : {"model.json", "verdict.json", "report.html"}) outputs.push_back(file);
   if (!reads_cloud) outputs.push_back("cloud.ply");
@@ -69,10 +71,11 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   if (!scan) return scan.error();
   if (auto ok = make_folder(folder); !ok) return ok.error();
   const auto tolerance = tolerance_for(*scan, session);
-  session.print("Read " + std::to_string(scan->cloud.size()) + " points" +
-                (scan->mesh.empty() ? "" : " of a mesh with " + std::to_string(scan->mesh.triangles.size()) + " triangles") +
-                " in " + std::to_string(scan->views.size()) + (scan->views.size() == 1 ? " view" : " views") + "; " +
-                tolerance.reason + ".\n");
+  session.print(
+      "Read " + std::to_string(scan->cloud.size()) + " points" +
+      (scan->mesh.empty() ? "" : " of a mesh with " + std::to_string(scan->mesh.triangles.size()) + " triangles") +
+      " in " + std::to_string(scan->views.size()) + (scan->views.size() == 1 ? " view" : " views") + "; " +
+      tolerance.reason + ".\n");
 
   if (auto ok = session.stage("fit"); !ok) return ok.error();
   const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session);
@@ -119,7 +122,8 @@ Command build_command() {
                    "keep every measured value; else a nominal size is taken where the data cannot tell the difference");
             a.text(arguments->fit.procedure, "--procedure", "NAME",
                    "only this procedure (sphere, cylinder, revolve, extrude, triangulation, ...); default: the best");
-            a.path(arguments->templates, "--templates", "DIR", "a folder of template packs in place of the built-in ones");
+            a.path(arguments->templates, "--templates", "DIR",
+                   "a folder of template packs in place of the built-in ones");
           },
           [arguments](Session& session) { return run(*arguments, session); }};
 }

@@ -14,10 +14,10 @@ namespace partscribe {
 /// A word after `partscribe`, its help and what it does.
 struct Command {
   std::string name;
-  std::string summary;                            ///< one line for the list of commands
-  std::string help;                               ///< examples first, then what it reads and writes
-  std::function<void(Arguments&)> declare;        ///< its own options; the shared ones are added to all
-  std::function<Result<int>(Session&)> run;       ///< the exit code, or one line that says why not
+  std::string summary;                       ///< one line for the list of commands
+  std::string help;                          ///< examples first, then what it reads and writes
+  std::function<void(Arguments&)> declare;   ///< its own options; the shared ones are added to all
+  std::function<Result<int>(Session&)> run;  ///< the exit code, or one line that says why not
 };
 
 Command build_command();

@@ -29,10 +29,13 @@ std::string noun_of(const Shape& shape) {
 
 std::string unit_of(Quantity quantity) {
   switch (quantity) {
-    case Quantity::length: return "mm";
-    case Quantity::angle: return "deg";
+    case Quantity::length:
+      return "mm";
+    case Quantity::angle:
+      return "deg";
     case Quantity::count:
-    case Quantity::ratio: break;
+    case Quantity::ratio:
+      break;
   }
   return "";
 }
@@ -100,8 +103,7 @@ std::string table(const std::vector<std::vector<std::string>>& rows, const std::
   std::string text;
   for (const auto& row : rows) {
     std::string line = indent;
-    for (std::size_t k = 0; k < row.size(); ++k)
-      line += row[k] + std::string(widths[k] - columns(row[k]) + 2, ' ');
+    for (std::size_t k = 0; k < row.size(); ++k) line += row[k] + std::string(widths[k] - columns(row[k]) + 2, ' ');
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";
   }
@@ -122,21 +124,20 @@ std::vector<std::string> rival_lines(const Model& model) {
   std::vector<std::string> lines;
   for (const auto& rival : model.rivals)
     lines.push_back(rival.procedure + ": " +
-                    (rival.meets_tolerance ? "meets the tolerance" : "does not meet the tolerance") + ", off by up to " +
-                    readable(rival.deviation) + " mm, description length " + readable(rival.description_length) +
-                    (rival.reason.empty() ? "" : "; " + rival.reason));
+                    (rival.meets_tolerance ? "meets the tolerance" : "does not meet the tolerance") +
+                    ", off by up to " + readable(rival.deviation) + " mm, description length " +
+                    readable(rival.description_length) + (rival.reason.empty() ? "" : "; " + rival.reason));
   return lines;
 }
 
 std::string hypothesis_line(const Model& model) {
   if (!model.hypothesis) return {};
   const auto& h = *model.hypothesis;
-  std::string line = "superellipsoid with half axes " + readable(h.a1) + ", " + readable(h.a2) + ", " +
-                     readable(h.a3) + " mm, e1 = " + readable(h.e1) + ", e2 = " + readable(h.e2);
-  if (h.taper_x != 0 || h.taper_y != 0)
-    line += ", taper " + readable(h.taper_x) + ", " + readable(h.taper_y);
-  return line + "; goodness of fit " + readable(h.gof) + " (" + readable(h.gof_mm) + " mm); suggests: " +
-         (h.suggests.empty() ? "none" : h.suggests);
+  std::string line = "superellipsoid with half axes " + readable(h.a1) + ", " + readable(h.a2) + ", " + readable(h.a3) +
+                     " mm, e1 = " + readable(h.e1) + ", e2 = " + readable(h.e2);
+  if (h.taper_x != 0 || h.taper_y != 0) line += ", taper " + readable(h.taper_x) + ", " + readable(h.taper_y);
+  return line + "; goodness of fit " + readable(h.gof) + " (" + readable(h.gof_mm) +
+         " mm); suggests: " + (h.suggests.empty() ? "none" : h.suggests);
 }
 
 }  // namespace partscribe

@@ -1,10 +1,11 @@
 /// emit: from model.json to CAD files.
+#include "codegen/emit.h"
+
 #include <memory>
 
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/stages.h"
-#include "codegen/emit.h"
 
 namespace partscribe {
 namespace {
@@ -46,12 +47,14 @@ Result<int> run(const Options& given, Session& session) {
 Command emit_command() {
   auto options = std::make_shared<Options>();
   std::string list;
-  for (const auto& backend : backends()) list += "\n  " + backend.name + " (" + backend.suffix + "): " + backend.description;
+  for (const auto& backend : backends())
+    list += "\n  " + backend.name + " (" + backend.suffix + "): " + backend.description;
   return {"emit", "write a model as CAD files", help + ("\n\nBackends" + list),
           [options](Arguments& a) {
             a.operand(options->model, "model", "a model.json");
             a.list(options->to, "--to", "LIST", "backends, comma-separated (default: all)");
-            a.path(options->templates, "--templates", "DIR", "a folder of template packs in place of the built-in ones");
+            a.path(options->templates, "--templates", "DIR",
+                   "a folder of template packs in place of the built-in ones");
           },
           [options](Session& session) { return run(*options, session); }};
 }

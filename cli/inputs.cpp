@@ -162,8 +162,8 @@ ChosenTolerance tolerance_for(const Scan& scan, Session& session) {
   chosen.reason =
       "tolerance " + print_number(chosen.tolerance) + " mm, chosen because none was given: " +
       (from_noise >= from_size
-           ? "5 times the noise of the scan (" + print_number(snapped(chosen.noise, power_of_ten_below(std::max(
-                                                     chosen.noise, 1e-9)) / 10)) + " mm)"
+           ? "5 times the noise of the scan (" +
+                 print_number(snapped(chosen.noise, power_of_ten_below(std::max(chosen.noise, 1e-9)) / 10)) + " mm)"
            : "a thousandth of the part's size (" +
                  print_number(snapped(diagonal, power_of_ten_below(std::max(diagonal, 1e-9)) / 100)) + " mm)") +
       ", rounded up; --tolerance sets it";

@@ -90,8 +90,7 @@ std::vector<float> deviations_of(const PointCloud& cloud, const ArtifactVerdict*
 }
 
 std::vector<ReportPicture> draw_report(const Model& model, const Verdict& verdict, const PointCloud& cloud) {
-  const Pose scan_from_part =
-      model.as_scanned ? evaluate(model.scan_from_part, values_of(model)) : Pose{};
+  const Pose scan_from_part = model.as_scanned ? evaluate(model.scan_from_part, values_of(model)) : Pose{};
   Vec3 up = scan_from_part.rotation * Vec3(0, 0, 1);
   std::vector<Side> sides = {{"front", "from the front, right and above", {0.75, -1, 0.7}},
                              {"back", "from the back, left and below", {-0.75, 1, -0.55}}};
@@ -111,8 +110,8 @@ std::vector<ReportPicture> draw_report(const Model& model, const Verdict& verdic
   const double spacing = spacing_of(cloud);
   const ArtifactVerdict* artifact = drawn_artifact(verdict);
   const auto deviations = deviations_of(cloud, artifact);
-  const std::string size = readable(box.size().x()) + " x " + readable(box.size().y()) + " x " +
-                           readable(box.size().z()) + " mm";
+  const std::string size =
+      readable(box.size().x()) + " x " + readable(box.size().y()) + " x " + readable(box.size().z()) + " mm";
   std::vector<ReportPicture> scans, models, maps;
   for (const auto& side : sides) {
     const Camera camera = camera_for(kept, side.to_eye, up, 2 * picture_width, 2 * picture_height);
@@ -135,9 +134,9 @@ std::vector<ReportPicture> draw_report(const Model& model, const Verdict& verdic
 
     Raster solid = empty;
     draw_mesh(solid, camera, artifact->mesh, model_color);
-    models.push_back(finished(solid, "model-" + side.name + ".png", "Model, " + side.words,
-                              "The geometry that " + artifact->program + " made of " + artifact->file + ", seen " +
-                                  side.words + "."));
+    models.push_back(finished(
+        solid, "model-" + side.name + ".png", "Model, " + side.words,
+        "The geometry that " + artifact->program + " made of " + artifact->file + ", seen " + side.words + "."));
     if (deviations.empty()) continue;
 
     Raster map = empty;

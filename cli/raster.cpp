@@ -16,8 +16,7 @@ namespace {
 /// Column, row and depth of a world point.
 Vec3 projected(const Raster& raster, const Camera& camera, const Vec3& point) {
   const Vec3 p = camera.view_from_world * (point - camera.center);
-  return {0.5 * raster.width + p.x() * camera.pixels_per_mm, 0.5 * raster.height - p.y() * camera.pixels_per_mm,
-          p.z()};
+  return {0.5 * raster.width + p.x() * camera.pixels_per_mm, 0.5 * raster.height - p.y() * camera.pixels_per_mm, p.z()};
 }
 
 void put(Raster& raster, int column, int row, double depth, Color color) {
@@ -42,9 +41,8 @@ std::vector<Edge> sorted_edges(const TriangleMesh& mesh) {
       const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
       edges.push_back({std::min(a, b) << 32 | std::max(a, b), t});
     }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
-  });
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& a, const Edge& b) { return a.key != b.key ? a.key < b.key : a.triangle < b.triangle; });
   return edges;
 }
 
@@ -104,7 +102,8 @@ void draw_line(Raster& raster, const Vec3& from, const Vec3& to, double bias, Co
     const Vec3 p = from + (to - from) * (static_cast<double>(i) / std::max(steps, 1));
     const int column = static_cast<int>(std::floor(p.x())), row = static_cast<int>(std::floor(p.y()));
     // Two pixels wide, because the picture is halved afterwards.
-    for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}}) put(raster, column + dx, row + dy, p.z() + bias, color);
+    for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}})
+      put(raster, column + dx, row + dy, p.z() + bias, color);
   }
 }
 
@@ -123,7 +122,9 @@ void append_chunk(std::string& png, const std::string& type, const std::string& 
 }  // namespace
 
 Raster::Raster(int width_px, int height_px, Color background)
-    : width(width_px), height(height_px), pixels(static_cast<std::size_t>(width_px) * height_px, background),
+    : width(width_px),
+      height(height_px),
+      pixels(static_cast<std::size_t>(width_px) * height_px, background),
       depth(pixels.size(), -std::numeric_limits<float>::infinity()) {}
 
 Camera camera_for(const std::vector<Vec3>& points, const Vec3& to_eye, const Vec3& up, int width_px, int height_px) {
@@ -199,8 +200,9 @@ Raster halved(const Raster& raster) {
         const auto& c = raster.pixels[static_cast<std::size_t>(2 * row + k / 2) * raster.width + 2 * column + k % 2];
         red += c.red, green += c.green, blue += c.blue;
       }
-      half.pixels[static_cast<std::size_t>(row) * half.width + column] = {
-          static_cast<std::uint8_t>(red / 4), static_cast<std::uint8_t>(green / 4), static_cast<std::uint8_t>(blue / 4)};
+      half.pixels[static_cast<std::size_t>(row) * half.width + column] = {static_cast<std::uint8_t>(red / 4),
+                                                                          static_cast<std::uint8_t>(green / 4),
+                                                                          static_cast<std::uint8_t>(blue / 4)};
     }
   return half;
 }

@@ -23,8 +23,8 @@ struct Options {
   bool png = false;
 };
 
-const std::vector<std::string> picture_names = {"scan-front.png",  "scan-back.png",       "model-front.png",
-                                                "model-back.png",  "deviation-front.png", "deviation-back.png"};
+const std::vector<std::string> picture_names = {"scan-front.png", "scan-back.png",       "model-front.png",
+                                                "model-back.png", "deviation-front.png", "deviation-back.png"};
 
 /// Fills in what verdict.json cannot hold: the geometry and the deviation of each point, from a new run.
 Result<Done> evaluate_for_pictures(Verdict& verdict, const Path& folder, const Scan& scan, const Model& model,

@@ -25,7 +25,7 @@ caption { text-align: left; font-weight: 600; padding: .4rem 0; }
 th, td { padding: .28rem .7rem; border-bottom: 1px solid #dde2e8; text-align: left; vertical-align: top; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; } td.number { white-space: nowrap; }
 thead th { background: #f2f4f7; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(340px, 1fr)); gap: 1rem; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 420px), 1fr)); gap: 1rem; }
 figure { margin: 0; } figure img { width: 100%; height: auto; border: 1px solid #dde2e8; }
 figcaption { font-size: .9rem; } .scale { max-width: 30rem; margin: .8rem 0; }
 .bar { height: 1rem; border: 1px solid #888; display: flex; } .bar span { flex: 1; }
@@ -95,10 +95,14 @@ constexpr const char* viewer = R"js(
 
 std::string headline(Outcome outcome, const std::string& tolerance) {
   switch (outcome) {
-    case Outcome::verified: return "Verified: every artifact agrees with the scan within " + tolerance + " mm.";
-    case Outcome::out_of_tolerance: return "Out of tolerance: an artifact differs from the scan by more than " + tolerance + " mm.";
-    case Outcome::cannot_decide: return "Cannot decide: the scan is too noisy or too coarse for " + tolerance + " mm.";
-    case Outcome::not_run: break;
+    case Outcome::verified:
+      return "Verified: every artifact agrees with the scan within " + tolerance + " mm.";
+    case Outcome::out_of_tolerance:
+      return "Out of tolerance: an artifact differs from the scan by more than " + tolerance + " mm.";
+    case Outcome::cannot_decide:
+      return "Cannot decide: the scan is too noisy or too coarse for " + tolerance + " mm.";
+    case Outcome::not_run:
+      break;
   }
   return "Not run: a program that is needed to evaluate an artifact is missing.";
 }
@@ -125,8 +129,10 @@ class Table {
   void row(const std::vector<std::string>& cells) {
     text_ += "<tr>";
     for (std::size_t k = 0; k < cells.size(); ++k)
-      text_ += (k == 0 ? "<th scope=\"row\">" : numeric_[k] ? "<td class=\"number\">" : "<td>") + escaped(cells[k]) +
-               (k == 0 ? "</th>" : "</td>");
+      text_ += (k == 0        ? "<th scope=\"row\">"
+                : numeric_[k] ? "<td class=\"number\">"
+                              : "<td>") +
+               escaped(cells[k]) + (k == 0 ? "</th>" : "</td>");
     text_ += "</tr>\n";
   }
   std::string done() const { return text_ + "</tbody></table></div>\n"; }
@@ -189,9 +195,10 @@ std::string css(Color c) {
 }
 
 std::string scale_bar(double tolerance) {
-  std::string text = "<div class=\"scale\" role=\"img\" aria-label=\"Colour scale: blue lies behind the model's "
-                     "surface, orange in front of it, magenta is beyond the tolerance of " +
-                     print_number(tolerance) + " mm\"><div class=\"bar\">";
+  std::string text =
+      "<div class=\"scale\" role=\"img\" aria-label=\"Colour scale: blue lies behind the model's "
+      "surface, orange in front of it, magenta is beyond the tolerance of " +
+      print_number(tolerance) + " mm\"><div class=\"bar\">";
   for (int k = -14; k <= 14; ++k)
     text += "<span style=\"background:" + css(deviation_color(k / 12.0 * tolerance, tolerance)) + "\"></span>";
   const std::string t = print_number(tolerance);
@@ -240,8 +247,10 @@ std::string viewer_section(const ReportInput& input) {
     for (const auto part : {c.red, c.green, c.blue}) bytes += static_cast<char>(part);
   }
   return "<section class=\"interactive\"><h2>Deviation map to turn</h2>\n<p>Drag or use the arrow keys to turn, the "
-         "wheel or + and - to come closer. Every " + (step == 1 ? std::string("point") : std::to_string(step) + "th point") +
-         " is shown.</p>\n<canvas id=\"map\" width=\"1000\" height=\"700\" tabindex=\"0\" role=\"img\" aria-label=\"The "
+         "wheel or + and - to come closer. Every " +
+         (step == 1 ? std::string("point") : std::to_string(step) + "th point") +
+         " is shown.</p>\n<canvas id=\"map\" width=\"1000\" height=\"700\" tabindex=\"0\" role=\"img\" "
+         "aria-label=\"The "
          "scanned points coloured by deviation; the pictures above show the same\"></canvas>\n" +
          scale_bar(input.verdict.tolerance) + "<script id=\"points\" type=\"text/plain\">" + base64(bytes) +
          "</script>\n<script>" + viewer + "</script></section>\n";
@@ -273,8 +282,8 @@ std::string model_section(const Model& model) {
   if (const auto line = hypothesis_line(model); !line.empty())
     text += "<p>Recovered first, as a hypothesis: " + escaped(line) + ".</p>\n";
   if (!model.rivals.empty()) {
-    Table rivals("What was considered", {"procedure", "meets the tolerance", "largest local deviation mm#",
-                                         "description length#", "why not"});
+    Table rivals("What was considered",
+                 {"procedure", "meets the tolerance", "largest local deviation mm#", "description length#", "why not"});
     for (const auto& r : model.rivals)
       rivals.row({r.procedure, r.meets_tolerance ? "yes" : "no", readable(r.deviation), readable(r.description_length),
                   r.reason});
@@ -318,12 +327,23 @@ std::string escaped(const std::string& text) {
   std::string result;
   result.reserve(text.size());
   for (const char c : text) switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      case '\'': result += "&#39;"; break;
-      default: result += c;
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        result += c;
     }
   return result;
 }
@@ -346,11 +366,12 @@ std::string report_page(const ReportInput& input) {
   const Model& model = input.model;
   const Verdict& verdict = input.verdict;
   const std::string tolerance = print_number(verdict.tolerance);
-  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-                     "content=\"width=device-width, initial-scale=1\">\n<title>" +
-                     escaped(model.name) + ": " + plain(verdict.verdict) + "</title>\n<style>" + style +
-                     "</style></head>\n<body><header><h1>" + escaped(model.name) + "</h1>\n<p>" +
-                     escaped(procedure_text(model)) + ". Tolerance " + tolerance + " mm.</p></header>\n<main>\n";
+  std::string page =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\">\n<title>" +
+      escaped(model.name) + ": " + plain(verdict.verdict) + "</title>\n<style>" + style +
+      "</style></head>\n<body><header><h1>" + escaped(model.name) + "</h1>\n<p>" + escaped(procedure_text(model)) +
+      ". Tolerance " + tolerance + " mm.</p></header>\n<main>\n";
   page += std::string("<div class=\"verdict ") + name_of(verdict.verdict) + "\"><strong>" +
           escaped(headline(verdict.verdict, tolerance)) + "</strong>" +
           (model.fallback ? "The model is a triangulation, because no procedure met the tolerance." : "") + "</div>\n";

@@ -13,9 +13,9 @@ struct ReportInput {
   const Verdict& verdict;
   const PointCloud& cloud;
   const std::vector<ReportPicture>& pictures;
-  std::string script_name;             ///< of the procedure shown at the end; empty: none
+  std::string script_name;  ///< of the procedure shown at the end; empty: none
   std::string script;
-  std::vector<std::string> warnings;   ///< of the reader
+  std::vector<std::string> warnings;  ///< of the reader
 };
 
 /// Needs no network, prints well, stays readable without pictures. The same input gives the same bytes.

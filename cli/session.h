@@ -21,7 +21,7 @@ struct SharedOptions {
   std::string units;                ///< empty: what the file says
   Path out;                         ///< empty: chosen from the input's name
   bool force = false;
-  int threads = 0;                  ///< 0: all processors
+  int threads = 0;  ///< 0: all processors
   bool quiet = false;
   bool json = false;
   Path log;

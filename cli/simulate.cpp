@@ -1,4 +1,6 @@
 /// simulate: what a range scanner would deliver of a known shape.
+#include "scan/simulate.h"
+
 #include <cmath>
 #include <memory>
 
@@ -7,7 +9,6 @@
 #include "cli/inputs.h"
 #include "cli/stages.h"
 #include "core/number.h"
-#include "scan/simulate.h"
 #include "verify/evaluate.h"
 
 namespace partscribe {
@@ -122,7 +123,8 @@ Command simulate_command() {
             a.number(s.outliers, "--outliers", "SHARE", 0, 1, "pixels with a random range (default 0)");
             a.number(s.mixed, "--mixed", "P", 0, 1, "chance of a mixed pixel at a depth step (default 0)");
             a.flag(given->pinhole, "--pinhole", "a pinhole camera in place of parallel rays");
-            a.number(given->pose_noise_deg, "--pose-noise-angle", "DEG", 0, 180, "error of the stated first guess of each pose");
+            a.number(given->pose_noise_deg, "--pose-noise-angle", "DEG", 0, 180,
+                     "error of the stated first guess of each pose");
             a.number(s.pose_noise_shift, "--pose-noise-shift", "MM", 0, 1e6, "the same, of the position");
             a.count(given->seed, "--seed", "N", 0, 2147483647, "of the random numbers (default 1)");
             a.flag(given->no_merged, "--no-merged", "leave out merged.ply, which says again what the images say");

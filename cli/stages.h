@@ -16,7 +16,7 @@ namespace partscribe {
 
 /// What the user may say about the fit.
 struct FitArguments {
-  std::string name;       ///< of the part; empty: from the input file
+  std::string name;  ///< of the part; empty: from the input file
   bool no_nominal = false;
   std::string procedure;  ///< only this one; empty: the best
 };

@@ -20,7 +20,9 @@ double number(const Json& json, const char* key) {
   return found != json.end() && found->is_number() ? found->get<double>() : 0.0;
 }
 
-std::size_t count(const Json& json, const char* key) { return static_cast<std::size_t>(std::max(0.0, number(json, key))); }
+std::size_t count(const Json& json, const char* key) {
+  return static_cast<std::size_t>(std::max(0.0, number(json, key)));
+}
 
 std::string text(const Json& json, const char* key) {
   const auto found = json.find(key);

@@ -1,4 +1,6 @@
 /// verify: does what a script or CAD file describes agree with a scan?
+#include "verify/verify.h"
+
 #include <algorithm>
 #include <memory>
 
@@ -6,7 +8,6 @@
 #include "cli/inputs.h"
 #include "cli/stages.h"
 #include "core/number.h"
-#include "verify/verify.h"
 
 namespace partscribe {
 namespace {
@@ -34,7 +35,8 @@ struct Options {
 
 bool is_cad(const Path& file) {
   std::string suffix = file.extension().string();
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c | 0x20) : c; });
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c | 0x20) : c; });
   const std::vector<std::string> suffixes = {".scad", ".scl", ".igs", ".iges", ".step", ".stp"};
   return std::find(suffixes.begin(), suffixes.end(), suffix) != suffixes.end();
 }

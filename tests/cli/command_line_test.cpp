@@ -1,7 +1,6 @@
 /// Exit codes and messages: what a script around the program relies on.
-#include <catch2/catch.hpp>
-
 #include <algorithm>
+#include <catch2/catch.hpp>
 
 #include "run.h"
 

@@ -57,8 +57,8 @@ TEST_CASE("corpus: the pin is found as a surface of revolution with its sizes, a
   const TemporaryDirectory folder;
   simulate_part("pin", folder.path() / "scan", 128, 0.01);
   const Path out = folder.path() / "out";
-  const auto output = run_partscribe({"build", (folder.path() / "scan/scan.json").string(), "--tolerance", "0.1", "--name",
-                                      "pin", "--out", out.string()});
+  const auto output = run_partscribe({"build", (folder.path() / "scan/scan.json").string(), "--tolerance", "0.1",
+                                      "--name", "pin", "--out", out.string()});
   INFO(output.out << output.err);
   CHECK(output.exit_code == 0);
   for (const char* file : {"cloud.ply", "model.json", "part.scad", "part.scl", "prelude.scl", "part.igs", "part.step",
@@ -91,8 +91,8 @@ TEST_CASE("corpus: the tie bar is found as an extrusion with two holes, and veri
   const TemporaryDirectory folder;
   simulate_part("tie_bar", folder.path() / "scan", 128, 0.02);
   const Path out = folder.path() / "out";
-  const auto output = run_partscribe({"build", (folder.path() / "scan/scan.json").string(), "--tolerance", "0.2", "--name",
-                                      "tie_bar", "--out", out.string(), "--to", "openscad,step"});
+  const auto output = run_partscribe({"build", (folder.path() / "scan/scan.json").string(), "--tolerance", "0.2",
+                                      "--name", "tie_bar", "--out", out.string(), "--to", "openscad,step"});
   INFO(output.out << output.err);
   CHECK(output.exit_code == 0);
   const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
@@ -106,8 +106,9 @@ TEST_CASE("corpus: the order of points and the number of threads change no byte"
   REQUIRE(write_file(folder.path() / "a/rod.xyz", cylinder_xyz(5, false)).ok());
   REQUIRE(write_file(folder.path() / "b/rod.xyz", cylinder_xyz(5, true)).ok());
   const auto build = [&](const std::string& sub, const std::string& out, const std::string& threads) {
-    const auto output = run_partscribe({"build", (folder.path() / sub / "rod.xyz").string(), "--tolerance", "0.1",
-                                        "--units", "mm", "--threads", threads, "--out", (folder.path() / out).string()});
+    const auto output =
+        run_partscribe({"build", (folder.path() / sub / "rod.xyz").string(), "--tolerance", "0.1", "--units", "mm",
+                        "--threads", threads, "--out", (folder.path() / out).string()});
     INFO(output.out << output.err);
     CHECK(output.exit_code == 0);
   };
@@ -130,9 +131,9 @@ TEST_CASE("corpus: the order of points and the number of threads change no byte"
 TEST_CASE("corpus: a tolerance below what the scan can decide ends with 6, never with a pass") {
   const TemporaryDirectory folder;
   REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(6, false)).ok());
-  const auto output = run_partscribe({"build", (folder.path() / "rod.xyz").string(), "--units", "mm", "--tolerance",
-                                      "0.0005", "--procedure", "cylinder", "--to", "step", "--out",
-                                      (folder.path() / "out").string()});
+  const auto output =
+      run_partscribe({"build", (folder.path() / "rod.xyz").string(), "--units", "mm", "--tolerance", "0.0005",
+                      "--procedure", "cylinder", "--to", "step", "--out", (folder.path() / "out").string()});
   INFO(output.out << output.err);
   CHECK(output.exit_code == 6);
 }
@@ -166,6 +167,21 @@ TEST_CASE("corpus: with --json standard output holds the verdict and nothing els
   INFO(output.out << output.err);
   CHECK(output.exit_code == 0);
   CHECK(nlohmann::json::parse(output.out).at("artifacts").size() == 1);
+}
+
+TEST_CASE("corpus: Ctrl-C ends a build with 5 and one line, and leaves no result behind") {
+  const TemporaryDirectory folder;
+  simulate_part("pin", folder.path() / "scan", 512, 0.01);
+  Context context;
+  const auto output =
+      run_process({"timeout", "--preserve-status", "--signal=INT", "1", PARTSCRIBE_PROGRAM, "build",
+                   (folder.path() / "scan").string(), "--quiet", "--out", (folder.path() / "out").string()},
+                  {.seconds = 300}, context);
+  REQUIRE(output.ok());
+  CHECK(output->exit_code == 5);
+  CHECK(output->err.find("cancelled") != std::string::npos);
+  CHECK(std::count(output->err.begin(), output->err.end(), '\n') == 1);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "out/model.json"));
 }
 
 TEST_CASE("corpus: the same seed simulates the same bytes") {

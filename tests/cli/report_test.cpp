@@ -1,9 +1,8 @@
-#include "cli/report_page.h"
-
 #include <catch2/catch.hpp>
 
 #include "cli/describe.h"
 #include "cli/inputs.h"
+#include "cli/report_page.h"
 #include "cli/verdict_file.h"
 
 namespace partscribe {
@@ -93,7 +92,8 @@ TEST_CASE("report: the page is self-contained, escaped and says the verdict") {
   cloud.rejected = {0, 0, 1, 0};
   const auto pictures = draw_report(model, verdict, cloud);
   REQUIRE(pictures.size() == 6);
-  const std::string page = report_page({model, verdict, cloud, pictures, "part.scad", "if (a < b) cube();", {"unit guessed"}});
+  const std::string page =
+      report_page({model, verdict, cloud, pictures, "part.scad", "if (a < b) cube();", {"unit guessed"}});
   CHECK(page.find("Out of tolerance") != std::string::npos);
   CHECK(page.find("ball &lt;1&gt;") != std::string::npos);
   CHECK(page.find("if (a &lt; b) cube();") != std::string::npos);

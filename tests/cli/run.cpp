@@ -25,9 +25,9 @@ std::string bytes_of(const Path& file) {
 Path source_file(const std::string& path) { return Path(PARTSCRIBE_SOURCE_DIR) / path; }
 
 void simulate_part(const std::string& part, const Path& folder, int resolution, double sigma) {
-  const auto output = run_partscribe({"simulate", source_file("corpus/" + part + "/model.json").string(), "--resolution",
-                                      std::to_string(resolution), "--sigma", print_number(sigma), "--seed", "11",
-                                      "--out", folder.string()});
+  const auto output = run_partscribe({"simulate", source_file("corpus/" + part + "/model.json").string(),
+                                      "--resolution", std::to_string(resolution), "--sigma", print_number(sigma),
+                                      "--seed", "11", "--out", folder.string()});
   INFO(output.err);
   REQUIRE(output.exit_code == 0);
 }
