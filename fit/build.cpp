@@ -62,8 +62,10 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   j.covered = covered_share(candidate, input, context);
   j.candidate = std::move(candidate);
   if (j.evidence.local_max > input.tolerance)
-    j.reason = "deviates by " + millimetres(j.evidence.local_max, input.tolerance) + " at (" + print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
-               print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " + print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
+    j.reason = "deviates by " + millimetres(j.evidence.local_max, input.tolerance) + " at (" +
+               print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
+               print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
+               print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
   else if (j.covered < 0.25)
     j.reason = "only " + print_number(std::round(100 * j.covered)) + " % of its surface was seen";
   else
@@ -78,27 +80,36 @@ bool asked_for(const std::string& force, const Candidate& c) {
 /// Every maker of candidates, in the order in which their results are listed.
 struct Maker {
   const char* name;
-  std::function<std::vector<Candidate>(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)> propose;
+  std::function<std::vector<Candidate>(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)>
+      propose;
 };
 
 const std::vector<Maker>& makers() {
   static const std::vector<Maker> list = {
-      {"quadrics", [](const FitInput& in, const SuperellipsoidFit& h, const std::vector<Vec3>&, Context& c) { return propose_quadrics(in, h, c); }},
-      {"polyhedra", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>&, Context& c) { return propose_polyhedra(in, c); }},
-      {"revolves", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d, Context& c) { return propose_revolves(in, d, c); }},
-      {"extrudes", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d, Context& c) { return propose_extrudes(in, d, c); }},
+      {"quadrics", [](const FitInput& in, const SuperellipsoidFit& h, const std::vector<Vec3>&,
+                      Context& c) { return propose_quadrics(in, h, c); }},
+      {"polyhedra", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>&,
+                       Context& c) { return propose_polyhedra(in, c); }},
+      {"revolves", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d,
+                      Context& c) { return propose_revolves(in, d, c); }},
+      {"extrudes", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d,
+                      Context& c) { return propose_extrudes(in, d, c); }},
   };
   return list;
 }
 
 Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOptions& options) {
   Provenance p;
-  for (std::size_t i = 0; i < scan.files.size(); ++i) p.sources.push_back({scan.files[i], i < scan.sha256.size() ? scan.sha256[i] : ""});
+  for (std::size_t i = 0; i < scan.files.size(); ++i)
+    p.sources.push_back({scan.files[i], i < scan.sha256.size() ? scan.sha256[i] : ""});
   p.points = scan.cloud.size();
   p.rejected = static_cast<std::size_t>(std::count(scan.cloud.rejected.begin(), scan.cloud.rejected.end(), 1));
   p.views = static_cast<int>(scan.views.size());
-  p.noise = input.sampling.sigma > 0 ? snapped(input.sampling.sigma, power_of_ten_below(input.sampling.sigma / 100)) : 0;
-  p.spacing = input.sampling.spacing > 0 ? snapped(input.sampling.spacing, power_of_ten_below(input.sampling.spacing / 100)) : 0;
+  p.noise =
+      input.sampling.sigma > 0 ? snapped(input.sampling.sigma, power_of_ten_below(input.sampling.sigma / 100)) : 0;
+  p.spacing = input.sampling.spacing > 0
+                  ? snapped(input.sampling.spacing, power_of_ten_below(input.sampling.spacing / 100))
+                  : 0;
   p.unit_scale = scan.unit_scale;
   p.options = "--tolerance " + print_number(options.tolerance) + (options.nominal ? "" : " --no-nominal") +
               (options.force.empty() ? "" : " --procedure " + options.force);
@@ -126,8 +137,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   auto consider = [&](Candidate candidate) {
     judged.push_back(judge(std::move(candidate), input, context));
     const auto& j = judged.back();
-    context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) + ", cost " +
-                print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
+    context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
+                ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
   };
   // A superellipsoid is a hypothesis first; as a description it serves only where no procedure of the trade does.
   std::vector<Candidate> last_resort;
@@ -135,8 +146,10 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     for (auto& candidate : maker.propose(input, hypothesis, directions, context)) {
       if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
       if (!asked_for(options.force, candidate)) continue;
-      if (std::holds_alternative<Superellipsoid>(candidate.shape)) last_resort.push_back(std::move(candidate));
-      else consider(std::move(candidate));
+      if (std::holds_alternative<Superellipsoid>(candidate.shape))
+        last_resort.push_back(std::move(candidate));
+      else
+        consider(std::move(candidate));
     }
   }
   if (std::none_of(judged.begin(), judged.end(), [](const Judged& j) { return j.meets; }))
@@ -182,11 +195,13 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
       winner = i;
       break;
     }
-    if (!found) judged[i].meets = false, judged[i].reason = "left the tolerance when its numbers were rounded for print";
+    if (!found)
+      judged[i].meets = false, judged[i].reason = "left the tolerance when its numbers were rounded for print";
   }
   if (!found) {
     context.report("triangulation", 0.7);
     std::optional<Candidate> mesh;
+    const FitInput dense = selection(scan, input.sampling, options.tolerance, 400000);
     // The triangulation aims at a share of the tolerance; where that was not enough it tries again, finer.
     for (const double share : {1.0, 0.5, 0.25}) {
       FitInput finer = input;
@@ -197,7 +212,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
         if (mesh) break;
         return attempt.error();
       }
-      const CandidateEvidence evidence = evidence_of(*attempt, input, context);
+      const CandidateEvidence evidence = evidence_of(*attempt, dense, context);
       context.say("triangulation: deviation " + millimetres(evidence.local_max, options.tolerance));
       if (mesh && evidence.local_max > final_evidence.local_max) break;
       mesh = std::move(*attempt);
@@ -226,7 +241,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     const auto& j = judged[i];
     std::string reason = j.reason;
     if (reason.empty()) reason = "costs " + print_number(std::round(j.evidence.total() - best_total)) + " nats more";
-    model.rivals.push_back({j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
+    model.rivals.push_back(
+        {j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
     if (model.rivals.size() == 12) break;
   }
   context.report("fitted", 1.0);

@@ -43,7 +43,8 @@ double description_length(const Candidate& candidate, std::size_t points) {
   };
   if (const auto* s = std::get_if<Revolve>(&candidate.shape)) count_sketch(s->sketch);
   if (const auto* s = std::get_if<Extrude>(&candidate.shape)) count_sketch(s->sketch);
-  if (const auto* s = std::get_if<HalfSpaces>(&candidate.shape)) pieces += s->planes.size(), numbers += 2 * s->planes.size();
+  if (const auto* s = std::get_if<HalfSpaces>(&candidate.shape))
+    pieces += s->planes.size(), numbers += 2 * s->planes.size();
   if (const auto* s = std::get_if<TriSurface>(&candidate.shape))
     pieces += s->triangles.size(), numbers += 3 * s->vertices.size();
   numbers += static_cast<std::size_t>(candidate.extra_numbers);

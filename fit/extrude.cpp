@@ -32,8 +32,10 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
     for (const auto& n : cloud.normals) {
       const double c = std::abs(n.dot(a));
       // Side normals are perpendicular to the direction, end normals parallel: both pull it straight.
-      if (c < side_sine) m += n * n.transpose();
-      else if (c > end_cosine) m -= n * n.transpose();
+      if (c < side_sine)
+        m += n * n.transpose();
+      else if (c > end_cosine)
+        m -= n * n.transpose();
     }
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(m);
     const Vec3 next = eigen.eigenvectors().col(0);
@@ -43,8 +45,10 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   std::vector<double> ends, sides;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double c = std::abs(cloud.normals[i].dot(a)), h = cloud.points[i].dot(a);
-    if (c > end_cosine) ends.push_back(h);
-    else if (c < side_sine) sides.push_back(h);
+    if (c > end_cosine)
+      ends.push_back(h);
+    else if (c < side_sine)
+      sides.push_back(h);
   }
   const double n = double(cloud.size());
   sweep.share = double(ends.size() + sides.size()) / n;
@@ -54,9 +58,12 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   std::vector<double> bottom, top;
   std::size_t stray = 0;
   for (const double h : ends) {
-    if (h < middle && std::abs(h - low) < reach) bottom.push_back(h);
-    else if (h > middle && std::abs(h - high) < reach) top.push_back(h);
-    else ++stray;
+    if (h < middle && std::abs(h - low) < reach)
+      bottom.push_back(h);
+    else if (h > middle && std::abs(h - high) < reach)
+      top.push_back(h);
+    else
+      ++stray;
   }
   if (double(stray) > 0.05 * n) return {};
   if (bottom.size() > 20) low = percentile(bottom, 0.5);
@@ -116,8 +123,10 @@ double chain_area(const Chain& chain) {
 }
 
 void turn(ProfileSegment& s, double angle) {
-  const Eigen::Matrix2d r = (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished();
+  const Eigen::Matrix2d r =
+      (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished();
   for (Vec2* v : {&s.start, &s.end, &s.point, &s.direction, &s.center}) *v = r * *v;
+  for (auto& c : s.curve.control) c = r * c;
 }
 
 /// Box or wedge, if that is what the outline is.
@@ -145,9 +154,11 @@ void simplify(Candidate& candidate) {
     p.push_back(*point);
   }
   // Start at the corner on the origin; the outline runs counter-clockwise.
-  for (int k = 0; k < 4 && !(p[0].x == Expr(0) && p[0].y == Expr(0)); ++k) std::rotate(p.begin(), p.begin() + 1, p.end());
+  for (int k = 0; k < 4 && !(p[0].x == Expr(0) && p[0].y == Expr(0)); ++k)
+    std::rotate(p.begin(), p.begin() + 1, p.end());
   if (!(p[0].x == Expr(0) && p[0].y == Expr(0))) return;
-  if (p[1].y == Expr(0) && p[1].x.is_parameter() && p[2].x == p[1].x && p[2].y == p[3].y && p[2].y.is_parameter() && p[3].x == Expr(0)) {
+  if (p[1].y == Expr(0) && p[1].x.is_parameter() && p[2].x == p[1].x && p[2].y == p[3].y && p[2].y.is_parameter() &&
+      p[3].x == Expr(0)) {
     candidate.shape = Box{p[1].x, p[2].y, Expr::of("height")};
     candidate.procedure = "box", candidate.object_name = "block";
   }
@@ -155,11 +166,13 @@ void simplify(Candidate& candidate) {
 
 }  // namespace
 
-std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions, Context& context) {
+std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
+                                        Context& context) {
   std::vector<Candidate> candidates;
   if (input.cloud.normals.size() != input.cloud.size() || input.cloud.size() < 50) return candidates;
   for (const Sweep& sweep : sweeps_of(input, start_directions)) {
-    context.say("extrude: " + print_number(snapped(100 * sweep.share, 0.1)) + " % of the normals along or across one direction");
+    context.say("extrude: " + print_number(snapped(100 * sweep.share, 0.1)) +
+                " % of the normals along or across one direction");
     const Mat3 frame = rotation_onto_axis(sweep.direction);
     std::vector<PlanePoint> points;
     const double margin = 0.5 * input.tolerance;
@@ -193,51 +206,58 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
       rings.push_back(chain);
     }
     if (rings.empty()) continue;
-    std::stable_sort(rings.begin(), rings.end(), [](const Chain& a, const Chain& b) { return std::abs(chain_area(a)) > std::abs(chain_area(b)); });
+    std::stable_sort(rings.begin(), rings.end(),
+                     [](const Chain& a, const Chain& b) { return std::abs(chain_area(a)) > std::abs(chain_area(b)); });
     for (std::size_t i = 0; i < rings.size(); ++i)
       if ((chain_area(rings[i]) > 0) != (i == 0)) std::reverse(rings[i].nodes.begin(), rings[i].nodes.end());
-    std::vector<std::size_t> seen_sizes;
-    for (const double share : {0.35, 0.15, 0.07, 0.03}) {
-      ProfileOptions profile_options;
-      profile_options.floor = share * input.tolerance;
-      profile_options.size = outline / 2;
-      std::vector<LoopPieces> loops;
-      std::size_t pieces = 0;
-      for (std::size_t i = 0; i < rings.size(); ++i) {
-        LoopPieces loop;
-        loop.name = i == 0 ? "outline" : rings.size() == 2 ? "hole" : "hole " + print_number(double(i));
-        loop.segments = segments_of(rings[i], profile_options);
-        pieces += loop.segments.size();
-        if (loop.segments.size() > 1 || (loop.segments.size() == 1 && loop.segments[0].arc)) loops.push_back(std::move(loop));
+    std::vector<std::size_t> seen;  // what was proposed already: pieces and control points
+    for (const double share : {0.35, 0.15, 0.07, 0.03})
+      for (const double spline : {0.0, 0.15 * input.tolerance}) {
+        ProfileOptions profile_options;
+        profile_options.floor = share * input.tolerance;
+        profile_options.spline = spline;
+        profile_options.size = outline / 2;
+        std::vector<LoopPieces> loops;
+        std::size_t pieces = 0;
+        std::size_t controls = 0;
+        for (std::size_t i = 0; i < rings.size(); ++i) {
+          LoopPieces loop;
+          loop.name = i == 0 ? "outline" : rings.size() == 2 ? "hole" : "hole " + print_number(double(i));
+          loop.segments = segments_of(rings[i], profile_options);
+          pieces += loop.segments.size();
+          for (const auto& s : loop.segments) controls += s.curve.control.size();
+          if (loop.segments.size() > 1 || (loop.segments.size() == 1 && loop.segments[0].arc))
+            loops.push_back(std::move(loop));
+        }
+        if (pieces > 120) continue;
+        if (loops.empty() || std::find(seen.begin(), seen.end(), pieces + 1000 * controls) != seen.end()) continue;
+        seen.push_back(pieces + 1000 * controls);
+        // x along the longest straight edge.
+        double longest = 0, angle = 0;
+        for (const auto& s : loops[0].segments)
+          if (!s.arc && !s.spline && s.length() > longest)
+            longest = s.length(), angle = std::atan2(s.direction.y(), s.direction.x());
+        for (auto& loop : loops)
+          for (auto& s : loop.segments) turn(s, -angle);
+        SketchOptions sketch_options;
+        sketch_options.tolerance = input.tolerance;
+        BuiltSketch built = build_sketch(loops, sketch_options);
+        Candidate c;
+        c.procedure = "extrusion";
+        c.object_name = "plate";
+        c.parameters = std::move(built.parameters);
+        Parameter height;
+        height.name = "height";
+        height.value = height.fitted = sweep.high - sweep.low;
+        height.note = "length of the extrusion";
+        c.parameters.push_back(height);
+        c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
+        const Mat3 in_plane = rotation_of(Vec3(0, 0, angle));
+        c.scan_from_part.rotation = frame * in_plane;
+        c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
+        simplify(c);
+        candidates.push_back(std::move(c));
       }
-      if (pieces > 120) break;  // more detail only adds pieces
-      if (loops.empty() || std::find(seen_sizes.begin(), seen_sizes.end(), pieces) != seen_sizes.end()) continue;
-      seen_sizes.push_back(pieces);
-      // x along the longest straight edge.
-      double longest = 0, angle = 0;
-      for (const auto& s : loops[0].segments)
-        if (!s.arc && s.length() > longest) longest = s.length(), angle = std::atan2(s.direction.y(), s.direction.x());
-      for (auto& loop : loops)
-        for (auto& s : loop.segments) turn(s, -angle);
-      SketchOptions sketch_options;
-      sketch_options.tolerance = input.tolerance;
-      BuiltSketch built = build_sketch(loops, sketch_options);
-      Candidate c;
-      c.procedure = "extrusion";
-      c.object_name = "plate";
-      c.parameters = std::move(built.parameters);
-      Parameter height;
-      height.name = "height";
-      height.value = height.fitted = sweep.high - sweep.low;
-      height.note = "length of the extrusion";
-      c.parameters.push_back(height);
-      c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
-      const Mat3 in_plane = rotation_of(Vec3(0, 0, angle));
-      c.scan_from_part.rotation = frame * in_plane;
-      c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
-      simplify(c);
-      candidates.push_back(std::move(c));
-    }
   }
   return candidates;
 }

@@ -20,7 +20,8 @@ using CellKey = std::pair<std::int64_t, std::int64_t>;
 std::vector<ChainNode> nodes_of(const std::vector<PlanePoint>& points, const ChainOptions& o) {
   std::map<CellKey, Cell> cells;
   for (const auto& p : points) {
-    auto& cell = cells[{std::llround(std::floor(p.position.x() / o.cell)), std::llround(std::floor(p.position.y() / o.cell))}];
+    auto& cell =
+        cells[{std::llround(std::floor(p.position.x() / o.cell)), std::llround(std::floor(p.position.y() / o.cell))}];
     cell.count += 1;
     cell.sum += p.position;
     cell.normals += p.normal * p.normal.transpose();
@@ -58,8 +59,10 @@ std::vector<ChainNode> nodes_of(const std::vector<PlanePoint>& points, const Cha
         if (distance < nearest) nearest = distance, best = found->second;
       }
     owner[seed.key] = best;
-    if (best == merged.size()) merged.push_back(cell);
-    else merged[best].count += cell.count, merged[best].sum += cell.sum, merged[best].normals += cell.normals;
+    if (best == merged.size())
+      merged.push_back(cell);
+    else
+      merged[best].count += cell.count, merged[best].sum += cell.sum, merged[best].normals += cell.normals;
   }
   std::vector<ChainNode> nodes;
   for (const auto& cell : merged) {
@@ -87,8 +90,10 @@ constexpr std::size_t none = ~std::size_t(0);
 
 double length_of(const Chain& chain) {
   double sum = 0;
-  for (std::size_t i = 0; i + 1 < chain.nodes.size(); ++i) sum += (chain.nodes[i + 1].position - chain.nodes[i].position).norm();
-  if (chain.closed && chain.nodes.size() > 1) sum += (chain.nodes.back().position - chain.nodes.front().position).norm();
+  for (std::size_t i = 0; i + 1 < chain.nodes.size(); ++i)
+    sum += (chain.nodes[i + 1].position - chain.nodes[i].position).norm();
+  if (chain.closed && chain.nodes.size() > 1)
+    sum += (chain.nodes.back().position - chain.nodes.front().position).norm();
   return sum;
 }
 
@@ -103,7 +108,9 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
   };
   std::map<CellKey, std::vector<std::size_t>> grid;
   const double reach = 2.6 * o.cell;
-  auto key_of = [&](const Vec2& p) { return CellKey{std::llround(std::floor(p.x() / reach)), std::llround(std::floor(p.y() / reach))}; };
+  auto key_of = [&](const Vec2& p) {
+    return CellKey{std::llround(std::floor(p.x() / reach)), std::llround(std::floor(p.y() / reach))};
+  };
   for (std::size_t i = 0; i < n; ++i) grid[key_of(nodes[i].position)].push_back(i);
   std::vector<Link> links;
   for (std::size_t i = 0; i < n; ++i) {
@@ -117,7 +124,9 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
           const Vec2 d = nodes[j].position - nodes[i].position;
           const double length = d.norm();
           if (length > reach || length <= 0) continue;
-          auto along = [&](const ChainNode& node) { return node.corner ? 0.8 : std::abs(node.tangent.dot(d)) / length; };
+          auto along = [&](const ChainNode& node) {
+            return node.corner ? 0.8 : std::abs(node.tangent.dot(d)) / length;
+          };
           const double a = along(nodes[i]), b = along(nodes[j]);
           if (std::max(a, b) < 0.5) continue;
           links.push_back({length * (1 + 2 * (1 - a) + 2 * (1 - b)), i, j});
@@ -214,7 +223,8 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
     if (!dropped[i] && !used[i] && ends_of(i) > 0) trace(i, false);
   for (std::size_t i = 0; i < n; ++i)
     if (!dropped[i] && !used[i]) trace(i, true);
-  std::stable_sort(chains.begin(), chains.end(), [](const Chain& a, const Chain& b) { return length_of(a) > length_of(b); });
+  std::stable_sort(chains.begin(), chains.end(),
+                   [](const Chain& a, const Chain& b) { return length_of(a) > length_of(b); });
   return chains;
 }
 

@@ -5,20 +5,15 @@
 
 namespace partscribe {
 
-Result<FitInput> prepare(Scan& scan, double tolerance, Context& context) {
-  constexpr std::size_t wanted = 60000, least = 50;
+FitInput selection(const Scan& scan, const SamplingSummary& sampling, double tolerance, std::size_t wanted) {
   FitInput input;
+  const PointCloud& all = scan.cloud;
   input.scan = &scan;
   input.tolerance = tolerance;
-  const PointCloud& all = scan.cloud;
-  if (all.size() < least)
-    return bad_input((scan.files.empty() ? "scan" : scan.files[0]) + ": expected at least " + print_number(double(least)) + " points, found " + print_number(double(all.size())));
+  input.sampling = sampling;
   input.oriented = !scan.mesh.empty() || all.rays.size() == all.size();
-  input.sampling = estimate_normals(scan.cloud, {}, context);
   input.thin_spacing = spacing_for_count(all.points, all.rejected, wanted);
   const auto kept = thinned(all.points, all.rejected, input.thin_spacing);
-  if (kept.size() < least)
-    return bad_input((scan.files.empty() ? "scan" : scan.files[0]) + ": only " + print_number(double(kept.size())) + " points are left after outliers were set aside");
   auto copy = [&](const auto& from, auto& to) {
     if (from.size() != all.size()) return;
     to.reserve(kept.size());
@@ -30,7 +25,21 @@ Result<FitInput> prepare(Scan& scan, double tolerance, Context& context) {
   copy(all.sigma, input.cloud.sigma);
   copy(all.view, input.cloud.view);
   input.bounds = input.cloud.bounds();
-  if (input.thin_spacing <= 0) input.thin_spacing = input.sampling.spacing;
+  if (input.thin_spacing <= 0) input.thin_spacing = sampling.spacing;
+  return input;
+}
+
+Result<FitInput> prepare(Scan& scan, double tolerance, Context& context) {
+  constexpr std::size_t wanted = 60000, least = 50;
+  const std::string name = scan.files.empty() ? "scan" : scan.files[0];
+  if (scan.cloud.size() < least)
+    return bad_input(name + ": expected at least " + print_number(double(least)) + " points, found " +
+                     print_number(double(scan.cloud.size())));
+  const SamplingSummary sampling = estimate_normals(scan.cloud, {}, context);
+  FitInput input = selection(scan, sampling, tolerance, wanted);
+  if (input.cloud.size() < least)
+    return bad_input(name + ": only " + print_number(double(input.cloud.size())) +
+                     " points are left after outliers were set aside");
   return input;
 }
 

@@ -1,8 +1,10 @@
 #include "fit/profile.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/number.h"
 
@@ -112,6 +114,127 @@ struct Piece {
   bool arc;
 };
 
+// ---- splines ------------------------------------------------------------------------------------------------------
+
+constexpr int degree = 3;
+
+/// Clamped knots with the inner ones at even shares of `us`.
+std::vector<double> knots_for(const std::vector<double>& us, std::size_t controls) {
+  std::vector<double> knots(degree + 1, 0.0);
+  const std::size_t inner = controls - degree - 1;
+  for (std::size_t k = 1; k <= inner; ++k) knots.push_back(snapped(us[k * (us.size() - 1) / (inner + 1)], 1e-4));
+  knots.insert(knots.end(), degree + 1, 1.0);
+  return knots;
+}
+
+/// The four basis functions that are not zero at u (Cox-de Boor), and the index of the first.
+std::size_t basis_at(const std::vector<double>& knots, std::size_t controls, double u, double (&b)[degree + 1]) {
+  std::size_t span = degree;
+  while (span + 1 < controls && u >= knots[span + 1]) ++span;
+  double left[degree + 1], right[degree + 1];
+  b[0] = 1;
+  for (int j = 1; j <= degree; ++j) {
+    left[j] = u - knots[span + 1 - static_cast<std::size_t>(j)];
+    right[j] = knots[span + static_cast<std::size_t>(j)] - u;
+    double saved = 0;
+    for (int r = 0; r < j; ++r) {
+      const double width = right[r + 1] + left[j - r];
+      const double t = width > 0 ? b[r] / width : 0;
+      b[r] = saved + right[r + 1] * t;
+      saved = left[j - r] * t;
+    }
+    b[j] = saved;
+  }
+  return span - degree;
+}
+
+/// Least squares through the nodes with the fewest control points that stay within `tolerance`; parameters by chord
+/// length, then corrected to the feet of the nodes.
+std::optional<Nurbs2> spline_through(const std::vector<ChainNode>& nodes, std::size_t first, std::size_t last,
+                                     double tolerance) {
+  std::vector<Vec2> q;
+  std::vector<double> w;
+  for (std::size_t i = first; i <= last; ++i) {
+    if (nodes[i].corner) continue;
+    q.push_back(nodes[i].position);
+    w.push_back(std::sqrt(nodes[i].weight));
+  }
+  if (q.size() < 8) return {};
+  std::vector<double> start = {0.0};
+  for (std::size_t i = 1; i < q.size(); ++i) start.push_back(start.back() + (q[i] - q[i - 1]).norm());
+  for (auto& u : start) u /= start.back();
+  for (std::size_t controls = 4; controls <= std::min<std::size_t>(40, q.size() / 2); ++controls) {
+    std::vector<double> us = start;
+    Nurbs2 curve;
+    double worst = 0;
+    for (int round = 0; round < 4; ++round) {
+      curve.degree = degree;
+      curve.knots = knots_for(us, controls);
+      Eigen::MatrixXd m =
+          Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(controls), static_cast<Eigen::Index>(controls));
+      Eigen::MatrixXd r = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(controls), 2);
+      for (std::size_t i = 0; i < q.size(); ++i) {
+        double b[degree + 1];
+        const std::size_t at = basis_at(curve.knots, controls, us[i], b);
+        for (int j = 0; j <= degree; ++j) {
+          r.row(static_cast<Eigen::Index>(at) + j) += w[i] * b[j] * q[i].transpose();
+          for (int k = 0; k <= degree; ++k)
+            m(static_cast<Eigen::Index>(at) + j, static_cast<Eigen::Index>(at) + k) += w[i] * b[j] * b[k];
+        }
+      }
+      m.diagonal().array() += 1e-12 * m.trace();
+      const Eigen::MatrixXd solution = m.ldlt().solve(r);
+      curve.control.clear();
+      for (Eigen::Index k = 0; k < solution.rows(); ++k) curve.control.emplace_back(solution(k, 0), solution(k, 1));
+      worst = 0;
+      for (std::size_t i = 0; i < q.size(); ++i) {
+        Vec2 p, d1, d2;
+        curve.derivatives(us[i], p, d1, d2);
+        const double speed = d1.squaredNorm();
+        if (speed > 0) us[i] = std::clamp(us[i] + d1.dot(q[i] - p) / speed, 0.0, 1.0);
+        worst = std::max(worst, (q[i] - curve.at(us[i])).norm());
+      }
+      std::sort(us.begin(), us.end());
+    }
+    if (worst < tolerance) return curve;
+  }
+  return {};
+}
+
+Vec2 leaving(const ProfileSegment& s, bool at_end) {
+  if (!s.arc) return s.direction;
+  const Vec2 d = ((at_end ? s.end : s.start) - s.center).normalized();
+  return s.sweep > 0 ? Vec2(-d.y(), d.x()) : Vec2(d.y(), -d.x());
+}
+
+/// Runs of pieces without a corner between them become splines.
+std::vector<ProfileSegment> with_splines(const std::vector<ProfileSegment>& segments, const std::vector<Piece>& pieces,
+                                         const std::vector<ChainNode>& nodes, double tolerance, double size) {
+  std::vector<ProfileSegment> result;
+  for (std::size_t i = 0; i < segments.size();) {
+    std::size_t end = i + 1;
+    // A long straight piece is an edge of its own.
+    auto straight = [&](const ProfileSegment& s) { return !s.arc && s.length() > 0.15 * size; };
+    while (end < segments.size() && !straight(segments[end - 1]) && !straight(segments[end]) &&
+           leaving(segments[end - 1], true).dot(leaving(segments[end], false)) > 0.8)
+      ++end;
+    if (end - i >= 4) {
+      if (const auto curve = spline_through(nodes, pieces[i].first, pieces[end - 1].last, tolerance)) {
+        ProfileSegment s;
+        s.spline = true;
+        s.curve = *curve;
+        s.start = curve->control.front(), s.end = curve->control.back();
+        for (std::size_t k = i; k < end; ++k) s.points += segments[k].points, s.nodes += segments[k].nodes;
+        result.push_back(s);
+        i = end;
+        continue;
+      }
+    }
+    result.push_back(segments[i++]);
+  }
+  return result;
+}
+
 std::vector<Piece> split(const std::vector<ChainNode>& nodes, const ProfileOptions& o) {
   const std::size_t n = nodes.size();
   Vec2 origin = Vec2::Zero();
@@ -159,7 +282,13 @@ std::vector<Piece> split(const std::vector<ChainNode>& nodes, const ProfileOptio
 
 }  // namespace
 
-double ProfileSegment::length() const { return arc ? std::abs(sweep) * radius : (end - start).norm(); }
+double ProfileSegment::length() const {
+  if (!spline) return arc ? std::abs(sweep) * radius : (end - start).norm();
+  const auto points = polyline(curve, 1e-2 * (end - start).norm() + 1e-6);
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) sum += (points[i + 1] - points[i]).norm();
+  return sum;
+}
 
 std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions& o) {
   std::vector<ChainNode> nodes = chain.nodes;
@@ -194,6 +323,7 @@ std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions
     }
   }
   std::vector<ProfileSegment> segments;
+  std::vector<Piece> behind;
   for (const auto& piece : split(nodes, o)) {
     // A run that covers mostly corners says nothing of its own.
     std::size_t good = 0;
@@ -205,7 +335,8 @@ std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions
     const Vec2 origin = nodes[(first + last) / 2].position;
     ProfileSegment s;
     for (std::size_t i = first; i <= last; ++i)
-      if (!nodes[i].corner) m.add(1 / (nodes[i].sigma * nodes[i].sigma + o.floor * o.floor), nodes[i].position - origin);
+      if (!nodes[i].corner)
+        m.add(1 / (nodes[i].sigma * nodes[i].sigma + o.floor * o.floor), nodes[i].position - origin);
     for (std::size_t i = piece.first; i <= piece.last; ++i) s.points += nodes[i].weight;
     s.nodes = piece.last - piece.first + 1;
     const Vec2 a = nodes[piece.first].position, b = nodes[piece.last].position;
@@ -225,8 +356,9 @@ std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions
       s.end = s.point + s.direction * s.direction.dot(b - s.point);
     }
     segments.push_back(s);
+    behind.push_back(piece);
   }
-  return segments;
+  return o.spline > 0 ? with_splines(segments, behind, nodes, o.spline, o.size) : segments;
 }
 
 }  // namespace partscribe

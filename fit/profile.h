@@ -4,17 +4,20 @@
 #include <vector>
 
 #include "fit/plane_chain.h"
+#include "geometry/curve2.h"
 
 namespace partscribe {
 
-/// One piece of a profile, in the direction of the chain.
+/// One piece of a profile, in the direction of the chain: a line, an arc or a spline.
 struct ProfileSegment {
   bool arc = false;
-  Vec2 start, end;              ///< projections of the first and last node
-  Vec2 point, direction;        ///< of a line
-  Vec2 center;                  ///< of an arc
+  bool spline = false;
+  Vec2 start = Vec2::Zero(), end = Vec2::Zero();        ///< projections of the first and last node
+  Vec2 point = Vec2::Zero(), direction = Vec2::Zero();  ///< of a line
+  Vec2 center = Vec2::Zero();                           ///< of an arc
   double radius = 0;
   double sweep = 0;             ///< of an arc, rad, counter-clockwise positive
+  Nurbs2 curve;                 ///< of a spline: cubic, weights 1
   std::size_t nodes = 0;
   double points = 0;            ///< data behind it
   bool supported = true;        ///< false: bridges missing data
@@ -26,6 +29,8 @@ struct ProfileOptions {
   double line_cost = 16;        ///< nats
   double arc_cost = 24;
   double size = 100;            ///< mm; arcs of more than four times this are lines
+  double spline = 0;            ///< mm; above 0: four or more pieces in a row without a corner become one cubic
+                                ///< spline that follows the nodes within this
 };
 
 /// Dynamic programming over all splits (prefix sums; line: smaller eigenvalue of the scatter, arc: Kasa's fit), then

@@ -34,7 +34,9 @@ class Problem {
     for (std::size_t i = 0; i < candidate.parameters.size(); ++i)
       if (candidate.parameters[i].quantity != Quantity::count && !fixed.count(candidate.parameters[i].name))
         free_.push_back(i);
-    const std::size_t count = input.cloud.size(), step = std::max<std::size_t>(1, (count + options.points - 1) / std::max<std::size_t>(options.points, 1));
+    const std::size_t count = input.cloud.size(),
+                      step = std::max<std::size_t>(
+                          1, (count + options.points - 1) / std::max<std::size_t>(options.points, 1));
     for (std::size_t i = 0; i < count; i += step) chosen_.push_back(i);
     center_ = input.bounds.center();
     size_ = std::max(0.5 * input.bounds.diagonal(), 1e-9);
@@ -59,7 +61,8 @@ class Problem {
     const Pose part_from_scan = c.scan_from_part.inverse();
     std::vector<double> d(chosen_.size());
     parallel_for(chosen_.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) d[i] = distance(part_from_scan * input_.cloud.points[chosen_[i]]).distance;
+      for (std::size_t i = begin; i < end; ++i)
+        d[i] = distance(part_from_scan * input_.cloud.points[chosen_[i]]).distance;
     });
     return d;
   }
@@ -74,7 +77,9 @@ class Problem {
     for (std::size_t k = 0; k < free_.size(); ++k) {
       const auto& p = candidate_.parameters[free_[k]];
       double step = p.quantity == Quantity::length ? h : 1e-6;
-      if (const auto limit = limits_.find(p.name); limit != limits_.end() && base.at(p.name) + step > limit->second.second) step = -step;
+      if (const auto limit = limits_.find(p.name);
+          limit != limits_.end() && base.at(p.name) + step > limit->second.second)
+        step = -step;
       Values shifted = base;
       shifted[p.name] += step;
       const ModelDistance above(model_, shifted);
@@ -119,22 +124,25 @@ class Problem {
     const std::size_t blocks = (d.size() + block - 1) / block;
     const auto n = static_cast<Eigen::Index>(unknowns());
     std::vector<Normal> parts(blocks);
-    parallel_for(blocks, context_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t b = begin; b < end; ++b) {
-        Normal& part = parts[b];
-        part.h = Matrix::Zero(n, n), part.g = Vector::Zero(n);
-        if (groups) part.group_h.assign(jackknife_groups, part.h), part.group_g.assign(jackknife_groups, part.g);
-        for (std::size_t i = b * block; i < std::min(d.size(), (b + 1) * block); ++i) {
-          const double w = weight(d[i], scale);
-          const Vector row = j.row(static_cast<Eigen::Index>(i)).transpose();
-          Matrix& h = groups ? part.group_h[group_[i]] : part.h;
-          Vector& g = groups ? part.group_g[group_[i]] : part.g;
-          h.selfadjointView<Eigen::Lower>().rankUpdate(row, w);
-          g += w * d[i] * row;
-          part.cost += loss(d[i], scale);
-        }
-      }
-    }, 4);
+    parallel_for(
+        blocks, context_.threads,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t b = begin; b < end; ++b) {
+            Normal& part = parts[b];
+            part.h = Matrix::Zero(n, n), part.g = Vector::Zero(n);
+            if (groups) part.group_h.assign(jackknife_groups, part.h), part.group_g.assign(jackknife_groups, part.g);
+            for (std::size_t i = b * block; i < std::min(d.size(), (b + 1) * block); ++i) {
+              const double w = weight(d[i], scale);
+              const Vector row = j.row(static_cast<Eigen::Index>(i)).transpose();
+              Matrix& h = groups ? part.group_h[group_[i]] : part.h;
+              Vector& g = groups ? part.group_g[group_[i]] : part.g;
+              h.selfadjointView<Eigen::Lower>().rankUpdate(row, w);
+              g += w * d[i] * row;
+              part.cost += loss(d[i], scale);
+            }
+          }
+        },
+        4);
     Normal sum;
     sum.h = Matrix::Zero(n, n), sum.g = Vector::Zero(n);
     if (groups) sum.group_h.assign(jackknife_groups, sum.h), sum.group_g.assign(jackknife_groups, sum.g);
@@ -149,7 +157,8 @@ class Problem {
         complete(sum.group_h[k]);
         sum.h += sum.group_h[k], sum.g += sum.group_g[k];
       }
-    else complete(sum.h);
+    else
+      complete(sum.h);
     return sum;
   }
 
@@ -312,7 +321,8 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   report.rms = std::sqrt(sum / std::max(weights, 1e-300) * (1 + 1 / (options.welsch * options.welsch)));
   report.inlier_share = double(inliers) / double(d.size());
 
-  for (auto& p : candidate.parameters) p.fitted = p.value, p.sigma = p.sigma_noise = p.sigma_systematic = 0, p.points = 0;
+  for (auto& p : candidate.parameters)
+    p.fitted = p.value, p.sigma = p.sigma_noise = p.sigma_systematic = 0, p.points = 0;
   if (!options.uncertainty) return report;
   const Matrix j = problem.jacobian(candidate, d);
   const Normal normal = problem.normal_equations(j, d, scale, true);

@@ -132,8 +132,9 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
   // Two ends on the same bore wall: the bore goes through, its middle was not seen.
   const auto& a = loop.segments.back();
   const auto& b = loop.segments.front();
-  if (!starts && !ends && loop.segments.size() > 2 && !a.arc && !b.arc && std::abs(a.direction.x()) < 0.1 && std::abs(b.direction.x()) < 0.1 &&
-      a.direction.y() < 0 && b.direction.y() < 0 && std::abs(a.point.x() - b.point.x()) < 2 * tolerance + cell) {
+  if (!starts && !ends && loop.segments.size() > 2 && !a.arc && !b.arc && !a.spline && !b.spline &&
+      std::abs(a.direction.x()) < 0.1 && std::abs(b.direction.x()) < 0.1 && a.direction.y() < 0 &&
+      b.direction.y() < 0 && std::abs(a.point.x() - b.point.x()) < 2 * tolerance + cell) {
     ProfileSegment joined = a;
     joined.end = b.end;
     joined.point = 0.5 * (a.point + b.point);
@@ -145,12 +146,16 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
     return loop;
   }
   // A first or last piece along the axis is no surface.
-  auto along_axis = [&](const ProfileSegment& s) { return !s.arc && std::max(s.start.x(), s.end.x()) < at_axis && std::abs(s.direction.x()) < 0.5; };
+  auto along_axis = [&](const ProfileSegment& s) {
+    return !s.arc && !s.spline && std::max(s.start.x(), s.end.x()) < at_axis && std::abs(s.direction.x()) < 0.5;
+  };
   while (loop.segments.size() > 2 && along_axis(loop.segments.front())) loop.segments.erase(loop.segments.begin());
   while (loop.segments.size() > 2 && along_axis(loop.segments.back())) loop.segments.pop_back();
   const Vec2 s = loop.segments.front().start, e = loop.segments.back().end;
   // A flat face that stops short of the axis goes on to it; any other end gets a face of its own.
-  auto flat = [](const ProfileSegment& face) { return !face.arc && std::abs(face.direction.y()) < 0.1; };
+  auto flat = [](const ProfileSegment& face) {
+    return !face.arc && !face.spline && std::abs(face.direction.y()) < 0.1;
+  };
   if (!starts && !flat(loop.segments.front())) loop.segments.insert(loop.segments.begin(), flat_end({0, s.y()}, s));
   if (!ends && !flat(loop.segments.back())) loop.segments.push_back(flat_end(e, {0, e.y()}));
   return loop;
@@ -178,7 +183,8 @@ void simplify(Candidate& candidate) {
     if (full && arc->center_x.is_parameter() && arc->radius.is_parameter()) {
       const std::string ring = arc->center_x.parameter, tube = arc->radius.parameter;
       keep_only({{ring, "major_radius"}, {tube, "minor_radius"}});
-      for (auto& p : candidate.parameters) p.note = p.name == "major_radius" ? "radius of the ring's centre circle" : "radius of the tube";
+      for (auto& p : candidate.parameters)
+        p.note = p.name == "major_radius" ? "radius of the ring's centre circle" : "radius of the tube";
       candidate.shape = Torus{Expr::of("major_radius"), Expr::of("minor_radius")};
       candidate.procedure = candidate.object_name = "torus";
     } else if (!full && arc->center_x == Expr(0) && arc->center_y == Expr(0) && arc->radius.is_parameter()) {
@@ -196,8 +202,8 @@ void simplify(Candidate& candidate) {
     p.push_back(*point);
   }
   auto parameter = [](const Expr& e) { return e.is_parameter(); };
-  if (p.size() == 4 && p[0].x == Expr(0) && p[3].x == Expr(0) && p[0].y == Expr(0) && p[1].y == Expr(0) && p[2].y == p[3].y &&
-      parameter(p[1].x) && parameter(p[2].x) && parameter(p[2].y)) {
+  if (p.size() == 4 && p[0].x == Expr(0) && p[3].x == Expr(0) && p[0].y == Expr(0) && p[1].y == Expr(0) &&
+      p[2].y == p[3].y && parameter(p[1].x) && parameter(p[2].x) && parameter(p[2].y)) {
     if (p[1].x == p[2].x) {
       keep_only({{p[1].x.parameter, "radius"}, {p[2].y.parameter, "height"}});
       candidate.shape = Cylinder{Expr::of("radius"), Expr::of("height")};
@@ -207,13 +213,16 @@ void simplify(Candidate& candidate) {
       keep_only({{p[1].x.parameter, "bottom_radius"}, {p[2].x.parameter, "top_radius"}, {p[2].y.parameter, "height"}});
       candidate.shape = Cone{Expr::of("bottom_radius"), Expr::of("top_radius"), Expr::of("height")};
       candidate.procedure = "frustum of a cone", candidate.object_name = "frustum";
-      candidate.parameters[0].note = "radius at the bottom", candidate.parameters[1].note = "radius at the top", candidate.parameters[2].note = "height";
+      candidate.parameters[0].note = "radius at the bottom", candidate.parameters[1].note = "radius at the top",
+      candidate.parameters[2].note = "height";
     }
-  } else if (p.size() == 3 && p[0].x == Expr(0) && p[2].x == Expr(0) && p[0].y == Expr(0) && p[1].y == Expr(0) && parameter(p[1].x) && parameter(p[2].y)) {
+  } else if (p.size() == 3 && p[0].x == Expr(0) && p[2].x == Expr(0) && p[0].y == Expr(0) && p[1].y == Expr(0) &&
+             parameter(p[1].x) && parameter(p[2].y)) {
     keep_only({{p[1].x.parameter, "bottom_radius"}, {p[2].y.parameter, "height"}});
     candidate.shape = Cone{Expr::of("bottom_radius"), Expr(0), Expr::of("height")};
     candidate.procedure = "cone", candidate.object_name = "cone";
-    candidate.parameters[0].note = "radius of the base", candidate.parameters[1].note = "height of the tip above the base";
+    candidate.parameters[0].note = "radius of the base",
+    candidate.parameters[1].note = "height of the tip above the base";
   }
 }
 
@@ -244,7 +253,8 @@ std::vector<Axis> revolution_axes(const FitInput& input, const std::vector<Vec3>
   return axes;
 }
 
-std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector<Vec3>& start_directions, Context& context) {
+std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector<Vec3>& start_directions,
+                                        Context& context) {
   std::vector<Candidate> candidates;
   std::vector<Axis> axes = revolution_axes(input, start_directions);
   if (axes.size() > 2) axes.resize(2);
@@ -264,35 +274,40 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
     const double outline = 2 * (data.radius_high + data.height_high - data.height_low);
     ChainOptions chain_options;
     chain_options.noise = std::max(input.sampling.sigma, 1e-6 * outline);
-    chain_options.cell = std::max({outline / 700, 1.5 * chain_options.noise, 2 * outline / double(std::max<std::size_t>(data.points.size(), 1)) * 3});
+    chain_options.cell = std::max({outline / 700, 1.5 * chain_options.noise,
+                                   2 * outline / double(std::max<std::size_t>(data.points.size(), 1)) * 3});
     // Near the axis a ring holds few points: the last nodes may be missing.
     chain_options.axis = std::max(4 * chain_options.cell + input.tolerance, 8 * input.thin_spacing);
     const auto chains = chains_of(data.points, chain_options);
     if (chains.empty()) continue;
-    std::vector<std::size_t> seen_sizes;
-    for (const double share : {0.35, 0.15, 0.07, 0.03}) {
-      ProfileOptions profile_options;
-      profile_options.floor = share * input.tolerance;
-      profile_options.size = outline / 2;
-      auto loop = loop_of(chains[0], profile_options, chain_options.cell, chain_options.axis, input.tolerance);
-      if (!loop) continue;
-      if (loop->segments.size() > 60) break;  // more detail only adds pieces
-      if (std::find(seen_sizes.begin(), seen_sizes.end(), loop->segments.size()) != seen_sizes.end()) continue;
-      seen_sizes.push_back(loop->segments.size());
-      SketchOptions sketch_options;
-      sketch_options.tolerance = input.tolerance;
-      sketch_options.revolve = true;
-      BuiltSketch built = build_sketch({*loop}, sketch_options);
-      Candidate c;
-      c.procedure = "surface of revolution";
-      c.object_name = "turned_body";
-      c.parameters = std::move(built.parameters);
-      c.shape = Revolve{std::move(built.sketch)};
-      c.scan_from_part.rotation = rotation_onto_axis(axis.direction);
-      c.scan_from_part.translation = axis.point + axis.direction * built.origin.y();
-      simplify(c);
-      candidates.push_back(std::move(c));
-    }
+    std::vector<std::size_t> seen;  // what was proposed already: pieces and control points
+    for (const double share : {0.35, 0.15, 0.07, 0.03})
+      for (const double spline : {0.0, 0.15 * input.tolerance}) {
+        ProfileOptions profile_options;
+        profile_options.floor = share * input.tolerance;
+        profile_options.spline = spline;
+        profile_options.size = outline / 2;
+        auto loop = loop_of(chains[0], profile_options, chain_options.cell, chain_options.axis, input.tolerance);
+        if (!loop) continue;
+        if (loop->segments.size() > 60) continue;
+        std::size_t key = loop->segments.size();
+        for (const auto& piece : loop->segments) key += 1000 * piece.curve.control.size();
+        if (std::find(seen.begin(), seen.end(), key) != seen.end()) continue;
+        seen.push_back(key);
+        SketchOptions sketch_options;
+        sketch_options.tolerance = input.tolerance;
+        sketch_options.revolve = true;
+        BuiltSketch built = build_sketch({*loop}, sketch_options);
+        Candidate c;
+        c.procedure = "surface of revolution";
+        c.object_name = "turned_body";
+        c.parameters = std::move(built.parameters);
+        c.shape = Revolve{std::move(built.sketch)};
+        c.scan_from_part.rotation = rotation_onto_axis(axis.direction);
+        c.scan_from_part.translation = axis.point + axis.direction * built.origin.y();
+        simplify(c);
+        candidates.push_back(std::move(c));
+      }
   }
   return candidates;
 }

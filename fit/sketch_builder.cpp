@@ -14,14 +14,14 @@ enum class Way { horizontal, vertical, oblique };
 
 struct Piece {
   ProfileSegment s;
-  Way way = Way::oblique;      // of a line
-  int level = -1;              // of a horizontal or vertical line
+  Way way = Way::oblique;  // of a line
+  int level = -1;          // of a horizontal or vertical line
   // Of an arc, once its relations are known:
   Expr cx, cy, r, from, to;
-  double from0 = 0, to0 = 0;   // measured
+  double from0 = 0, to0 = 0;                        // measured
   bool tangent_start = false, tangent_end = false;  // to a horizontal or vertical line
   bool solved = false;
-  std::optional<Expr> joint_start, joint_end;        // angles fixed by a tangent neighbouring arc
+  std::optional<Expr> joint_start, joint_end;  // angles fixed by a tangent neighbouring arc
   std::string name;
 };
 
@@ -52,7 +52,7 @@ class Builder {
   // ---- parameters: provisional names "#3", roles decide the final ones --------------------------------------------
 
   struct Slot {
-    std::string role;   // final name without a number
+    std::string role;  // final name without a number
     std::string note;
   };
 
@@ -100,8 +100,11 @@ class Builder {
       for (const auto& loop : loops_)
         for (const auto& s : loop.segments) {
           lowest = std::min({lowest, s.start.y(), s.end.y()});
-          if (!s.arc && std::abs(s.direction.y()) * s.length() / 2 < relation() && s.length() > 4 * o_.tolerance) low = std::min(low, s.point.y());
-          if (s.arc && std::abs(s.center.x()) < std::max(o_.tolerance / 2, 0.02 * s.radius) && s.length() > best) best = s.length(), center = s.center.y();
+          if (!s.arc && !s.spline && std::abs(s.direction.y()) * s.length() / 2 < relation() &&
+              s.length() > 4 * o_.tolerance)
+            low = std::min(low, s.point.y());
+          if (s.arc && std::abs(s.center.x()) < std::max(o_.tolerance / 2, 0.02 * s.radius) && s.length() > best)
+            best = s.length(), center = s.center.y();
         }
       origin_ = {0, low < 1e300 ? low : center ? *center : lowest};
       known_[0].emplace_back(0.0, Expr(0));
@@ -110,7 +113,8 @@ class Builder {
     }
     // The largest round hole, a single round outline, or the corner of the edges lowest in x and y.
     for (const auto& loop : loops_)
-      if (loop.segments.size() == 1 && loop.segments[0].arc && (&loop != &loops_[0] || loops_.size() == 1) && loop.segments[0].radius > best + same_) {
+      if (loop.segments.size() == 1 && loop.segments[0].arc && (&loop != &loops_[0] || loops_.size() == 1) &&
+          loop.segments[0].radius > best + same_) {
         best = loop.segments[0].radius;
         origin_ = loop.segments[0].center;
       }
@@ -118,21 +122,25 @@ class Builder {
       Vec2 low = Vec2::Constant(1e300);
       for (const auto& s : loops_[0].segments) {
         low = low.cwiseMin(s.start).cwiseMin(s.end);
-        if (s.arc) continue;
+        if (s.arc || s.spline) continue;
         if (std::abs(s.direction.x()) * s.length() / 2 < relation()) low.x() = std::min(low.x(), s.point.x());
         if (std::abs(s.direction.y()) * s.length() / 2 < relation()) low.y() = std::min(low.y(), s.point.y());
       }
       // Corners are means of nodes and lie a little inside: the level of the edge itself is meant.
       Vec2 edge = low;
       for (const auto& s : loops_[0].segments) {
-        if (s.arc) continue;
-        if (std::abs(s.direction.x()) * s.length() / 2 < relation() && std::abs(s.point.x() - low.x()) < o_.tolerance) edge.x() = s.point.x();
-        if (std::abs(s.direction.y()) * s.length() / 2 < relation() && std::abs(s.point.y() - low.y()) < o_.tolerance) edge.y() = s.point.y();
+        if (s.arc || s.spline) continue;
+        if (std::abs(s.direction.x()) * s.length() / 2 < relation() && std::abs(s.point.x() - low.x()) < o_.tolerance)
+          edge.x() = s.point.x();
+        if (std::abs(s.direction.y()) * s.length() / 2 < relation() && std::abs(s.point.y() - low.y()) < o_.tolerance)
+          edge.y() = s.point.y();
       }
       origin_ = edge;
     }
     for (auto& known : known_) known.emplace_back(0.0, Expr(0));
   }
+
+  static bool curved(const Piece& p) { return p.s.arc || p.s.spline; }
 
   double relation() const { return o_.tolerance / 3; }
 
@@ -142,6 +150,7 @@ class Builder {
       Piece p;
       p.s = s;
       p.s.start -= origin_, p.s.end -= origin_, p.s.point -= origin_, p.s.center -= origin_;
+      for (auto& c : p.s.curve.control) c -= origin_;
       if (s.arc) {
         const Vec2 d = p.s.start - p.s.center;
         p.from0 = std::atan2(d.y(), d.x());
@@ -153,7 +162,7 @@ class Builder {
   }
 
   struct Level {
-    int axis;       // 0: x (vertical lines), 1: y
+    int axis;  // 0: x (vertical lines), 1: y
     double value;
     double length = 0;
     double low = 1e300, high = -1e300;  // extent along the line
@@ -164,15 +173,20 @@ class Builder {
 
   void classify_lines(std::vector<Piece>& pieces) {
     for (auto& p : pieces) {
-      if (p.s.arc) continue;
+      if (curved(p)) continue;
       const double half = p.s.length() / 2;
-      if (std::abs(p.s.direction.y()) * half < relation() && std::abs(p.s.direction.y()) < 0.25) p.way = Way::horizontal;
-      else if (std::abs(p.s.direction.x()) * half < relation() && std::abs(p.s.direction.x()) < 0.25) p.way = Way::vertical;
+      if (std::abs(p.s.direction.y()) * half < relation() && std::abs(p.s.direction.y()) < 0.25)
+        p.way = Way::horizontal;
+      else if (std::abs(p.s.direction.x()) * half < relation() && std::abs(p.s.direction.x()) < 0.25)
+        p.way = Way::vertical;
       if (p.way == Way::oblique) continue;
       const int axis = p.way == Way::vertical ? 0 : 1;
       const double v = p.s.point[axis];
-      auto found = std::find_if(levels_.begin(), levels_.end(), [&](const Level& level) { return level.axis == axis && std::abs(level.value - v) < same_; });
-      if (found == levels_.end()) found = levels_.insert(levels_.end(), Level{axis, v, 0, 1e300, -1e300, true, {}, false});
+      auto found = std::find_if(levels_.begin(), levels_.end(), [&](const Level& level) {
+        return level.axis == axis && std::abs(level.value - v) < same_;
+      });
+      if (found == levels_.end())
+        found = levels_.insert(levels_.end(), Level{axis, v, 0, 1e300, -1e300, true, {}, false});
       if (p.s.length() > found->length) found->rising = p.s.direction[1 - axis] > 0;
       found->length += p.s.length();
       found->low = std::min({found->low, p.s.start[1 - axis], p.s.end[1 - axis]});
@@ -201,7 +215,9 @@ class Builder {
     return level.expr;
   }
 
-  std::string text(double v) const { return print_number(snapped(v, power_of_ten_below(std::max(o_.tolerance, 1e-6)))); }
+  std::string text(double v) const {
+    return print_number(snapped(v, power_of_ten_below(std::max(o_.tolerance, 1e-6))));
+  }
 
   const Piece* neighbour(const std::vector<Piece>& pieces, std::size_t i, int step, bool axis_to_axis) const {
     const std::size_t n = pieces.size();
@@ -215,14 +231,15 @@ class Builder {
       Piece& a = pieces[i];
       if (!a.s.arc) continue;
       auto tangent_to = [&](const Piece* b, double end_angle, double away) {
-        if (!b || b->s.arc || b->way == Way::oblique) return false;
+        if (!b || curved(*b) || b->way == Way::oblique) return false;
         const int axis = b->way == Way::vertical ? 0 : 1;
         const double side = a.s.center[axis] - b->s.point[axis];
         // The touching point must be where the arc ends, within the uncertainty of a shallow crossing.
         const double touch = axis == 0 ? (side > 0 ? pi : 0.0) : (side > 0 ? -pi / 2 : pi / 2);
         const double off = std::abs(turned_near(touch, end_angle) - end_angle);
         const double miss = std::abs(std::abs(side) - a.s.radius);
-        return (off < 0.35 || off * a.s.radius < 3 * o_.tolerance) && miss < std::max(o_.tolerance, 0.03 * a.s.radius) && away >= 0;
+        return (off < 0.35 || off * a.s.radius < 3 * o_.tolerance) &&
+               miss < std::max(o_.tolerance, 0.03 * a.s.radius) && away >= 0;
       };
       a.tangent_start = tangent_to(neighbour(pieces, i, -1, axis_to_axis), a.from0, 0);
       a.tangent_end = tangent_to(neighbour(pieces, i, +1, axis_to_axis), a.to0, 0);
@@ -243,12 +260,13 @@ class Builder {
     const Vec2 tb = Vec2(-std::sin(b.from0), std::cos(b.from0)) * (b.s.sweep > 0 ? 1 : -1);
     const double d = (a.s.center - b.s.center).norm();
     const bool opposite = (a.s.sweep > 0) != (b.s.sweep > 0);
-    const double miss = opposite ? std::abs(d - a.s.radius - b.s.radius) : std::abs(d - std::abs(a.s.radius - b.s.radius));
+    const double miss =
+        opposite ? std::abs(d - a.s.radius - b.s.radius) : std::abs(d - std::abs(a.s.radius - b.s.radius));
     return ta.dot(tb) > 0.9 && miss < std::max(2 * o_.tolerance, 0.05 * std::min(a.s.radius, b.s.radius));
   }
 
-  /// The reference of an arc whose centre follows from a tangent neighbouring arc: -1 before, +1 after, 0 none. The freer
-  /// of two tangent arcs depends on the other; of two equally free ones the later.
+  /// The reference of an arc whose centre follows from a tangent neighbouring arc: -1 before, +1 after, 0 none. The
+  /// freer of two tangent arcs depends on the other; of two equally free ones the later.
   int reference_of(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) const {
     const Piece& a = pieces[i];
     if (!a.s.arc || on_axis(a) || (a.tangent_start && a.tangent_end)) return 0;
@@ -258,7 +276,9 @@ class Builder {
       if (!b || !b->s.arc || b == &a) continue;
       if (step < 0 ? a.tangent_start : a.tangent_end) continue;
       if (!(step < 0 ? arcs_tangent(*b, a) : arcs_tangent(a, *b))) continue;
-      if (freedom(a) > freedom(*b) || on_axis(*b) || (freedom(a) == freedom(*b) && step < 0 && index_of(pieces, i, -1) < i)) return step;
+      if (freedom(a) > freedom(*b) || on_axis(*b) ||
+          (freedom(a) == freedom(*b) && step < 0 && index_of(pieces, i, -1) < i))
+        return step;
     }
     return 0;
   }
@@ -274,7 +294,8 @@ class Builder {
     // Distance of the centres, and on which side of b's centre the joint lies (b outside: the same side as a).
     const bool a_larger = !opposite && a.s.radius > b.s.radius;
     const Expr apart = opposite ? b.r + a.r : a_larger ? a.r - b.r : b.r - a.r;
-    const Piece* line = step < 0 ? (a.tangent_end ? neighbour(pieces, i, +1, axis_to_axis) : nullptr) : (a.tangent_start ? neighbour(pieces, i, -1, axis_to_axis) : nullptr);
+    const Piece* line = step < 0 ? (a.tangent_end ? neighbour(pieces, i, +1, axis_to_axis) : nullptr)
+                                 : (a.tangent_start ? neighbour(pieces, i, -1, axis_to_axis) : nullptr);
     Expr joint_b;  // angle of the joint seen from b
     if (line) {
       const int axis = line->way == Way::vertical ? 0 : 1;
@@ -288,18 +309,21 @@ class Builder {
       (axis == 0 ? a.cx : a.cy) = fixed;
       (axis == 0 ? a.cy : a.cx) = free;
       // From b's centre towards a's, or away from it when b lies inside a.
-      joint_b = a_larger ? Expr::call(Expr::Kind::atan2, {b.cy - a.cy, b.cx - a.cx}) : Expr::call(Expr::Kind::atan2, {a.cy - b.cy, a.cx - b.cx});
+      joint_b = a_larger ? Expr::call(Expr::Kind::atan2, {b.cy - a.cy, b.cx - a.cx})
+                         : Expr::call(Expr::Kind::atan2, {a.cy - b.cy, a.cx - b.cx});
     } else {
       Vec2 direction = a.s.center - b.s.center;
       if (a_larger) direction = -direction;
       const double measured = turned_near(std::atan2(direction.y(), direction.x()), step < 0 ? b.to0 : b.from0);
-      joint_b = parameter(measured, Quantity::angle, a.name + "_joint_angle", "angle at which the " + a.name + " begins");
+      joint_b =
+          parameter(measured, Quantity::angle, a.name + "_joint_angle", "angle at which the " + a.name + " begins");
       const Expr along = a_larger ? -apart : apart;
       a.cx = b.cx + along * Expr::call(Expr::Kind::cos, {joint_b});
       a.cy = b.cy + along * Expr::call(Expr::Kind::sin, {joint_b});
     }
     // Seen from a the joint lies opposite when the arcs curve to different sides.
-    const Expr joint_a = opposite ? (line ? Expr::call(Expr::Kind::atan2, {b.cy - a.cy, b.cx - a.cx}) : joint_b + Expr(pi)) : joint_b;
+    const Expr joint_a =
+        opposite ? (line ? Expr::call(Expr::Kind::atan2, {b.cy - a.cy, b.cx - a.cx}) : joint_b + Expr(pi)) : joint_b;
     (step < 0 ? a.joint_start : a.joint_end) = joint_a;
     (step < 0 ? b.joint_end : b.joint_start) = joint_b;
     a.solved = true;
@@ -307,7 +331,8 @@ class Builder {
 
   void solve_arcs(std::vector<Piece>& pieces, bool axis_to_axis) {
     std::vector<int> reference(pieces.size(), 0);
-    for (std::size_t i = 0; i < pieces.size() && pieces.size() > 1; ++i) reference[i] = reference_of(pieces, i, axis_to_axis);
+    for (std::size_t i = 0; i < pieces.size() && pieces.size() > 1; ++i)
+      reference[i] = reference_of(pieces, i, axis_to_axis);
     // Two arcs that wait for each other: the first stands alone.
     for (std::size_t i = 0; i < pieces.size(); ++i)
       if (reference[i] > 0 && reference[index_of(pieces, i, +1)] < 0) reference[i] = 0;
@@ -327,65 +352,77 @@ class Builder {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       Piece& a = pieces[i];
       if (!a.s.arc || pieces.size() == 1) continue;
-      a.from = end_angle(a, neighbour(pieces, i, -1, axis_to_axis), a.tangent_start, a.from0, axis_to_axis && i == 0, a.joint_start);
-      a.to = end_angle(a, neighbour(pieces, i, +1, axis_to_axis), a.tangent_end, a.to0, axis_to_axis && i + 1 == pieces.size(), a.joint_end);
+      a.from = end_angle(a, neighbour(pieces, i, -1, axis_to_axis), a.tangent_start, a.from0, axis_to_axis && i == 0,
+                         a.joint_start);
+      a.to = end_angle(a, neighbour(pieces, i, +1, axis_to_axis), a.tangent_end, a.to0,
+                       axis_to_axis && i + 1 == pieces.size(), a.joint_end);
     }
   }
 
   void solve_arc(std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) {
-      Piece& a = pieces[i];
-      a.solved = true;
-      const bool convex = a.s.sweep > 0;
-      if (pieces.size() == 1) return full_circle(a);
-      const bool centred = on_axis(a);
-      const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
-      const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
-      std::vector<const Piece*> touched;
-      if (a.tangent_start) touched.push_back(before);
-      if (a.tangent_end && (touched.empty() || after->level != touched[0]->level)) touched.push_back(after);
-      auto side = [&](const Piece& line) {
-        const int axis = line.way == Way::vertical ? 0 : 1;
-        return a.s.center[axis] > line.s.point[axis] ? 1.0 : -1.0;
-      };
-      const std::string role = centred ? "dome" : touched.size() == 2 ? (convex ? "round" : "fillet") : (convex ? "bulge" : "groove");
-      a.name = role;
-      const std::string where = " of the " + role;
-      std::optional<Expr> cx, cy;
-      if (centred) cx = Expr(0);
-      if (touched.size() == 2 && touched[0]->way == touched[1]->way) {
-        // Between two parallel edges: half their distance.
-        const int axis = touched[0]->way == Way::vertical ? 0 : 1;
-        int low = touched[0]->level, high = touched[1]->level;
-        if (levels_[low].value > levels_[high].value) std::swap(low, high);
-        a.name = "end";
-        const auto key = std::make_pair(low, high);
-        if (const auto found = half_widths_.find(key); found != half_widths_.end()) {
-          a.r = found->second;
-        } else if (!levels_[high].set && std::none_of(known_[axis].begin(), known_[axis].end(), [&](const auto& k) { return std::abs(k.first - levels_[high].value) < same_; })) {
-          a.r = radius((levels_[high].value - levels_[low].value) / 2, "end_radius", "radius of the round end");
-          levels_[high].expr = level_expr(low) + Expr(2) * a.r;
-          levels_[high].set = true;
-          known_[axis].emplace_back(levels_[high].value, levels_[high].expr);
-        } else {
-          a.r = (level_expr(high) - level_expr(low)) / Expr(2);
-        }
-        half_widths_[key] = a.r;
-        (axis == 0 ? cx : cy) = level_expr(low) + a.r;
+    Piece& a = pieces[i];
+    a.solved = true;
+    const bool convex = a.s.sweep > 0;
+    if (pieces.size() == 1) return full_circle(a);
+    const bool centred = on_axis(a);
+    const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
+    const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
+    std::vector<const Piece*> touched;
+    if (a.tangent_start) touched.push_back(before);
+    if (a.tangent_end && (touched.empty() || after->level != touched[0]->level)) touched.push_back(after);
+    auto side = [&](const Piece& line) {
+      const int axis = line.way == Way::vertical ? 0 : 1;
+      return a.s.center[axis] > line.s.point[axis] ? 1.0 : -1.0;
+    };
+    const std::string role = centred               ? "dome"
+                             : touched.size() == 2 ? (convex ? "round" : "fillet")
+                                                   : (convex ? "bulge" : "groove");
+    a.name = role;
+    const std::string where = " of the " + role;
+    std::optional<Expr> cx, cy;
+    if (centred) cx = Expr(0);
+    if (touched.size() == 2 && touched[0]->way == touched[1]->way) {
+      // Between two parallel edges: half their distance.
+      const int axis = touched[0]->way == Way::vertical ? 0 : 1;
+      int low = touched[0]->level, high = touched[1]->level;
+      if (levels_[low].value > levels_[high].value) std::swap(low, high);
+      a.name = "end";
+      const auto key = std::make_pair(low, high);
+      if (const auto found = half_widths_.find(key); found != half_widths_.end()) {
+        a.r = found->second;
+      } else if (!levels_[high].set && std::none_of(known_[axis].begin(), known_[axis].end(), [&](const auto& k) {
+                   return std::abs(k.first - levels_[high].value) < same_;
+                 })) {
+        a.r = radius((levels_[high].value - levels_[low].value) / 2, "end_radius", "radius of the round end");
+        levels_[high].expr = level_expr(low) + Expr(2) * a.r;
+        levels_[high].set = true;
+        known_[axis].emplace_back(levels_[high].value, levels_[high].expr);
       } else {
-        if (centred && touched.size() == 1 && touched[0]->way == Way::vertical) a.r = level_expr(touched[0]->level);  // a dome on its cylinder
-        else a.r = radius(a.s.radius, role + "_radius", "radius" + where);
-        for (const Piece* line : touched) {
-          const int axis = line->way == Way::vertical ? 0 : 1;
-          auto& c = axis == 0 ? cx : cy;
-          if (c) continue;
-          c = side(*line) > 0 ? level_expr(line->level) + a.r : level_expr(line->level) - a.r;
-        }
+        a.r = (level_expr(high) - level_expr(low)) / Expr(2);
       }
-      const char* second = o_.revolve ? "z" : "y";
-      const char* first = o_.revolve ? "r" : "x";
-      if (!cx) cx = coordinate(0, a.s.center.x(), role + "_center_" + first, (o_.revolve ? "distance of the centre from the axis" : "x of the centre") + where);
-      if (!cy) cy = coordinate(1, a.s.center.y(), role + "_center_" + second, std::string(o_.revolve ? "height" : "y") + " of the centre" + where);
-      a.cx = *cx, a.cy = *cy;
+      half_widths_[key] = a.r;
+      (axis == 0 ? cx : cy) = level_expr(low) + a.r;
+    } else {
+      if (centred && touched.size() == 1 && touched[0]->way == Way::vertical)
+        a.r = level_expr(touched[0]->level);  // a dome on its cylinder
+      else
+        a.r = radius(a.s.radius, role + "_radius", "radius" + where);
+      for (const Piece* line : touched) {
+        const int axis = line->way == Way::vertical ? 0 : 1;
+        auto& c = axis == 0 ? cx : cy;
+        if (c) continue;
+        c = side(*line) > 0 ? level_expr(line->level) + a.r : level_expr(line->level) - a.r;
+      }
+    }
+    const char* second = o_.revolve ? "z" : "y";
+    const char* first = o_.revolve ? "r" : "x";
+    if (!cx)
+      cx = coordinate(0, a.s.center.x(), role + "_center_" + first,
+                      (o_.revolve ? "distance of the centre from the axis" : "x of the centre") + where);
+    if (!cy)
+      cy = coordinate(1, a.s.center.y(), role + "_center_" + second,
+                      std::string(o_.revolve ? "height" : "y") + " of the centre" + where);
+    a.cx = *cx, a.cy = *cy;
   }
 
   void full_circle(Piece& a) {
@@ -393,14 +430,17 @@ class Builder {
     const std::string role = hole ? "hole" : "disc";
     a.name = "";
     a.r = radius(a.s.radius, role + "_radius", hole ? "radius of the hole" : "radius of the disc");
-    a.cx = coordinate(0, a.s.center.x(), o_.revolve ? "ring_radius" : role + "_x", o_.revolve ? "distance of the centre from the axis" : "x of the " + role);
-    a.cy = coordinate(1, a.s.center.y(), role + (o_.revolve ? "_z" : "_y"), (o_.revolve ? "height of the " : "y of the ") + role);
+    a.cx = coordinate(0, a.s.center.x(), o_.revolve ? "ring_radius" : role + "_x",
+                      o_.revolve ? "distance of the centre from the axis" : "x of the " + role);
+    a.cy = coordinate(1, a.s.center.y(), role + (o_.revolve ? "_z" : "_y"),
+                      (o_.revolve ? "height of the " : "y of the ") + role);
     a.from = Expr(hole ? 2 * pi : 0.0);
     a.to = Expr(hole ? 0.0 : 2 * pi);
   }
 
   /// The angle at which an arc ends on its neighbour.
-  Expr end_angle(const Piece& a, const Piece* b, bool tangent, double measured, bool at_axis, const std::optional<Expr>& joint) {
+  Expr end_angle(const Piece& a, const Piece* b, bool tangent, double measured, bool at_axis,
+                 const std::optional<Expr>& joint) {
     auto near = [&](Expr e) {
       const double v = value(e);
       const double turns = std::round((measured - v) / (2 * pi));
@@ -420,7 +460,7 @@ class Builder {
       if (a.cx == Expr(0)) return near(Expr(std::sin(measured) >= 0 ? pi / 2 : -pi / 2));
       return crossing_x(Expr(0));
     }
-    if (b && !b->s.arc && b->way != Way::oblique) {
+    if (b && !curved(*b) && b->way != Way::oblique) {
       const int axis = b->way == Way::vertical ? 0 : 1;
       const double side = (axis == 0 ? cx : cy) - levels_[b->level].value;
       if (tangent) return near(Expr(axis == 0 ? (side > 0 ? pi : 0.0) : (side > 0 ? -pi / 2 : pi / 2)));
@@ -435,13 +475,14 @@ class Builder {
       const double d = std::hypot(value(dx), value(dy)), r2 = value(b->r);
       if (d > 0 && std::abs(d * d + r * r - r2 * r2) < 2 * d * r) {
         const Expr apart = Expr::call(Expr::Kind::sqrt, {dx * dx + dy * dy});
-        const Expr half = Expr::call(Expr::Kind::acos, {(dx * dx + dy * dy + a.r * a.r - b->r * b->r) / (Expr(2) * apart * a.r)});
+        const Expr half =
+            Expr::call(Expr::Kind::acos, {(dx * dx + dy * dy + a.r * a.r - b->r * b->r) / (Expr(2) * apart * a.r)});
         const Expr base = Expr::call(Expr::Kind::atan2, {dy, dx});
         const Expr p = near(base + half), q = near(base - half);
         const Expr& best = std::abs(value(p) - measured) < std::abs(value(q) - measured) ? p : q;
         if (std::abs(value(best) - measured) < 0.3) return best;
       }
-    } else if (b) {
+    } else if (b && !b->s.spline) {
       // Cut with the oblique line.
       const Vec2 c(cx, cy);
       const double foot = b->s.direction.dot(c - b->s.point), off = std::abs(cross(b->s.direction, c - b->s.point));
@@ -459,7 +500,8 @@ class Builder {
     return parameter(angle, Quantity::angle, a.name + "_end_angle", "angle at which the " + a.name + " ends");
   }
 
-  // ---- elements -------------------------------------------------------------------------------------------------------
+  // ---- elements
+  // -------------------------------------------------------------------------------------------------------
 
   static std::optional<Vec2> intersection(const ProfileSegment& a, const ProfileSegment& b) {
     const double c = cross(a.direction, b.direction);
@@ -468,7 +510,7 @@ class Builder {
   }
 
   std::string edge_role(const Piece& p) const {
-    if (p.s.arc) return "";
+    if (curved(p)) return "";
     if (!p.s.supported) return "unseen end";
     if (!o_.revolve) {
       if (p.way == Way::horizontal) return p.s.direction.x() > 0 ? "front" : "back";
@@ -488,7 +530,7 @@ class Builder {
     Loop loop;
     loop.name = source.name;
     const std::size_t n = pieces.size();
-    if (source.axis_to_axis && !pieces.front().s.arc) {
+    if (source.axis_to_axis && !curved(pieces.front())) {
       const Piece& p = pieces.front();
       add_point(loop, Expr(0), axis_height(p), edge_role(p));
     }
@@ -496,15 +538,53 @@ class Builder {
       Piece& p = pieces[i];
       if (p.s.arc) {
         const Piece* after = neighbour(pieces, i, +1, source.axis_to_axis);
-        loop.elements.push_back(SketchArc{p.cx, p.cy, p.r, p.from, p.to, n == 1 ? source.name : p.name, after ? edge_role(*after) : ""});
+        loop.elements.push_back(
+            SketchArc{p.cx, p.cy, p.r, p.from, p.to, n == 1 ? source.name : p.name, after ? edge_role(*after) : ""});
         continue;
       }
       const Piece* after = neighbour(pieces, i, +1, source.axis_to_axis);
+      if (p.s.spline) {
+        const Piece* before = neighbour(pieces, i, -1, source.axis_to_axis);
+        SketchNurbs n;
+        n.degree = p.s.curve.degree;
+        n.knots = p.s.curve.knots;
+        const double step = power_of_ten_below(o_.tolerance / 100);
+        // Its ends lie on the edges beside it, or on the axis: the nodes stop a little short of them.
+        std::vector<Vec2> control = p.s.curve.control;
+        auto reach = [&](Vec2& end, const Vec2& inner, int axis, double to) {
+          const Vec2 direction = end - inner;
+          const double t = direction[axis] != 0 ? (to - end[axis]) / direction[axis] : 0;
+          if (t > -1 && t < 2) end += t * direction;
+          end[axis] = to;
+        };
+        auto attach = [&](Vec2& end, const Vec2& inner, const Piece* b) -> std::array<std::optional<Expr>, 2> {
+          if (!b && source.axis_to_axis) {
+            reach(end, inner, 0, 0);
+            return {Expr(0), std::nullopt};
+          }
+          if (!b || curved(*b) || b->way == Way::oblique) return {};
+          const int axis = b->way == Way::vertical ? 0 : 1;
+          reach(end, inner, axis, levels_[b->level].value);
+          if (axis == 0) return {level_expr(b->level), std::nullopt};
+          return {std::nullopt, level_expr(b->level)};
+        };
+        const auto first = attach(control.front(), control[1], before);
+        const auto last = attach(control.back(), control[control.size() - 2], after);
+        for (const auto& c : control) n.control.push_back({Expr(snapped(c.x(), step)), Expr(snapped(c.y(), step))});
+        for (int axis = 0; axis < 2; ++axis) {
+          if (first[axis]) n.control.front()[axis] = *first[axis];
+          if (last[axis]) n.control.back()[axis] = *last[axis];
+        }
+        n.name = "curve";
+        n.edge = after ? edge_role(*after) : source.axis_to_axis ? "axis" : "";
+        loop.elements.push_back(std::move(n));
+        continue;
+      }
       if (!after) {
         if (source.axis_to_axis) add_point(loop, Expr(0), axis_height(p), "axis");
         continue;
       }
-      if (after->s.arc) continue;  // the arc's end is the corner
+      if (curved(*after)) continue;  // the curve's end is the corner
       corner(loop, pieces, i, p, *after, source.axis_to_axis);
     }
     if (source.axis_to_axis && pieces.back().s.arc) std::get<SketchArc>(loop.elements.back()).edge = "axis";
@@ -514,18 +594,21 @@ class Builder {
   /// Where a line from or to the axis meets it.
   Expr axis_height(const Piece& p) {
     if (p.way == Way::horizontal) return level_expr(p.level);
-    const double y = p.s.point.y() - (std::abs(p.s.direction.x()) > 1e-9 ? p.s.point.x() / p.s.direction.x() * p.s.direction.y() : 0);
+    const double y = p.s.point.y() -
+                     (std::abs(p.s.direction.x()) > 1e-9 ? p.s.point.x() / p.s.direction.x() * p.s.direction.y() : 0);
     return coordinate(1, y, "tip_z", "height of the tip on the axis");
   }
 
   /// A short oblique edge between a horizontal and a vertical one.
   bool is_chamfer(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) const {
     const Piece& p = pieces[i];
-    if (p.s.arc || p.way != Way::oblique) return false;
+    if (curved(p) || p.way != Way::oblique) return false;
     const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
     const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
-    if (!before || !after || before->s.arc || after->s.arc) return false;
-    if (!((before->way == Way::horizontal && after->way == Way::vertical) || (before->way == Way::vertical && after->way == Way::horizontal))) return false;
+    if (!before || !after || curved(*before) || curved(*after)) return false;
+    if (!((before->way == Way::horizontal && after->way == Way::vertical) ||
+          (before->way == Way::vertical && after->way == Way::horizontal)))
+      return false;
     return p.s.length() < before->s.length() + after->s.length();
   }
 
@@ -547,26 +630,35 @@ class Builder {
       for (const auto& known : chamfer_sizes_)
         if (std::abs(known.first - 0.5 * (dx + dy)) < same_ * 2) legs = {known.second, known.second};
       if (legs.first == Expr()) {
-        const Expr c = parameter(0.5 * (dx + dy), Quantity::length, "chamfer", "width and height of the 45 degree chamfer");
+        const Expr c =
+            parameter(0.5 * (dx + dy), Quantity::length, "chamfer", "width and height of the 45 degree chamfer");
         chamfer_sizes_.emplace_back(0.5 * (dx + dy), c);
         legs = {c, c};
       }
     } else {
       const char* second = o_.revolve ? "height" : "depth";
-      legs = {parameter(dx, Quantity::length, "taper_width", "width of the sloped edge"),
-              parameter(dy, Quantity::length, std::string("taper_") + second, std::string(second) + " of the sloped edge")};
+      legs = {
+          parameter(dx, Quantity::length, "taper_width", "width of the sloped edge"),
+          parameter(dy, Quantity::length, std::string("taper_") + second, std::string(second) + " of the sloped edge")};
     }
     return chamfers_[&pieces[i]] = legs;
   }
 
-  void corner(Loop& loop, const std::vector<Piece>& pieces, std::size_t i, const Piece& a, const Piece& b, bool axis_to_axis) {
+  void corner(Loop& loop, const std::vector<Piece>& pieces, std::size_t i, const Piece& a, const Piece& b,
+              bool axis_to_axis) {
     const std::string edge = edge_role(b);
     const std::size_t next = (i + 1) % pieces.size();
-    auto x_of = [&](const Piece& p) { return p.way == Way::vertical ? std::optional<Expr>(level_expr(p.level)) : std::nullopt; };
-    auto y_of = [&](const Piece& p) { return p.way == Way::horizontal ? std::optional<Expr>(level_expr(p.level)) : std::nullopt; };
+    auto x_of = [&](const Piece& p) {
+      return p.way == Way::vertical ? std::optional<Expr>(level_expr(p.level)) : std::nullopt;
+    };
+    auto y_of = [&](const Piece& p) {
+      return p.way == Way::horizontal ? std::optional<Expr>(level_expr(p.level)) : std::nullopt;
+    };
     std::optional<Expr> x = x_of(a) ? x_of(a) : x_of(b), y = y_of(a) ? y_of(a) : y_of(b);
     const Vec2 joint = intersection(a.s, b.s).value_or(0.5 * (a.s.end + b.s.start));
-    const Vec2 safe = (joint - 0.5 * (a.s.end + b.s.start)).norm() < a.s.length() + b.s.length() ? joint : Vec2(0.5 * (a.s.end + b.s.start));
+    const Vec2 safe = (joint - 0.5 * (a.s.end + b.s.start)).norm() < a.s.length() + b.s.length()
+                          ? joint
+                          : Vec2(0.5 * (a.s.end + b.s.start));
     // Parallel neighbours leave a small step between two levels.
     if (a.way == b.way && a.way != Way::oblique && a.level == b.level) return;  // one edge in two pieces
     if (x_of(a) && x_of(b)) {
@@ -600,12 +692,17 @@ class Builder {
       }
       break;
     }
-    if (!x) x = coordinate(0, safe.x(), o_.revolve ? "corner_r" : "corner_x", o_.revolve ? "distance of a corner from the axis" : "x of a corner");
-    if (!y) y = coordinate(1, safe.y(), o_.revolve ? "corner_z" : "corner_y", o_.revolve ? "height of a corner" : "y of a corner");
+    if (!x)
+      x = coordinate(0, safe.x(), o_.revolve ? "corner_r" : "corner_x",
+                     o_.revolve ? "distance of a corner from the axis" : "x of a corner");
+    if (!y)
+      y = coordinate(1, safe.y(), o_.revolve ? "corner_z" : "corner_y",
+                     o_.revolve ? "height of a corner" : "y of a corner");
     add_point(loop, *x, *y, edge);
   }
 
-  // ---- names ------------------------------------------------------------------------------------------------------------
+  // ---- names
+  // ------------------------------------------------------------------------------------------------------------
 
   void rename_roles() {
     // Roles that depend on all levels together.
@@ -622,7 +719,8 @@ class Builder {
     for (const auto& pieces : pieces_)
       for (const auto& p : pieces) {
         highest = std::max({highest, p.s.start.y(), p.s.end.y()});
-        if (p.s.arc && p.s.sweep > 0 && p.from0 < pi / 2 && p.to0 > pi / 2) highest = std::max(highest, p.s.center.y() + p.s.radius);
+        if (p.s.arc && p.s.sweep > 0 && p.from0 < pi / 2 && p.to0 > pi / 2)
+          highest = std::max(highest, p.s.center.y() + p.s.radius);
       }
     if (top > 0 && top > highest - 2 * o_.tolerance) slots_[top_slot] = {"total_length", "length over all"};
     if (walls.size() == 2) {
@@ -648,7 +746,8 @@ class Builder {
         bool lowest = true;
         for (const auto& level : levels_) lowest &= level.axis != axis || level.value > -same_;
         if (datum && lowest && high && high->expr.is_parameter())
-          slots_[std::stoul(high->expr.parameter.substr(1))] = axis == 0 ? Slot{"length", "size along x"} : Slot{"width", "size along y"};
+          slots_[std::stoul(high->expr.parameter.substr(1))] =
+              axis == 0 ? Slot{"length", "size along x"} : Slot{"width", "size along y"};
       }
   }
 
@@ -664,7 +763,8 @@ class Builder {
         // head_radius, head_2_radius: the number stands before the last word.
         if (k > 1) {
           const auto cut = name.rfind('_');
-          name = cut == std::string::npos ? name + "_" + std::to_string(k) : name.substr(0, cut) + "_" + std::to_string(k) + name.substr(cut);
+          name = cut == std::string::npos ? name + "_" + std::to_string(k)
+                                          : name.substr(0, cut) + "_" + std::to_string(k) + name.substr(cut);
         }
       }
       names[result_.parameters[i].name] = name;

@@ -2,32 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/number.h"
 
 namespace partscribe {
 namespace {
 
-NominalEvidence nominal_for(const Parameter& p, double tolerance) {
+/// The coarsest grid that the value sits on; else the coarsest that it is near to but misses; else nothing to say.
+std::optional<NominalEvidence> nominal_for(const Parameter& p, double tolerance) {
+  constexpr double z_limit = 2.5, chance_limit = 0.1;
   const bool angle = p.quantity == Quantity::angle;
   const double fitted = angle ? degrees(p.fitted) : p.fitted;
   const double sigma = std::max(angle ? degrees(p.sigma) : p.sigma, 1e-9);
   static constexpr double length_grids[] = {10, 5, 1, 0.5, 0.1}, angle_grids[] = {15, 5, 1, 0.5, 0.1};
-  NominalEvidence finest;
+  std::optional<NominalEvidence> missed;
   for (const double grid : angle ? angle_grids : length_grids) {
     const double candidate = snapped(std::round(fitted / grid) * grid, 0.1);
-    if (candidate == 0) continue;
+    // A grid so fine that chance alone hits it proves nothing.
+    if (candidate == 0 || 2 * z_limit * sigma / grid >= (angle ? 0.5 : 1) * chance_limit) continue;
     NominalEvidence e;
     e.candidate = angle ? radians(candidate) : candidate;
     e.z = (candidate - fitted) / sigma;
     e.series = "multiples of " + print_number(grid) + (angle ? " degrees" : " mm");
-    const double chance = 2 * 2.5 * sigma / grid;
-    const bool close_enough = angle || std::abs(candidate - fitted) < tolerance / 4;
-    e.kept = std::abs(e.z) <= 2.5 && close_enough && chance < 0.1;
+    e.kept = std::abs(e.z) <= (angle ? 2.0 : z_limit) && (angle || std::abs(candidate - fitted) < tolerance / 4);
     if (e.kept) return e;
-    finest = e;
+    if (!missed && std::abs(e.z) < 20) missed = e;
   }
-  return finest;
+  return missed;
 }
 
 /// How much of a turn a shape feels.
@@ -35,8 +37,8 @@ enum class Symmetry { none, about_z, all };
 
 Symmetry symmetry_of(const Shape& shape) {
   if (std::holds_alternative<Sphere>(shape)) return Symmetry::all;
-  if (std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Cone>(shape) || std::holds_alternative<Torus>(shape) ||
-      std::holds_alternative<Revolve>(shape))
+  if (std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Cone>(shape) ||
+      std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape))
     return Symmetry::about_z;
   return Symmetry::none;
 }
@@ -55,12 +57,15 @@ void snap_parameters(Candidate& candidate, const TidyOptions& options) {
       const double step = power_of_ten_below(std::min(degrees(sigma) / 3, 0.01));
       p.value = radians(snapped(degrees(p.fitted), std::max(step, 1e-6)));
     } else {
-      const double step = power_of_ten_below(std::min(options.tolerance / 50, std::max(sigma / 3, options.tolerance / 1000)));
+      const double step =
+          power_of_ten_below(std::min(options.tolerance / 50, std::max(sigma / 3, options.tolerance / 1000)));
       p.value = snapped(p.fitted, p.quantity == Quantity::ratio ? std::min(step, 1e-3) : step);
     }
     // As-built and as-designed stay side by side; what lies below a hundredth of a sigma is noise in print.
     const double fine = power_of_ten_below(std::clamp(sigma / 30, 1e-9, options.tolerance / 100));
-    p.fitted = angle ? radians(snapped(degrees(p.fitted), std::max(power_of_ten_below(std::max(degrees(sigma) / 30, 1e-9)), 1e-9))) : snapped(p.fitted, fine);
+    p.fitted = angle ? radians(snapped(degrees(p.fitted),
+                                       std::max(power_of_ten_below(std::max(degrees(sigma) / 30, 1e-9)), 1e-9)))
+                     : snapped(p.fitted, fine);
     for (double* s : {&p.sigma, &p.sigma_noise, &p.sigma_systematic})
       if (*s > 0) *s = snapped(*s, power_of_ten_below(*s / 10));
     if (p.nominal) {

@@ -117,6 +117,20 @@ TEST_CASE("build: a link is an extrusion with round ends and a hole") {
   expect_same_surface(truth, m, 0.05);
 }
 
+TEST_CASE("build: a vase follows its free profile within tolerance") {
+  SketchNurbs bulge;
+  bulge.knots = {0, 0, 0, 0, 0.5, 1, 1, 1, 1};
+  bulge.control = {{{10, 0}}, {{22, 9}}, {{2, 22}}, {{9, 34}}, {{14, 40}}};
+  Loop profile;
+  profile.elements = {SketchPoint{0, 0, ""}, bulge, SketchPoint{0, 40, ""}};
+  const Model truth = placed(test::model_with(Revolve{{{profile}}}), {3, 4, 5}, {0.2, 0.3, 0});
+  test::Sampling s;
+  s.points = 30000, s.reach = 45;
+  const Model m = built(test::sampled(truth, s), 0.1);
+  CHECK(kind(m) == "revolve");
+  expect_same_surface(truth, m, 0.1);
+}
+
 TEST_CASE("build: outliers change nothing") {
   const Model truth = placed(test::model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
   test::Sampling s;

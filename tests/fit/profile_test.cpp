@@ -77,3 +77,31 @@ TEST_CASE("profile: missing data leave a gap that is bridged and told") {
   REQUIRE(chains[0].gaps.size() == 1);
   CHECK(chains[0].gaps[0] == Approx(6).margin(1));
 }
+
+TEST_CASE("profile: a wavy edge is one spline, not a chain of arcs") {
+  Random random(12);
+  std::vector<PlanePoint> points;
+  for (int i = 0; i < 9000; ++i) {
+    const double x = random.uniform(0, 60), y = 4 * std::sin(x / 6) + 0.02 * x * x / 6, slope = 4 / 6.0 * std::cos(x / 6) + 0.04 * x / 6;
+    const Vec2 n = Vec2(-slope, 1).normalized();
+    points.push_back({Vec2(x, y) + n * 0.01 * random.normal(), n});
+  }
+  const auto chains = chains_of(points, {.cell = 0.3, .noise = 0.01});
+  REQUIRE(chains.size() == 1);
+  ProfileOptions options{.floor = 0.01, .size = 60};
+  const auto arcs = segments_of(chains[0], options);
+  CHECK(arcs.size() >= 4);
+  options.spline = 0.02;
+  const auto splines = segments_of(chains[0], options);
+  REQUIRE(splines.size() == 1);
+  CHECK(splines[0].spline);
+  CHECK(splines[0].curve.control.size() < 30);
+  double worst = 0;
+  for (double x = 2; x < 58; x += 0.5) {
+    const Vec2 truth(x, 4 * std::sin(x / 6) + 0.02 * x * x / 6);
+    double nearest = 1e9;
+    for (double u = 0; u <= 1; u += 0.0005) nearest = std::min(nearest, (splines[0].curve.at(u) - truth).norm());
+    worst = std::max(worst, nearest);
+  }
+  CHECK(worst < 0.05);
+}
