@@ -198,6 +198,10 @@ double distance_between(const TriangleMesh& a, const TriangleMesh& b, int thread
     });
     return found.empty() ? 0.0 : *std::max_element(found.begin(), found.end());
   };
+  // A sheet and the solid that a program made of it by giving it a thickness share the sheet only.
+  const bool a_open = topology(a).boundary_edges > 0, b_open = topology(b).boundary_edges > 0;
+  if (a_open && !b_open) return one_way(a, b);
+  if (b_open && !a_open) return one_way(b, a);
   return std::max(one_way(a, b), one_way(b, a));
 }
 

@@ -25,7 +25,8 @@ FaceNames smooth_faces(const TriangleMesh& mesh);
 void compare(const ScanSource& source, const FaceNames& faces, const VerifyOptions& options, ArtifactVerdict& verdict,
              Context& context);
 
-/// Largest distance between two meshes, measured from corners and centres of either to the other.
+/// Largest distance between two meshes, measured from corners and centres of either to the other; from an open one to a
+/// closed one only.
 double distance_between(const TriangleMesh& a, const TriangleMesh& b, int threads);
 
 }  // namespace partscribe

@@ -163,15 +163,19 @@ std::string verdict_table(const Verdict& verdict) {
             column(percent(a.model_to_data.supported, a.model_to_data.area), 9, true) +
             column(percent(a.model_to_data.contradicted, a.model_to_data.area), 9, true) + "\n";
   }
+  // All artifacts have the same faces: the first shows every one, the others those that are not as they should be.
+  bool first = true;
   for (const auto& a : verdict.artifacts) {
-    if (!a.objects.empty()) {
+    std::string faces;
+    for (const auto& o : a.objects)
+      if (first || o.verdict != Outcome::verified)
+        faces += "  " + column(column(o.name, 43), 44) + column(name_of(o.verdict), 17) + column(fixed(o.max, 0.0001), 10, true) +
+                 column(fixed(o.rms, 0.0001), 9, true) + column(percent(o.covered, 1), 9, true) +
+                 column(std::to_string(o.points), 9, true) + "\n";
+    if (!faces.empty())
       text += "\n" + column(a.file + ", face by face", 46) + column("verdict", 17) + column("local max", 10, true) +
-              column("rms", 9, true) + column("scanned", 9, true) + column("points", 9, true) + "\n";
-      for (const auto& o : a.objects)
-        text += "  " + column(column(o.name, 43), 44) + column(name_of(o.verdict), 17) + column(fixed(o.max, 0.0001), 10, true) +
-                column(fixed(o.rms, 0.0001), 9, true) + column(percent(o.covered, 1), 9, true) +
-                column(std::to_string(o.points), 9, true) + "\n";
-    }
+              column("rms", 9, true) + column("scanned", 9, true) + column("points", 9, true) + "\n" + faces;
+    if (!a.objects.empty()) first = false;
     for (const auto& reason : a.reasons) text += "  " + a.file + ": " + reason + "\n";
   }
   if (!verdict.between_backends.empty()) text += "\n";
