@@ -12,8 +12,8 @@ std::string print_number(double value) {
   if (value == 0) return "0";
   char buffer[64];
   const double magnitude = std::abs(value);
-  const auto format = (magnitude >= 1e-6 && magnitude < 1e15) ? std::chars_format::fixed
-                                                             : std::chars_format::scientific;
+  const auto format =
+      (magnitude >= 1e-6 && magnitude < 1e15) ? std::chars_format::fixed : std::chars_format::scientific;
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, format).ptr;
   return std::string(buffer, end);
 }
@@ -35,8 +35,8 @@ double snapped(double value, double resolution) {
   // Multiplying by the inverse of a decimal step keeps the result the double nearest to its decimal
   // text; value * 0.001 would not.
   const double inverse = std::round(1.0 / resolution);
-  const double result = resolution < 1 ? std::round(value * inverse) / inverse
-                                       : std::round(value / resolution) * resolution;
+  const double result =
+      resolution < 1 ? std::round(value * inverse) / inverse : std::round(value / resolution) * resolution;
   return result == 0 ? 0.0 : result;
 }
 

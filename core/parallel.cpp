@@ -9,8 +9,8 @@
 
 namespace partscribe {
 
-void parallel_for(std::size_t count, int threads,
-                  const std::function<void(std::size_t, std::size_t)>& body, std::size_t block) {
+void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t, std::size_t)>& body,
+                  std::size_t block) {
   block = std::max<std::size_t>(block, 1);
   const std::size_t blocks = (count + block - 1) / block;
   const std::size_t workers = std::min<std::size_t>(std::max(threads, 1), blocks);

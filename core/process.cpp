@@ -86,9 +86,7 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   ProcessOutput result;
   bool cancelled = false;
   pollfd ends[2] = {{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}};
-  auto elapsed = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
+  auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   int open_ends = 2;
   bool killed = false;
   while (open_ends > 0) {

@@ -24,7 +24,8 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const std::vector<Plane3>& pla
       const Vec3 n = Vec3::Unit(axis) * side;
       const Vec3 u = Vec3::Unit((axis + 1) % 3), v = n.cross(u);
       Face f{-1, {}};
-      for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) f.loop.push_back(far * (n + a * u + b * v));
+      for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+        f.loop.push_back(far * (n + a * u + b * v));
       faces.push_back(f);
     }
   for (std::size_t i = 0; i < planes.size(); ++i) {

@@ -28,9 +28,9 @@ Foot foot_on_segment(const Vec2& a, const Vec2& b, const Vec2& p) {
 struct PreparedArc {
   Vec2 center, start, end;
   double radius, low, span;
-  Vec2 middle;         // unit, towards the middle of the arc
-  double cos_half;     // cosine of half the span; -2 for a full turn
-  struct Monotone {    // a piece that rises or falls throughout
+  Vec2 middle;       // unit, towards the middle of the arc
+  double cos_half;   // cosine of half the span; -2 for a full turn
+  struct Monotone {  // a piece that rises or falls throughout
     double y0, y1;
     bool right_half;
   };

@@ -14,19 +14,20 @@ namespace {
 
 bool is_identifier(const std::string& name) {
   if (name.empty() || !(name[0] >= 'a' && name[0] <= 'z')) return false;
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-  });
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; });
 }
 
 /// Words that mean something in one of the languages we write.
 const std::set<std::string>& reserved_words() {
   static const std::set<std::string> words = {
-      "module", "function", "include", "use",   "if",    "else",  "for",    "let",      "each",  "true",  "false", "undef",
-      "cube",   "sphere",   "cylinder", "union", "difference", "intersection", "hull", "part",  "set",   "unset", "quit",
-      "while",  "return",   "seq",     "and",   "or",    "not",   "procedure", "const", "as_scanned", "as_designed",
-      "translate", "rotate", "mirror", "circle", "square", "polygon", "render", "echo", "assert", "import", "scale",
-      "box", "group", "surface", "profile", "instance", "show", "linear", "quadratic", "cubic", "origin", "chord_error"};
+      "module",      "function",     "include", "use",       "if",     "else",      "for",        "let",
+      "each",        "true",         "false",   "undef",     "cube",   "sphere",    "cylinder",   "union",
+      "difference",  "intersection", "hull",    "part",      "set",    "unset",     "quit",       "while",
+      "return",      "seq",          "and",     "or",        "not",    "procedure", "const",      "as_scanned",
+      "as_designed", "translate",    "rotate",  "mirror",    "circle", "square",    "polygon",    "render",
+      "echo",        "assert",       "import",  "scale",     "box",    "group",     "surface",    "profile",
+      "instance",    "show",         "linear",  "quadratic", "cubic",  "origin",    "chord_error"};
   return words;
 }
 
@@ -52,7 +53,8 @@ struct Check {
 
   void check_name(const std::string& what, const std::string& name, std::set<std::string>& taken) {
     if (!is_identifier(name))
-      complain(what + " " + quoted(name) + ": expected a name of lower-case letters, digits and _, starting with a letter");
+      complain(what + " " + quoted(name) +
+               ": expected a name of lower-case letters, digits and _, starting with a letter");
     else if (reserved_words().count(name))
       complain(what + " " + quoted(name) + ": this word is reserved");
     else if (!taken.insert(name).second)
@@ -81,13 +83,19 @@ struct Check {
       if (!good) complain(where + ": expected " + expected + ", found " + print_number(v));
     };
     switch (domain) {
-      case Domain::length: return want(v > 0, "a length above 0");
-      case Domain::length_or_zero: return want(v >= 0, "a length of at least 0");
-      case Domain::exponent: return want(v >= 0.1 - 1e-12 && v <= 2 + 1e-12, "an exponent of 0.1 to 2");
-      case Domain::taper: return want(std::abs(v) <= 0.95 + 1e-12, "a taper of -0.95 to 0.95");
-      case Domain::component: return want(std::abs(v) <= 1 + 1e-9, "a component of a unit vector");
+      case Domain::length:
+        return want(v > 0, "a length above 0");
+      case Domain::length_or_zero:
+        return want(v >= 0, "a length of at least 0");
+      case Domain::exponent:
+        return want(v >= 0.1 - 1e-12 && v <= 2 + 1e-12, "an exponent of 0.1 to 2");
+      case Domain::taper:
+        return want(std::abs(v) <= 0.95 + 1e-12, "a taper of -0.95 to 0.95");
+      case Domain::component:
+        return want(std::abs(v) <= 1 + 1e-9, "a component of a unit vector");
       case Domain::coordinate:
-      case Domain::angle: return;
+      case Domain::angle:
+        return;
     }
   }
 
@@ -108,8 +116,8 @@ struct Check {
         if (!std::is_sorted(n->knots.begin(), n->knots.end()) || n->knots.front() != n->knots[degree] ||
             n->knots.back() != n->knots[count] || n->knots.front() >= n->knots.back())
           return complain(where + ": knots must rise and be clamped at both ends");
-        if (!n->weights.empty() && (n->weights.size() != count ||
-                                    *std::min_element(n->weights.begin(), n->weights.end()) <= 0))
+        if (!n->weights.empty() &&
+            (n->weights.size() != count || *std::min_element(n->weights.begin(), n->weights.end()) <= 0))
           return complain(where + ": expected one weight above 0 per control point");
       }
     }
@@ -125,7 +133,8 @@ struct Check {
     for (const auto& c : outline.curves)
       if (const auto* a = std::get_if<Arc2>(&c.curve)) {
         if (!(a->radius > 0)) return;  // already reported
-        low = low.cwiseMin(a->center - Vec2::Constant(a->radius)), high = high.cwiseMax(a->center + Vec2::Constant(a->radius));
+        low = low.cwiseMin(a->center - Vec2::Constant(a->radius)),
+        high = high.cwiseMax(a->center + Vec2::Constant(a->radius));
         if (std::abs(a->to - a->from) > 2 * pi + 1e-9) return complain(where + ": an arc turns more than once");
       }
     const double chord_error = std::max((high - low).norm() * 1e-4, 1e-9);
@@ -141,9 +150,12 @@ struct Check {
     for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
       const double enclosed = signed_area(outline, static_cast<int>(l));
       const std::string& name = sketch.loops[l].name;
-      if (std::abs(enclosed) < 1e-12) complain(where + ": loop " + quoted(name) + " encloses nothing");
-      else if (l == 0 && enclosed < 0) complain(where + ": the outer loop must run counter-clockwise");
-      else if (l > 0 && enclosed > 0) complain(where + ": loop " + quoted(name) + " is a hole and must run clockwise");
+      if (std::abs(enclosed) < 1e-12)
+        complain(where + ": loop " + quoted(name) + " encloses nothing");
+      else if (l == 0 && enclosed < 0)
+        complain(where + ": the outer loop must run counter-clockwise");
+      else if (l > 0 && enclosed > 0)
+        complain(where + ": loop " + quoted(name) + " is a hole and must run clockwise");
     }
     if (profile)
       for (const auto& chord : chords)
@@ -174,15 +186,19 @@ struct Check {
     } else if (const auto* r = std::get_if<RevolveOf<double>>(&shape)) {
       check_sketch(where, r->sketch, true);
     } else if (const auto* m = std::get_if<TriSurfaceOf<double>>(&shape)) {
-      TriangleMesh mesh{m->vertices.empty() ? std::vector<Vec3>{} : std::vector<Vec3>(m->vertices.size()), m->triangles};
+      TriangleMesh mesh{m->vertices.empty() ? std::vector<Vec3>{} : std::vector<Vec3>(m->vertices.size()),
+                        m->triangles};
       for (std::size_t i = 0; i < m->vertices.size(); ++i) mesh.vertices[i] = Vec3(m->vertices[i].data());
       if (mesh.triangles.empty()) return complain(where + ": a triangulation needs a triangle");
       for (const auto& t3 : mesh.triangles)
         for (const auto v : t3)
-          if (v >= mesh.vertices.size()) return complain(where + ": a triangle names vertex " + print_number(v) + ", there are " + print_number(double(mesh.vertices.size())));
+          if (v >= mesh.vertices.size())
+            return complain(where + ": a triangle names vertex " + print_number(v) + ", there are " +
+                            print_number(double(mesh.vertices.size())));
       const auto topo = topology(mesh);
       if (topo.nonmanifold_edges > 0 || topo.inconsistent_edges > 0)
-        complain(where + ": " + print_number(double(topo.nonmanifold_edges + topo.inconsistent_edges)) + " edges are not manifold");
+        complain(where + ": " + print_number(double(topo.nonmanifold_edges + topo.inconsistent_edges)) +
+                 " edges are not manifold");
       if (m->closed && topo.boundary_edges > 0)
         complain(where + ": called closed, but has " + print_number(double(topo.boundary_edges)) + " open edges");
       if (m->closed && topo.closed() && volume(mesh) <= 0) complain(where + ": the triangles face inward");
@@ -212,10 +228,13 @@ struct Check {
       check_name("object", object.name, names);
       bool good = true;
       visit_expressions(object.shape, [&](const Expr& e, Domain domain) {
-        if (!check_expr(where, e)) good = false;
-        else check_domain(where, evaluate(e, values), domain);
+        if (!check_expr(where, e))
+          good = false;
+        else
+          check_domain(where, evaluate(e, values), domain);
       });
-      for (const Expr* e : {&object.frame.x, &object.frame.y, &object.frame.z, &object.frame.rx, &object.frame.ry, &object.frame.rz})
+      for (const Expr* e :
+           {&object.frame.x, &object.frame.y, &object.frame.z, &object.frame.rx, &object.frame.ry, &object.frame.rz})
         check_expr(where + " frame", *e);
       if (good) check_shape(where, evaluate(object.shape, values), earlier);
       earlier.insert(object.name);

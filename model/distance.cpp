@@ -38,7 +38,8 @@ class Swept : public Solid {
       faces.push_back(curves[i].name);
       const auto* line = std::get_if<Line2>(&curves[i].curve);
       // A profile's edge on the axis bounds the plane figure, not the solid.
-      if (revolved && line && std::abs(line->a.x()) < 1e-9 && std::abs(line->b.x()) < 1e-9) outline_.ignore(static_cast<int>(i));
+      if (revolved && line && std::abs(line->a.x()) < 1e-9 && std::abs(line->b.x()) < 1e-9)
+        outline_.ignore(static_cast<int>(i));
     }
     if (!revolved) faces.push_back("bottom"), faces.push_back("top");
   }
@@ -65,14 +66,19 @@ class Swept : public Solid {
 class MeshSolid : public Solid {
  public:
   MeshSolid(TriangleMesh mesh, std::vector<int> face_of, std::vector<std::string> names, bool closed)
-      : mesh_(std::make_unique<TriangleMesh>(std::move(mesh))), distance_(*mesh_), face_of_(std::move(face_of)), closed_(closed) {
+      : mesh_(std::make_unique<TriangleMesh>(std::move(mesh))),
+        distance_(*mesh_),
+        face_of_(std::move(face_of)),
+        closed_(closed) {
     faces = std::move(names);
   }
   LocalHit hit(const Vec3& p) const override {
     const MeshHit h = distance_.closest(p);
     double d = h.distance;
-    if (closed_) d = std::copysign(d, distance_.signed_distance(p));
-    else if ((p - h.point).dot(triangle_normal(*mesh_, h.triangle)) < 0) d = -d;
+    if (closed_)
+      d = std::copysign(d, distance_.signed_distance(p));
+    else if ((p - h.point).dot(triangle_normal(*mesh_, h.triangle)) < 0)
+      d = -d;
     return {d, face_of_.empty() ? 0 : face_of_[h.triangle]};
   }
 
@@ -133,7 +139,7 @@ EvaluatedSketch profile(std::vector<std::pair<Vec2, std::string>> corners) {
 
 std::unique_ptr<Solid> solid_of(const EvaluatedShape& shape) {
   auto planes_of = [](double x, double y, double z) {
-    return std::vector<Plane3>{{-Vec3::UnitX(), 0}, {Vec3::UnitX(), x}, {-Vec3::UnitY(), 0},
+    return std::vector<Plane3>{{-Vec3::UnitX(), 0}, {Vec3::UnitX(), x},  {-Vec3::UnitY(), 0},
                                {Vec3::UnitY(), y},  {-Vec3::UnitZ(), 0}, {Vec3::UnitZ(), z}};
   };
   const std::vector<std::string> box_names = {"left", "right", "front", "back", "bottom", "top"};
@@ -149,11 +155,16 @@ std::unique_ptr<Solid> solid_of(const EvaluatedShape& shape) {
     return std::make_unique<ConvexSolid>(planes, names);
   }
   if (const auto* s = std::get_if<CylinderOf<double>>(&shape))
-    return std::make_unique<Swept>(profile({{{0, 0}, "bottom"}, {{s->radius, 0}, "side"}, {{s->radius, s->height}, "top"}, {{0, s->height}, "axis"}}), true, 0);
+    return std::make_unique<Swept>(
+        profile(
+            {{{0, 0}, "bottom"}, {{s->radius, 0}, "side"}, {{s->radius, s->height}, "top"}, {{0, s->height}, "axis"}}),
+        true, 0);
   if (const auto* s = std::get_if<ConeOf<double>>(&shape)) {
     std::vector<std::pair<Vec2, std::string>> corners = {{{0, 0}, "bottom"}};
-    if (s->bottom_radius > 0) corners.push_back({{s->bottom_radius, 0}, "side"});
-    else corners.back().second = "side";
+    if (s->bottom_radius > 0)
+      corners.push_back({{s->bottom_radius, 0}, "side"});
+    else
+      corners.back().second = "side";
     if (s->top_radius > 0) corners.push_back({{s->top_radius, s->height}, "top"});
     corners.push_back({{0, s->height}, "axis"});
     return std::make_unique<Swept>(profile(corners), true, 0);
@@ -161,7 +172,9 @@ std::unique_ptr<Solid> solid_of(const EvaluatedShape& shape) {
   if (const auto* s = std::get_if<SphereOf<double>>(&shape))
     return function_solid("surface", [r = s->radius](const Vec3& p) { return p.norm() - r; });
   if (const auto* s = std::get_if<EllipsoidOf<double>>(&shape))
-    return function_solid("surface", [r = Vec3(s->radius_x, s->radius_y, s->radius_z)](const Vec3& p) { return ellipsoid_distance(p, r); });
+    return function_solid("surface", [r = Vec3(s->radius_x, s->radius_y, s->radius_z)](const Vec3& p) {
+      return ellipsoid_distance(p, r);
+    });
   if (const auto* s = std::get_if<TorusOf<double>>(&shape))
     return function_solid("surface", [R = s->major_radius, r = s->minor_radius](const Vec3& p) {
       return std::hypot(std::hypot(p.x(), p.y()) - R, p.z()) - r;
@@ -180,13 +193,15 @@ std::unique_ptr<Solid> solid_of(const EvaluatedShape& shape) {
     }
     return std::make_unique<ConvexSolid>(planes, names);
   }
-  if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape)) return std::make_unique<Swept>(s->sketch, false, s->height);
+  if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape))
+    return std::make_unique<Swept>(s->sketch, false, s->height);
   if (const auto* s = std::get_if<RevolveOf<double>>(&shape)) return std::make_unique<Swept>(s->sketch, true, 0);
   if (const auto* s = std::get_if<TriSurfaceOf<double>>(&shape)) {
     TriangleMesh mesh;
     for (const auto& v : s->vertices) mesh.vertices.emplace_back(v[0], v[1], v[2]);
     mesh.triangles = s->triangles;
-    return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>{}, std::vector<std::string>{"surface"}, s->closed);
+    return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>{}, std::vector<std::string>{"surface"},
+                                       s->closed);
   }
   return nullptr;  // a combination of earlier objects
 }
@@ -195,9 +210,9 @@ std::unique_ptr<Solid> solid_of(const EvaluatedShape& shape) {
 
 struct ModelDistance::Node {
   enum class Op { leaf, join, cut, common } op = Op::leaf;
-  Pose object_from_part;             // the frame's inverse
+  Pose object_from_part;  // the frame's inverse
   std::shared_ptr<const Solid> solid;
-  std::vector<int> face_ids;         // of the solid's faces in the model's list
+  std::vector<int> face_ids;  // of the solid's faces in the model's list
   std::vector<std::shared_ptr<const Node>> operands;
 
   ModelHit hit(const Vec3& p_part) const {
@@ -229,9 +244,12 @@ ModelDistance::ModelDistance(const Model& model, const Values& values) {
       node->op = op;
       for (const auto& name : names) node->operands.push_back(nodes.at(name));
     };
-    if (const auto* u = std::get_if<UnionOf<double>>(&shape)) combine(Node::Op::join, u->objects);
-    else if (const auto* d = std::get_if<DifferenceOf<double>>(&shape)) combine(Node::Op::cut, d->objects);
-    else if (const auto* n = std::get_if<IntersectionOf<double>>(&shape)) combine(Node::Op::common, n->objects);
+    if (const auto* u = std::get_if<UnionOf<double>>(&shape))
+      combine(Node::Op::join, u->objects);
+    else if (const auto* d = std::get_if<DifferenceOf<double>>(&shape))
+      combine(Node::Op::cut, d->objects);
+    else if (const auto* n = std::get_if<IntersectionOf<double>>(&shape))
+      combine(Node::Op::common, n->objects);
     else {
       auto solid = solid_of(shape);
       for (const auto& name : solid->faces) {

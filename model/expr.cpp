@@ -69,19 +69,32 @@ Expr operator/(Expr a, Expr b) {
 
 std::string_view kind_name(Kind kind) {
   switch (kind) {
-    case Kind::number: return "number";
-    case Kind::parameter: return "parameter";
-    case Kind::negate: return "neg";
-    case Kind::add: return "+";
-    case Kind::subtract: return "-";
-    case Kind::multiply: return "*";
-    case Kind::divide: return "/";
-    case Kind::sqrt: return "sqrt";
-    case Kind::sin: return "sin";
-    case Kind::cos: return "cos";
-    case Kind::asin: return "asin";
-    case Kind::acos: return "acos";
-    case Kind::atan2: return "atan2";
+    case Kind::number:
+      return "number";
+    case Kind::parameter:
+      return "parameter";
+    case Kind::negate:
+      return "neg";
+    case Kind::add:
+      return "+";
+    case Kind::subtract:
+      return "-";
+    case Kind::multiply:
+      return "*";
+    case Kind::divide:
+      return "/";
+    case Kind::sqrt:
+      return "sqrt";
+    case Kind::sin:
+      return "sin";
+    case Kind::cos:
+      return "cos";
+    case Kind::asin:
+      return "asin";
+    case Kind::acos:
+      return "acos";
+    case Kind::atan2:
+      return "atan2";
   }
   ensure(false, "every kind of expression has a name");
   return {};
@@ -91,23 +104,35 @@ double evaluate(const Expr& e, const Values& values) {
   auto argument = [&](std::size_t i) { return evaluate(e.arguments[i], values); };
   auto unit = [](double x) { return std::clamp(x, -1.0, 1.0); };
   switch (e.kind) {
-    case Kind::number: return e.number;
+    case Kind::number:
+      return e.number;
     case Kind::parameter: {
       const auto found = values.find(e.parameter);
       ensure(found != values.end(), "an expression names a known parameter");
       return found->second;
     }
-    case Kind::negate: return -argument(0);
-    case Kind::add: return argument(0) + argument(1);
-    case Kind::subtract: return argument(0) - argument(1);
-    case Kind::multiply: return argument(0) * argument(1);
-    case Kind::divide: return argument(0) / argument(1);
-    case Kind::sqrt: return std::sqrt(std::max(argument(0), 0.0));
-    case Kind::sin: return std::sin(argument(0));
-    case Kind::cos: return std::cos(argument(0));
-    case Kind::asin: return std::asin(unit(argument(0)));
-    case Kind::acos: return std::acos(unit(argument(0)));
-    case Kind::atan2: return std::atan2(argument(0), argument(1));
+    case Kind::negate:
+      return -argument(0);
+    case Kind::add:
+      return argument(0) + argument(1);
+    case Kind::subtract:
+      return argument(0) - argument(1);
+    case Kind::multiply:
+      return argument(0) * argument(1);
+    case Kind::divide:
+      return argument(0) / argument(1);
+    case Kind::sqrt:
+      return std::sqrt(std::max(argument(0), 0.0));
+    case Kind::sin:
+      return std::sin(argument(0));
+    case Kind::cos:
+      return std::cos(argument(0));
+    case Kind::asin:
+      return std::asin(unit(argument(0)));
+    case Kind::acos:
+      return std::acos(unit(argument(0)));
+    case Kind::atan2:
+      return std::atan2(argument(0), argument(1));
   }
   return 0;
 }

@@ -32,8 +32,10 @@ std::size_t arity(Expr::Kind kind) {
     case Expr::Kind::subtract:
     case Expr::Kind::multiply:
     case Expr::Kind::divide:
-    case Expr::Kind::atan2: return 2;
-    default: return 1;
+    case Expr::Kind::atan2:
+      return 2;
+    default:
+      return 1;
   }
 }
 
@@ -104,15 +106,19 @@ struct FieldWriter {
     out[name] = std::move(list);
   }
   void operator()(const char* name, const std::vector<std::array<double, 3>>& v, const char*) const { out[name] = v; }
-  void operator()(const char* name, const std::vector<std::array<std::uint32_t, 3>>& v, const char*) const { out[name] = v; }
+  void operator()(const char* name, const std::vector<std::array<std::uint32_t, 3>>& v, const char*) const {
+    out[name] = v;
+  }
   void operator()(const char* name, const Sketch& sketch, const char*) const {
     Json j = Json::object();
     Sketch::fields(sketch, FieldWriter{j});
     out[name] = std::move(j);
   }
   template <class Item>
-  void operator()(const char* name, const std::vector<Item>& items, const char*) const
-    requires requires(const Item& item, FieldWriter w) { Item::fields(item, w); }
+  void operator()(const char* name, const std::vector<Item>& items, const char*) const requires
+      requires(const Item& item, FieldWriter w) {
+    Item::fields(item, w);
+  }
   {
     Json list = Json::array();
     for (const auto& item : items) {
@@ -140,7 +146,9 @@ struct FieldReader {
   const Json& in;
   std::string path;
   std::string at(const char* name) const { return path + "." + name; }
-  void operator()(const char* name, Expr& e, Domain, const char*) const { e = read_expr(member(in, name, path), at(name)); }
+  void operator()(const char* name, Expr& e, Domain, const char*) const {
+    e = read_expr(member(in, name, path), at(name));
+  }
   void operator()(const char* name, std::string& text, const char*) const {
     if (in.is_object() && in.contains(name)) text = read_string(in[name], at(name));
   }
@@ -189,8 +197,10 @@ struct FieldReader {
     Sketch::fields(sketch, FieldReader{member(in, name, path), at(name)});
   }
   template <class Item>
-  void operator()(const char* name, std::vector<Item>& items, const char*) const
-    requires requires(Item& item, FieldReader r) { Item::fields(item, r); }
+  void operator()(const char* name, std::vector<Item>& items, const char*) const requires
+      requires(Item& item, FieldReader r) {
+    Item::fields(item, r);
+  }
   {
     int index = 0;
     for (const auto& j : list_of(member(in, name, path), at(name)))
@@ -203,10 +213,14 @@ struct FieldReader {
       if (!j.is_object() || j.size() != 1) complain(where, "expected one of point, arc, nurbs");
       const std::string kind = j.begin().key();
       SketchElement element;
-      if (kind == "point") element = SketchPoint{};
-      else if (kind == "arc") element = SketchArc{};
-      else if (kind == "nurbs") element = SketchNurbs{};
-      else complain(where, "expected one of point, arc, nurbs, found '" + kind + "'");
+      if (kind == "point")
+        element = SketchPoint{};
+      else if (kind == "arc")
+        element = SketchArc{};
+      else if (kind == "nurbs")
+        element = SketchNurbs{};
+      else
+        complain(where, "expected one of point, arc, nurbs, found '" + kind + "'");
       std::visit([&](auto& e) { e.fields(e, FieldReader{j.begin().value(), where}); }, element);
       items.push_back(std::move(element));
     }
@@ -236,7 +250,8 @@ Shape read_shape(const std::string& kind, const Json& j, const std::string& path
   }
 }
 
-// ---- the rest of the document -----------------------------------------------------------------------------------------
+// ---- the rest of the document
+// -----------------------------------------------------------------------------------------
 
 Json frame_to_json(const Frame& f) {
   return Json::object({{"move", Json::array({to_json(f.x), to_json(f.y), to_json(f.z)})},
@@ -281,7 +296,10 @@ Json parameter_to_json(const Parameter& p) {
   j["sigma_systematic"] = p.sigma_systematic;
   j["points"] = p.points;
   if (p.nominal)
-    j["nominal"] = {{"candidate", p.nominal->candidate}, {"z", p.nominal->z}, {"kept", p.nominal->kept}, {"series", p.nominal->series}};
+    j["nominal"] = {{"candidate", p.nominal->candidate},
+                    {"z", p.nominal->z},
+                    {"kept", p.nominal->kept},
+                    {"series", p.nominal->series}};
   if (!p.note.empty()) j["note"] = p.note;
   return j;
 }
@@ -313,8 +331,11 @@ Parameter read_parameter(const Json& j, const std::string& path) {
 Json object_to_json(const Object& o) {
   Json j = {{"name", o.name}, {"shape", shape_to_json(o.shape)}};
   if (!o.frame.identity()) j["frame"] = frame_to_json(o.frame);
-  j["evidence"] = {{"points", o.evidence.points}, {"rms", o.evidence.rms}, {"max", o.evidence.max},
-                   {"covered", o.evidence.covered}, {"views", o.evidence.views}};
+  j["evidence"] = {{"points", o.evidence.points},
+                   {"rms", o.evidence.rms},
+                   {"max", o.evidence.max},
+                   {"covered", o.evidence.covered},
+                   {"views", o.evidence.views}};
   if (!o.note.empty()) j["note"] = o.note;
   return j;
 }
@@ -323,7 +344,8 @@ Object read_object(const Json& j, const std::string& path) {
   Object o;
   o.name = read_string(member(j, "name", path), path + ".name");
   const auto& shape = member(j, "shape", path);
-  o.shape = read_shape(read_string(member(shape, "kind", path + ".shape"), path + ".shape.kind"), shape, path + ".shape");
+  o.shape =
+      read_shape(read_string(member(shape, "kind", path + ".shape"), path + ".shape.kind"), shape, path + ".shape");
   if (j.contains("frame")) o.frame = read_frame(j["frame"], path + ".frame");
   if (j.contains("evidence")) {
     const auto& e = j["evidence"];
@@ -338,9 +360,9 @@ Object read_object(const Json& j, const std::string& path) {
 Json provenance_to_json(const Provenance& p) {
   Json sources = Json::array();
   for (const auto& s : p.sources) sources.push_back({{"file", s.file}, {"sha256", s.sha256}});
-  return {{"sources", sources},     {"points", p.points},   {"rejected", p.rejected}, {"views", p.views},
-          {"noise", p.noise},       {"spacing", p.spacing}, {"unit_scale", p.unit_scale},
-          {"program", p.program},   {"version", p.version}, {"options", p.options}};
+  return {{"sources", sources},   {"points", p.points},   {"rejected", p.rejected},     {"views", p.views},
+          {"noise", p.noise},     {"spacing", p.spacing}, {"unit_scale", p.unit_scale}, {"program", p.program},
+          {"version", p.version}, {"options", p.options}};
 }
 
 Provenance read_provenance(const Json& j, const std::string& path) {
@@ -385,18 +407,21 @@ Model read_document(const Json& j) {
   m.fallback = flag_or(j, "fallback", "document", false);
   if (j.contains("hypothesis")) {
     const auto& h = j["hypothesis"];
-    auto n = [&](const char* key) { return read_number(member(h, key, "hypothesis"), std::string("hypothesis.") + key); };
-    m.hypothesis = Hypothesis{n("a1"), n("a2"), n("a3"), n("e1"), n("e2"), n("taper_x"), n("taper_y"), n("gof"), n("gof_mm"),
-                              text_or(h, "suggests", "hypothesis")};
+    auto n = [&](const char* key) {
+      return read_number(member(h, key, "hypothesis"), std::string("hypothesis.") + key);
+    };
+    m.hypothesis = Hypothesis{n("a1"),      n("a2"),      n("a3"),  n("e1"),     n("e2"),
+                              n("taper_x"), n("taper_y"), n("gof"), n("gof_mm"), text_or(h, "suggests", "hypothesis")};
   }
   if (j.contains("rivals"))
     for (const auto& r : list_of(j["rivals"], "rivals"))
-      m.rivals.push_back({read_string(member(r, "procedure", "rivals"), "rivals"), flag_or(r, "meets_tolerance", "rivals", false),
-                          number_or(r, "deviation", "rivals", 0), number_or(r, "description_length", "rivals", 0),
-                          text_or(r, "reason", "rivals")});
+      m.rivals.push_back({read_string(member(r, "procedure", "rivals"), "rivals"),
+                          flag_or(r, "meets_tolerance", "rivals", false), number_or(r, "deviation", "rivals", 0),
+                          number_or(r, "description_length", "rivals", 0), text_or(r, "reason", "rivals")});
   if (j.contains("unexplained"))
     for (const auto& u : list_of(j["unexplained"], "unexplained"))
-      m.unexplained.push_back({text_or(u, "reason", "unexplained"), number_or(u, "area", "unexplained", 0), count_or(u, "points", "unexplained")});
+      m.unexplained.push_back({text_or(u, "reason", "unexplained"), number_or(u, "area", "unexplained", 0),
+                               count_or(u, "points", "unexplained")});
   return m;
 }
 
@@ -420,15 +445,20 @@ std::string write_model_json(const Model& m) {
   j["fallback"] = m.fallback;
   if (m.hypothesis) {
     const auto& h = *m.hypothesis;
-    j["hypothesis"] = {{"a1", h.a1}, {"a2", h.a2}, {"a3", h.a3}, {"e1", h.e1}, {"e2", h.e2}, {"taper_x", h.taper_x},
-                       {"taper_y", h.taper_y}, {"gof", h.gof}, {"gof_mm", h.gof_mm}, {"suggests", h.suggests}};
+    j["hypothesis"] = {
+        {"a1", h.a1},           {"a2", h.a2},           {"a3", h.a3},   {"e1", h.e1},         {"e2", h.e2},
+        {"taper_x", h.taper_x}, {"taper_y", h.taper_y}, {"gof", h.gof}, {"gof_mm", h.gof_mm}, {"suggests", h.suggests}};
   }
   j["rivals"] = Json::array();
   for (const auto& r : m.rivals)
-    j["rivals"].push_back({{"procedure", r.procedure}, {"meets_tolerance", r.meets_tolerance}, {"deviation", r.deviation},
-                           {"description_length", r.description_length}, {"reason", r.reason}});
+    j["rivals"].push_back({{"procedure", r.procedure},
+                           {"meets_tolerance", r.meets_tolerance},
+                           {"deviation", r.deviation},
+                           {"description_length", r.description_length},
+                           {"reason", r.reason}});
   j["unexplained"] = Json::array();
-  for (const auto& u : m.unexplained) j["unexplained"].push_back({{"reason", u.reason}, {"area", u.area}, {"points", u.points}});
+  for (const auto& u : m.unexplained)
+    j["unexplained"].push_back({{"reason", u.reason}, {"area", u.area}, {"points", u.points}});
   return json_text(j);
 }
 

@@ -45,7 +45,9 @@ void convert_field(const T& from, T& to, const Values&) {
   to = from;
 }
 void convert_field(const Expr& from, double& to, const Values& values) { to = evaluate(from, values); }
-void convert_field(const SketchOf<Expr>& from, SketchOf<double>& to, const Values& values) { convert(from, to, values); }
+void convert_field(const SketchOf<Expr>& from, SketchOf<double>& to, const Values& values) {
+  convert(from, to, values);
+}
 void convert_field(const std::vector<std::array<Expr, 2>>& from, std::vector<std::array<double, 2>>& to,
                    const Values& values) {
   for (const auto& p : from) to.push_back({evaluate(p[0], values), evaluate(p[1], values)});

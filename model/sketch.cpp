@@ -5,9 +5,7 @@
 namespace partscribe {
 namespace {
 
-Curve2 curve_of(const SketchArcOf<double>& a) {
-  return Arc2{{a.center_x, a.center_y}, a.radius, a.from, a.to};
-}
+Curve2 curve_of(const SketchArcOf<double>& a) { return Arc2{{a.center_x, a.center_y}, a.radius, a.from, a.to}; }
 
 Curve2 curve_of(const SketchNurbsOf<double>& n) {
   Nurbs2 curve{n.degree, n.knots, n.weights, {}};
@@ -31,8 +29,8 @@ Outline2 outline_of(const EvaluatedSketch& sketch) {
     int unnamed = 0;
     auto add = [&](Curve2 curve, const std::string& name) {
       ++unnamed;
-      outline.curves.push_back({std::move(curve), name.empty() ? loop_name + " edge " + print_number(unnamed) : name,
-                                static_cast<int>(l)});
+      outline.curves.push_back(
+          {std::move(curve), name.empty() ? loop_name + " edge " + print_number(unnamed) : name, static_cast<int>(l)});
     };
     for (std::size_t i = 0; i < loop.elements.size(); ++i) {
       const auto& element = loop.elements[i];
