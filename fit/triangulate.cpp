@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "fit/height_field.h"
 #include "fit/reconstruct.h"
 #include "geometry/decimate.h"
 #include "geometry/kd_tree.h"
@@ -135,24 +136,30 @@ Result<Candidate> triangulate(const FitInput& input, Context& context) {
                   " small floating pieces of the mesh left out");
     if (report.filled_holes > 0)
       context.say("triangulate: " + std::to_string(report.filled_holes) + " holes of the mesh filled");
-    mesh = std::move(report.mesh);
+    mesh = simplified(report.mesh, 0.4 * tolerance, context);
   } else {
     // All points if they are prepared, because averaging many lowers the noise; else the thinned ones.
     const bool full = input.scan && input.scan->cloud.normals.size() == input.scan->cloud.size();
-    PointCloud turned;
-    if (!input.oriented) {
-      turned = input.cloud;
-      orient_normals(turned, 12, context);
-      if (full) turned = turned_like(turned, input.scan->cloud, context);
-    }
-    const PointCloud& cloud = !input.oriented ? turned : full ? input.scan->cloud : input.cloud;
+    const PointCloud& all = full ? input.scan->cloud : input.cloud;
     SamplingSummary sampling = input.sampling;
     if (!full) sampling.spacing = std::max(sampling.spacing, 0.6 * input.thin_spacing);
-    Reconstruction made = reconstruct(cloud, sampling, {}, context);
-    mesh = std::move(made.mesh);
+    HeightFieldOptions one_side;
+    one_side.max_error = 0.6 * tolerance;
+    one_side.oriented = input.oriented;
+    const auto views = input.scan ? input.scan->views : std::vector<View>();
+    if (auto field = triangulated_height_field(all, views, sampling, one_side, context)) {
+      mesh = std::move(field->mesh);
+    } else if (input.oriented) {
+      mesh = simplified(reconstruct(all, sampling, {}, context).mesh, 0.4 * tolerance, context);
+    } else {
+      PointCloud turned = input.cloud;
+      orient_normals(turned, 12, context);
+      if (full) turned = turned_like(turned, all, context);
+      mesh = simplified(reconstruct(turned, sampling, {}, context).mesh, 0.4 * tolerance, context);
+    }
   }
   if (mesh.empty()) return no_surface;
-  mesh = snapped_mesh(simplified(mesh, 0.4 * tolerance, context), power_of_ten_below(tolerance / 20));
+  mesh = snapped_mesh(mesh, power_of_ten_below(tolerance / 20));
   mesh = canonical(mesh);
 
   const bool closed = topology(mesh).closed();
