@@ -294,7 +294,8 @@ class Writer {
     table(name + "_points", "Corners [mm].", points);
     if (!s.closed) {
       std::vector<std::string> normals, rim;
-      for (const Vec3& n : sheet_normals(s.vertices, s.triangles))
+      const double stated = text_.value(s.thickness), thickness = stated > 0 ? stated : 10 * model_.tolerance;
+      for (const Vec3& n : sheet_normals(s.vertices, s.triangles, thickness))
         normals.push_back(point_text(snapped_vector(n, 1e-6)));
       for (const auto& [from, to] : sheet_rim(s.triangles)) {
         rim.push_back("[" + std::to_string(to) + ", " + std::to_string(from) + "]");
@@ -303,7 +304,7 @@ class Writer {
             normals);
       table(name + "_rim", "Edges of the boundary.", rim);
       needs_.library = true;
-      if (text_.value(s.thickness) <= 0) data["thickness"] = print_number(10 * model_.tolerance);
+      if (stated <= 0) data["thickness"] = print_number(thickness);
     }
     table(name + "_faces", "Triangles, clockwise seen from outside.", faces);
     return pack_.render(s.closed ? "tri_surface.scad" : "sheet.scad", data);
