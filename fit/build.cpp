@@ -25,7 +25,7 @@ namespace {
 struct Judged {
   Candidate candidate;
   CandidateEvidence evidence;
-  double covered = 0;
+  Coverage coverage;
   bool meets = false;
   std::string reason;
 };
@@ -59,18 +59,34 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     return j;
   }
   j.evidence = evidence_of(candidate, input, context);
-  j.covered = covered_share(candidate, input, context);
+  j.coverage = coverage_of(candidate, input, context);
   j.candidate = std::move(candidate);
   if (j.evidence.local_max > input.tolerance)
     j.reason = "deviates by " + millimetres(j.evidence.local_max, input.tolerance) + " at (" +
                print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
-  else if (j.covered < 0.25)
-    j.reason = "only " + print_number(std::round(100 * j.covered)) + " % of its surface was seen";
+  else if (j.coverage.covered < 0.25)
+    j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
+  else if (j.coverage.contradicted > 0.001)
+    j.reason = print_number(snapped(100 * j.coverage.contradicted, 0.1)) + " % of its surface lies off the scanned mesh";
   else
     j.meets = true;
   return j;
+}
+
+/// The shortest description that meets the tolerance comes first, unless a longer one pays: it must come clearly closer
+/// to the data everywhere and cost less in total. `judged` is sorted by description.
+void put_best_first(std::vector<Judged>& judged) {
+  constexpr double clearly = 0.7;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i)
+    if (judged[i].evidence.local_max < clearly * judged[best].evidence.local_max &&
+        judged[i].evidence.total() < judged[best].evidence.total())
+      best = i;
+  if (best > 0)
+    std::rotate(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(best),
+                judged.begin() + static_cast<std::ptrdiff_t>(best) + 1);
 }
 
 bool asked_for(const std::string& force, const Candidate& c) {
@@ -154,11 +170,12 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   }
   if (std::none_of(judged.begin(), judged.end(), [](const Judged& j) { return j.meets; }))
     for (auto& candidate : last_resort) consider(std::move(candidate));
-  // Those that meet the tolerance by total cost, then the others by deviation.
+  // Those that meet the tolerance by length of description, then the others by deviation.
   std::stable_sort(judged.begin(), judged.end(), [](const Judged& a, const Judged& b) {
     if (a.meets != b.meets) return a.meets;
-    return a.meets ? a.evidence.total() < b.evidence.total() : a.evidence.local_max < b.evidence.local_max;
+    return a.meets ? a.evidence.description < b.evidence.description : a.evidence.local_max < b.evidence.local_max;
   });
+  put_best_first(judged);
 
   context.report("refine", 0.6);
   Model model;
@@ -189,7 +206,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
       as_printed.scan_from_part = evaluate(proposal.scan_from_part, values_of(proposal));
       final_evidence = evidence_of(as_printed, input, context);
       if (final_evidence.local_max > options.tolerance) continue;
-      final_covered = covered_share(as_printed, input, context);
+      final_covered = coverage_of(as_printed, input, context).covered;
       model = std::move(proposal);
       found = true;
       winner = i;
@@ -219,7 +236,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
       final_evidence = evidence;
       if (evidence.local_max < 0.8 * options.tolerance) break;
     }
-    final_covered = covered_share(*mesh, input, context);
+    final_covered = coverage_of(*mesh, input, context).covered;
     model = model_of(*mesh, input);
     model.scan_from_part = {};
     const Vec3 shift = mesh->scan_from_part.translation;
@@ -235,12 +252,18 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   evidence.max = rounded(final_evidence.local_max);
   evidence.covered = snapped(final_covered, 0.001);
   evidence.views = static_cast<int>(scan.views.size());
+  const double best_description = winner < judged.size() ? judged[winner].evidence.description : 0;
   const double best_total = winner < judged.size() ? judged[winner].evidence.total() : 0;
   for (std::size_t i = 0; i < judged.size(); ++i) {
     if (i == winner) continue;
     const auto& j = judged[i];
     std::string reason = j.reason;
-    if (reason.empty()) reason = "costs " + print_number(std::round(j.evidence.total() - best_total)) + " nats more";
+    if (reason.empty())
+      reason = j.evidence.description >= best_description
+                   ? "describes the part in " + print_number(std::round(j.evidence.description - best_description)) +
+                         " nats more"
+                   : "shorter, but follows the data less closely: costs " +
+                         print_number(std::round(j.evidence.total() - best_total)) + " nats more in all";
     model.rivals.push_back(
         {j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
     if (model.rivals.size() == 12) break;

@@ -1,23 +1,27 @@
 #include "fit/coverage.h"
 
 #include <cmath>
+#include <optional>
 
 #include "core/parallel.h"
 #include "core/random.h"
 #include "fit/refine.h"
 #include "geometry/kd_tree.h"
+#include "geometry/mesh_distance.h"
 #include "model/distance.h"
 
 namespace partscribe {
 
-double covered_share(const Candidate& candidate, const FitInput& input, Context& context) {
-  constexpr std::size_t samples = 3000;
+Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context& context) {
+  constexpr std::size_t samples = 6000;
   const ModelDistance distance(bare_model(candidate));
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   const KdTree tree(input.cloud.points);
   const double size = input.bounds.diagonal();
   const double reach = 4 * input.thin_spacing + input.tolerance;
-  std::vector<char> seen(samples, 2);
+  std::optional<MeshDistance> source;
+  if (input.scan && !input.scan->mesh.empty() && topology(input.scan->mesh).closed()) source.emplace(input.scan->mesh);
+  std::vector<char> seen(samples, 2), off(samples, 0);
   parallel_for(
       samples, context.threads,
       [&](std::size_t begin, std::size_t end) {
@@ -40,12 +44,13 @@ double covered_share(const Candidate& candidate, const FitInput& input, Context&
           }
           if (std::abs(d) > 1e-3 * size) continue;  // did not reach the surface
           seen[i] = std::sqrt(tree.nearest_one(p).sq_distance) < reach;
+          off[i] = source && !source->closest_within(p, input.tolerance);
         }
       },
       64);
-  double good = 0, all = 0;
-  for (const char s : seen) good += s == 1, all += s != 2;
-  return all > 0 ? good / all : 0;
+  double good = 0, bad = 0, all = 0;
+  for (std::size_t i = 0; i < samples; ++i) good += seen[i] == 1, bad += off[i], all += seen[i] != 2;
+  return all > 0 ? Coverage{good / all, bad / all} : Coverage{};
 }
 
 }  // namespace partscribe

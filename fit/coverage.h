@@ -5,8 +5,12 @@
 
 namespace partscribe {
 
-/// Share of places on the surface with data nearby: random places in the bounding box are drawn onto the surface along
-/// the distance gradient.
-double covered_share(const Candidate& candidate, const FitInput& input, Context& context);
+struct Coverage {
+  double covered = 0;       ///< share of places on the surface with data nearby
+  double contradicted = 0;  ///< share that is farther than the tolerance from a closed source mesh
+};
+
+/// Random places in the bounding box are drawn onto the surface along the distance gradient.
+Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context& context);
 
 }  // namespace partscribe

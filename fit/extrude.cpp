@@ -164,6 +164,89 @@ void simplify(Candidate& candidate) {
   }
 }
 
+/// Closed chains, the outer one first and counter-clockwise, holes clockwise; none if a large piece stays open.
+std::vector<Chain> rings_of(const std::vector<PlanePoint>& points, double noise, double cell) {
+  ChainOptions options;
+  options.noise = noise;
+  options.cell = cell;
+  auto chains = chains_of(points, options);
+  auto weight_of = [](const Chain& chain) {
+    double weight = 0;
+    for (const auto& node : chain.nodes) weight += node.weight;
+    return weight;
+  };
+  double total = 0;
+  for (const auto& chain : chains) total += weight_of(chain);
+  std::vector<Chain> rings;
+  for (auto& chain : chains) {
+    const double weight = weight_of(chain);
+    const double gap = (chain.nodes.front().position - chain.nodes.back().position).norm();
+    if (!chain.closed && gap > 0.4 * length_of(chain)) {
+      if (weight > 0.05 * total) return {};
+      continue;
+    }
+    if (weight < 0.002 * total || chain.nodes.size() < 6) continue;
+    chain.closed = true;
+    rings.push_back(chain);
+  }
+  std::stable_sort(rings.begin(), rings.end(),
+                   [](const Chain& a, const Chain& b) { return std::abs(chain_area(a)) > std::abs(chain_area(b)); });
+  for (std::size_t i = 0; i < rings.size(); ++i)
+    if ((chain_area(rings[i]) > 0) != (i == 0)) std::reverse(rings[i].nodes.begin(), rings[i].nodes.end());
+  return rings;
+}
+
+/// Adds a candidate for every level of detail at which the rings split differently.
+void add_outlines(const FitInput& input, const Sweep& sweep, const Mat3& frame, const std::vector<Chain>& rings,
+                  double outline, std::vector<Candidate>& candidates) {
+  std::vector<std::size_t> seen;  // what was proposed already: pieces and control points
+  for (const double share : {0.35, 0.15, 0.07, 0.03})
+    for (const double spline : {0.0, 0.15 * input.tolerance}) {
+      ProfileOptions profile_options;
+      profile_options.floor = share * input.tolerance;
+      profile_options.spline = spline;
+      profile_options.size = outline / 2;
+      std::vector<LoopPieces> loops;
+      std::size_t pieces = 0, controls = 0;
+      for (std::size_t i = 0; i < rings.size(); ++i) {
+        LoopPieces loop;
+        loop.name = i == 0 ? "outline" : rings.size() == 2 ? "hole" : "hole " + print_number(double(i));
+        loop.segments = segments_of(rings[i], profile_options);
+        pieces += loop.segments.size();
+        for (const auto& s : loop.segments) controls += s.curve.control.size();
+        if (loop.segments.size() > 1 || (loop.segments.size() == 1 && loop.segments[0].arc))
+          loops.push_back(std::move(loop));
+      }
+      const std::size_t key = pieces + 1000 * controls;
+      if (loops.empty() || pieces > 120 || std::find(seen.begin(), seen.end(), key) != seen.end()) continue;
+      seen.push_back(key);
+      // x along the longest straight edge.
+      double longest = 0, angle = 0;
+      for (const auto& s : loops[0].segments)
+        if (!s.arc && !s.spline && s.length() > longest)
+          longest = s.length(), angle = std::atan2(s.direction.y(), s.direction.x());
+      for (auto& loop : loops)
+        for (auto& s : loop.segments) turn(s, -angle);
+      SketchOptions sketch_options;
+      sketch_options.tolerance = input.tolerance;
+      BuiltSketch built = build_sketch(loops, sketch_options);
+      Candidate c;
+      c.procedure = "extrusion";
+      c.object_name = "plate";
+      c.parameters = std::move(built.parameters);
+      Parameter height;
+      height.name = "height";
+      height.value = height.fitted = sweep.high - sweep.low;
+      height.note = "length of the extrusion";
+      c.parameters.push_back(height);
+      c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
+      c.scan_from_part.rotation = frame * rotation_of(Vec3(0, 0, angle));
+      c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
+      simplify(c);
+      candidates.push_back(std::move(c));
+    }
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
@@ -185,79 +268,12 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     }
     if (points.size() < 30) continue;
     const double outline = 2 * (high - low).sum();
-    ChainOptions chain_options;
-    chain_options.noise = std::max(input.sampling.sigma, 1e-6 * outline);
-    chain_options.cell = std::max({outline / 700, 1.5 * chain_options.noise, 6 * outline / double(points.size()), 0.0});
-    auto chains = chains_of(points, chain_options);
-    double total = 0;
-    for (const auto& chain : chains)
-      for (const auto& node : chain.nodes) total += node.weight;
-    std::vector<Chain> rings;
-    for (auto& chain : chains) {
-      double weight = 0;
-      for (const auto& node : chain.nodes) weight += node.weight;
-      const double gap = (chain.nodes.front().position - chain.nodes.back().position).norm();
-      if (!chain.closed && gap > 0.4 * length_of(chain)) {
-        if (weight > 0.05 * total) rings.clear();
-        continue;
-      }
-      if (weight < 0.002 * total || chain.nodes.size() < 6) continue;
-      chain.closed = true;
-      rings.push_back(chain);
-    }
-    if (rings.empty()) continue;
-    std::stable_sort(rings.begin(), rings.end(),
-                     [](const Chain& a, const Chain& b) { return std::abs(chain_area(a)) > std::abs(chain_area(b)); });
-    for (std::size_t i = 0; i < rings.size(); ++i)
-      if ((chain_area(rings[i]) > 0) != (i == 0)) std::reverse(rings[i].nodes.begin(), rings[i].nodes.end());
-    std::vector<std::size_t> seen;  // what was proposed already: pieces and control points
-    for (const double share : {0.35, 0.15, 0.07, 0.03})
-      for (const double spline : {0.0, 0.15 * input.tolerance}) {
-        ProfileOptions profile_options;
-        profile_options.floor = share * input.tolerance;
-        profile_options.spline = spline;
-        profile_options.size = outline / 2;
-        std::vector<LoopPieces> loops;
-        std::size_t pieces = 0;
-        std::size_t controls = 0;
-        for (std::size_t i = 0; i < rings.size(); ++i) {
-          LoopPieces loop;
-          loop.name = i == 0 ? "outline" : rings.size() == 2 ? "hole" : "hole " + print_number(double(i));
-          loop.segments = segments_of(rings[i], profile_options);
-          pieces += loop.segments.size();
-          for (const auto& s : loop.segments) controls += s.curve.control.size();
-          if (loop.segments.size() > 1 || (loop.segments.size() == 1 && loop.segments[0].arc))
-            loops.push_back(std::move(loop));
-        }
-        if (pieces > 120) continue;
-        if (loops.empty() || std::find(seen.begin(), seen.end(), pieces + 1000 * controls) != seen.end()) continue;
-        seen.push_back(pieces + 1000 * controls);
-        // x along the longest straight edge.
-        double longest = 0, angle = 0;
-        for (const auto& s : loops[0].segments)
-          if (!s.arc && !s.spline && s.length() > longest)
-            longest = s.length(), angle = std::atan2(s.direction.y(), s.direction.x());
-        for (auto& loop : loops)
-          for (auto& s : loop.segments) turn(s, -angle);
-        SketchOptions sketch_options;
-        sketch_options.tolerance = input.tolerance;
-        BuiltSketch built = build_sketch(loops, sketch_options);
-        Candidate c;
-        c.procedure = "extrusion";
-        c.object_name = "plate";
-        c.parameters = std::move(built.parameters);
-        Parameter height;
-        height.name = "height";
-        height.value = height.fitted = sweep.high - sweep.low;
-        height.note = "length of the extrusion";
-        c.parameters.push_back(height);
-        c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
-        const Mat3 in_plane = rotation_of(Vec3(0, 0, angle));
-        c.scan_from_part.rotation = frame * in_plane;
-        c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
-        simplify(c);
-        candidates.push_back(std::move(c));
-      }
+    const double noise = std::max(input.sampling.sigma, 1e-6 * outline);
+    const double fine = std::max({outline / 700, 1.5 * noise, 6 * outline / double(points.size())});
+    add_outlines(input, sweep, frame, rings_of(points, noise, fine), outline, candidates);
+    // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
+    if (1.5 * input.tolerance > 1.6 * fine)
+      add_outlines(input, sweep, frame, rings_of(points, noise, 1.5 * input.tolerance), outline, candidates);
   }
   return candidates;
 }

@@ -226,6 +226,45 @@ void simplify(Candidate& candidate) {
   }
 }
 
+/// Adds a candidate for every level of detail at which the profile, in nodes of `cell` mm, splits differently.
+void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data, double outline, double noise,
+                  double cell, std::vector<Candidate>& candidates) {
+  ChainOptions chain_options;
+  chain_options.noise = noise;
+  chain_options.cell = cell;
+  // Near the axis a ring holds few points: the last nodes may be missing.
+  chain_options.axis = std::max(4 * cell + input.tolerance, 3 * input.thin_spacing);
+  const auto chains = chains_of(data.points, chain_options);
+  if (chains.empty()) return;
+  std::vector<std::size_t> seen;  // what was proposed already: pieces and control points
+  for (const double share : {0.35, 0.15, 0.07, 0.03})
+    for (const double spline : {0.0, 0.15 * input.tolerance}) {
+      ProfileOptions profile_options;
+      profile_options.floor = share * input.tolerance;
+      profile_options.spline = spline;
+      profile_options.size = outline / 2;
+      auto loop = loop_of(chains[0], profile_options, cell, chain_options.axis, input.tolerance);
+      if (!loop || loop->segments.size() > 60) continue;
+      std::size_t key = loop->segments.size();
+      for (const auto& piece : loop->segments) key += 1000 * piece.curve.control.size();
+      if (std::find(seen.begin(), seen.end(), key) != seen.end()) continue;
+      seen.push_back(key);
+      SketchOptions sketch_options;
+      sketch_options.tolerance = input.tolerance;
+      sketch_options.revolve = true;
+      BuiltSketch built = build_sketch({*loop}, sketch_options);
+      Candidate c;
+      c.procedure = "surface of revolution";
+      c.object_name = "turned_body";
+      c.parameters = std::move(built.parameters);
+      c.shape = Revolve{std::move(built.sketch)};
+      c.scan_from_part.rotation = rotation_onto_axis(axis.direction);
+      c.scan_from_part.translation = axis.point + axis.direction * built.origin.y();
+      simplify(c);
+      candidates.push_back(std::move(c));
+    }
+}
+
 }  // namespace
 
 std::vector<Axis> revolution_axes(const FitInput& input, const std::vector<Vec3>& start_directions) {
@@ -272,42 +311,13 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
     }
     const PlaneData data = plane_data(input, axis);
     const double outline = 2 * (data.radius_high + data.height_high - data.height_low);
-    ChainOptions chain_options;
-    chain_options.noise = std::max(input.sampling.sigma, 1e-6 * outline);
-    chain_options.cell = std::max({outline / 700, 1.5 * chain_options.noise,
-                                   2 * outline / double(std::max<std::size_t>(data.points.size(), 1)) * 3});
-    // Near the axis a ring holds few points: the last nodes may be missing.
-    chain_options.axis = std::max(4 * chain_options.cell + input.tolerance, 8 * input.thin_spacing);
-    const auto chains = chains_of(data.points, chain_options);
-    if (chains.empty()) continue;
-    std::vector<std::size_t> seen;  // what was proposed already: pieces and control points
-    for (const double share : {0.35, 0.15, 0.07, 0.03})
-      for (const double spline : {0.0, 0.15 * input.tolerance}) {
-        ProfileOptions profile_options;
-        profile_options.floor = share * input.tolerance;
-        profile_options.spline = spline;
-        profile_options.size = outline / 2;
-        auto loop = loop_of(chains[0], profile_options, chain_options.cell, chain_options.axis, input.tolerance);
-        if (!loop) continue;
-        if (loop->segments.size() > 60) continue;
-        std::size_t key = loop->segments.size();
-        for (const auto& piece : loop->segments) key += 1000 * piece.curve.control.size();
-        if (std::find(seen.begin(), seen.end(), key) != seen.end()) continue;
-        seen.push_back(key);
-        SketchOptions sketch_options;
-        sketch_options.tolerance = input.tolerance;
-        sketch_options.revolve = true;
-        BuiltSketch built = build_sketch({*loop}, sketch_options);
-        Candidate c;
-        c.procedure = "surface of revolution";
-        c.object_name = "turned_body";
-        c.parameters = std::move(built.parameters);
-        c.shape = Revolve{std::move(built.sketch)};
-        c.scan_from_part.rotation = rotation_onto_axis(axis.direction);
-        c.scan_from_part.translation = axis.point + axis.direction * built.origin.y();
-        simplify(c);
-        candidates.push_back(std::move(c));
-      }
+    const double noise = std::max(input.sampling.sigma, 1e-6 * outline);
+    const double fine =
+        std::max({outline / 700, 1.5 * noise, 6 * outline / double(std::max<std::size_t>(data.points.size(), 1))});
+    add_profiles(input, axis, data, outline, noise, fine, candidates);
+    // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
+    if (1.5 * input.tolerance > 1.6 * fine)
+      add_profiles(input, axis, data, outline, noise, 1.5 * input.tolerance, candidates);
   }
   return candidates;
 }
