@@ -230,6 +230,17 @@ void add_outlines(const FitInput& input, const Sweep& sweep, const Mat3& frame, 
       SketchOptions sketch_options;
       sketch_options.tolerance = input.tolerance;
       BuiltSketch built = build_sketch(loops, sketch_options);
+      // The part extends from its origin along +x rather than along -x.
+      double left = 0, right = 0;
+      for (const auto& s : loops[0].segments)
+        for (const double x : {s.start.x(), s.end.x()})
+          left = std::max(left, built.origin.x() - x), right = std::max(right, x - built.origin.x());
+      if (left > right + input.tolerance) {
+        for (auto& loop : loops)
+          for (auto& s : loop.segments) turn(s, pi);
+        angle += pi;
+        built = build_sketch(loops, sketch_options);
+      }
       Candidate c;
       c.procedure = "extrusion";
       c.object_name = "plate";

@@ -374,22 +374,41 @@ class Builder {
       const int axis = line.way == Way::vertical ? 0 : 1;
       return a.s.center[axis] > line.s.point[axis] ? 1.0 : -1.0;
     };
-    const std::string role = centred               ? "dome"
-                             : touched.size() == 2 ? (convex ? "round" : "fillet")
-                                                   : (convex ? "bulge" : "groove");
+    const bool parallel = touched.size() == 2 && touched[0]->way == touched[1]->way;
+    const char* bend = touched.size() == 2 ? (convex ? "round" : "fillet") : (convex ? "bulge" : "groove");
+    const std::string role = centred ? "dome" : parallel ? "end" : bend;
     a.name = role;
     const std::string where = " of the " + role;
     std::optional<Expr> cx, cy;
     if (centred) cx = Expr(0);
-    if (touched.size() == 2 && touched[0]->way == touched[1]->way) {
+    if (parallel) {
       // Between two parallel edges: half their distance.
       const int axis = touched[0]->way == Way::vertical ? 0 : 1;
       int low = touched[0]->level, high = touched[1]->level;
       if (levels_[low].value > levels_[high].value) std::swap(low, high);
-      a.name = "end";
       const auto key = std::make_pair(low, high);
+      auto& center = axis == 0 ? cx : cy;
+      auto unknown = [&](int level) {
+        return !levels_[level].set && std::none_of(known_[axis].begin(), known_[axis].end(), [&](const auto& k) {
+          return std::abs(k.first - levels_[level].value) < same_;
+        });
+      };
+      const double middle = (levels_[low].value + levels_[high].value) / 2;
+      const auto datum = std::find_if(known_[axis].begin(), known_[axis].end(),
+                                      [&](const auto& k) { return std::abs(k.first - middle) < same_; });
       if (const auto found = half_widths_.find(key); found != half_widths_.end()) {
-        a.r = found->second;
+        a.r = found->second.first;
+        center = found->second.second;
+      } else if (unknown(low) && unknown(high) && datum != known_[axis].end()) {
+        // Both edges lie half a width from a place that has a name already.
+        const Expr place = datum->second;
+        a.r = radius((levels_[high].value - levels_[low].value) / 2, "end_radius", "radius of the round end");
+        for (const auto& [level, at] : {std::pair{low, place - a.r}, std::pair{high, place + a.r}}) {
+          levels_[level].expr = at;
+          levels_[level].set = true;
+          known_[axis].emplace_back(levels_[level].value, at);
+        }
+        center = place;
       } else if (!levels_[high].set && std::none_of(known_[axis].begin(), known_[axis].end(), [&](const auto& k) {
                    return std::abs(k.first - levels_[high].value) < same_;
                  })) {
@@ -400,8 +419,8 @@ class Builder {
       } else {
         a.r = (level_expr(high) - level_expr(low)) / Expr(2);
       }
-      half_widths_[key] = a.r;
-      (axis == 0 ? cx : cy) = level_expr(low) + a.r;
+      if (!center) center = level_expr(low) + a.r;
+      half_widths_[key] = {a.r, *center};
     } else {
       if (centred && touched.size() == 1 && touched[0]->way == Way::vertical)
         a.r = level_expr(touched[0]->level);  // a dome on its cylinder
@@ -803,7 +822,7 @@ class Builder {
   std::vector<Level> levels_;
   std::vector<std::pair<double, Expr>> known_[2];
   std::vector<std::pair<double, Expr>> radii_;
-  std::map<std::pair<int, int>, Expr> half_widths_;
+  std::map<std::pair<int, int>, std::pair<Expr, Expr>> half_widths_;  // radius and centre between two levels
   std::map<const Piece*, std::pair<Expr, Expr>> chamfers_;
   std::vector<std::pair<double, Expr>> chamfer_sizes_;
 };
