@@ -292,26 +292,29 @@ class Damages {
   /// Finds the change of a suitable size. `exact`: 2 T is right if it moves the surface at all visibly.
   /// Returns the size; 0 if there is none, NaN if the surface does not depend on it.
   double suitable(const Change& change, double size, bool exact, Model& damaged, double& moved) {
+    bool unseen = false;
     for (int attempt = 0; attempt < 16; ++attempt) {
       auto model = change(size);
       if (!model || !passes(*model)) {
-        if (attempt > 0) return 0;
+        if (attempt > 0) break;
         size = -size;
         model = change(size);
-        if (!model || !passes(*model)) return 0;
+        if (!model || !passes(*model)) break;
       }
       moved = gauge_.moved(*model);
       if ((exact && attempt == 0 && moved > 1.5 * tolerance_) || (moved > 1.9 * tolerance_ && moved < 2.3 * tolerance_)) {
         damaged = std::move(*model);
         return size;
       }
+      // A little more of an arc only replaces a little of the straight edge that follows: angles get larger first.
       if (attempt == 0 && moved < 1e-3 * tolerance_ && gauge_.same(*model)) {
         damaged = std::move(*model);
-        return std::nan("");
+        if (exact) return std::nan("");
+        unseen = true;
       }
       size *= moved > 0 ? std::clamp(2.1 * tolerance_ / moved, 0.1, 4.0) : 4.0;
     }
-    return 0;
+    return unseen ? std::nan("") : 0;
   }
 
   void damage(Mutation::Kind kind, const std::string& what, double start, bool exact, const Change& change,
