@@ -16,9 +16,9 @@
 namespace partscribe {
 namespace {
 
-constexpr std::size_t probes = 2000;          // places by which displacements are measured
-constexpr std::size_t visible = probes / 200; // so many of them must lie off the damaged surface
-constexpr std::size_t most_vertices = 24;     // of a triangulation that are moved, one at a time
+constexpr std::size_t probes = 2000;           // places by which displacements are measured
+constexpr std::size_t visible = probes / 200;  // so many of them must lie off the damaged surface
+constexpr std::size_t most_vertices = 24;      // of a triangulation that are moved, one at a time
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 std::string shown(double v) { return print_number(snapped(v, 1e-5)); }
@@ -60,7 +60,8 @@ Box3 bounds_of(const ModelDistance& distance, Vec3 center) {
 }
 
 Box3 bounds_of(const Model& model, const ModelDistance& distance) {
-  return bounds_of(distance, model.as_scanned ? evaluate(model.scan_from_part, values_of(model)).translation : Vec3(0, 0, 0));
+  return bounds_of(distance,
+                   model.as_scanned ? evaluate(model.scan_from_part, values_of(model)).translation : Vec3(0, 0, 0));
 }
 
 // ---- how far a damage moves the surface ---------------------------------------------------------------------------
@@ -151,7 +152,8 @@ Model mirrored(const Model& model, int axis, const Vec3& middle) {
   const Values values = values_of(model);
   const Mat3 mirror = mirror_matrix(axis);
   for (auto& object : result.objects) {
-    const OwnMirror own = combines(object.shape) ? OwnMirror{axis, Vec3::Zero()} : mirror_in_place(object.shape, values);
+    const OwnMirror own =
+        combines(object.shape) ? OwnMirror{axis, Vec3::Zero()} : mirror_in_place(object.shape, values);
     const Pose frame = evaluate(object.frame, values);
     const Pose turned{mirror * frame.rotation * mirror_matrix(own.axis), mirror * frame.translation};
     object.frame = frame_of(turned * shift(own.shift));
@@ -167,7 +169,8 @@ Model scaled(const Model& model, double factor, const Vec3& middle) {
   Model result = model;
   for (auto& object : result.objects) {
     visit_expressions(object.shape, [&](Expr& e, Domain domain) {
-      if (domain == Domain::length || domain == Domain::length_or_zero || domain == Domain::coordinate) e = Expr(factor) * e;
+      if (domain == Domain::length || domain == Domain::length_or_zero || domain == Domain::coordinate)
+        e = Expr(factor) * e;
     });
     if (auto* t = std::get_if<TriSurface>(&object.shape))
       for (auto& v : t->vertices)
@@ -180,7 +183,8 @@ Model scaled(const Model& model, double factor, const Vec3& middle) {
   return result;
 }
 
-// ---- what can be left out ---------------------------------------------------------------------------------------------
+// ---- what can be left out
+// ---------------------------------------------------------------------------------------------
 
 /// Without the objects that the part no longer needs.
 void prune(Model& model) {
@@ -222,10 +226,11 @@ std::vector<Omission> omissions(const Model& model) {
                 [&](Shape& s) { std::erase(sketch_of(s)->loops, sketch->loops[l]); });
       for (std::size_t l = 0; l < sketch->loops.size(); ++l)
         for (std::size_t e = 0; e < sketch->loops[l].elements.size() && sketch->loops[l].elements.size() > 1; ++e)
-          without(o, "element " + print_number(double(e + 1)) + " of loop " + quoted(sketch->loops[l].name), [&](Shape& s) {
-            auto& elements = sketch_of(s)->loops[l].elements;
-            elements.erase(elements.begin() + long(e));
-          });
+          without(o, "element " + print_number(double(e + 1)) + " of loop " + quoted(sketch->loops[l].name),
+                  [&](Shape& s) {
+                    auto& elements = sketch_of(s)->loops[l].elements;
+                    elements.erase(elements.begin() + long(e));
+                  });
     } else if (const auto* h = std::get_if<HalfSpaces>(&shape)) {
       for (std::size_t i = 0; i < h->planes.size(); ++i)
         without(o, "face " + quoted(h->planes[i].name), [&](Shape& s) {
@@ -233,7 +238,8 @@ std::vector<Omission> omissions(const Model& model) {
           planes.erase(planes.begin() + long(i));
         });
     } else if (const auto* t = std::get_if<TriSurface>(&shape); t && !t->closed && t->triangles.size() > 1) {
-      without(o, "a triangle of " + owner, [](Shape& s) { std::get<TriSurface>(s).triangles.erase(std::get<TriSurface>(s).triangles.begin()); });
+      without(o, "a triangle of " + owner,
+              [](Shape& s) { std::get<TriSurface>(s).triangles.erase(std::get<TriSurface>(s).triangles.begin()); });
     }
     auto operands = [&]<class S>(const S* combination, bool keep_first) {
       if (!combination) return;
@@ -241,8 +247,10 @@ std::vector<Omission> omissions(const Model& model) {
         without(o, combination->objects[i], [&](Shape& s) {
           auto names = combination->objects;
           names.erase(names.begin() + long(i));
-          if (names.size() == 1) s = Union{names};
-          else std::get<S>(s).objects = names;
+          if (names.size() == 1)
+            s = Union{names};
+          else
+            std::get<S>(s).objects = names;
         });
     };
     operands(std::get_if<Union>(&shape), false);
@@ -252,11 +260,13 @@ std::vector<Omission> omissions(const Model& model) {
   return result;
 }
 
-// ---- the list ---------------------------------------------------------------------------------------------------------
+// ---- the list
+// ---------------------------------------------------------------------------------------------------------
 
 class Damages {
  public:
-  explicit Damages(const Model& model) : model_(model), values_(values_of(model)), gauge_(model), tolerance_(model.tolerance) {
+  explicit Damages(const Model& model)
+      : model_(model), values_(values_of(model)), gauge_(model), tolerance_(model.tolerance) {
     Model in_part = model;
     in_part.as_scanned = false;
     middle_ = bounds_of(in_part, ModelDistance(in_part)).center();
@@ -270,7 +280,8 @@ class Damages {
     for (int axis = 0; axis < 3; ++axis)
       take(Mutation::Kind::mirrored, std::string("mirrored in ") + "xyz"[axis], mirrored(model_, axis, middle_));
     scale();
-    std::stable_sort(result_.begin(), result_.end(), [](const Mutation& a, const Mutation& b) { return a.kind < b.kind; });
+    std::stable_sort(result_.begin(), result_.end(),
+                     [](const Mutation& a, const Mutation& b) { return a.kind < b.kind; });
     return std::move(result_);
   }
 
@@ -302,7 +313,8 @@ class Damages {
         if (!model || !passes(*model)) break;
       }
       moved = gauge_.moved(*model);
-      if ((exact && attempt == 0 && moved > 1.5 * tolerance_) || (moved > 1.9 * tolerance_ && moved < 2.3 * tolerance_)) {
+      if ((exact && attempt == 0 && moved > 1.5 * tolerance_) ||
+          (moved > 1.9 * tolerance_ && moved < 2.3 * tolerance_)) {
         damaged = std::move(*model);
         return size;
       }
@@ -333,7 +345,8 @@ class Damages {
     if (!with_harmless) return;
     auto near = change(size / 20);
     if (near && passes(*near))
-      result_.push_back({Mutation::Kind::harmless, what + signed_text(size / 20), gauge_.moved(*near), std::move(*near)});
+      result_.push_back(
+          {Mutation::Kind::harmless, what + signed_text(size / 20), gauge_.moved(*near), std::move(*near)});
   }
 
   /// A first guess of an angle that moves the surface by 2 T.
@@ -342,13 +355,15 @@ class Damages {
   void parameters() {
     for (std::size_t i = 0; i < model_.parameters.size(); ++i) {
       const bool length = model_.parameters[i].quantity == Quantity::length;
-      damage(Mutation::Kind::parameter, model_.parameters[i].name, length ? 2 * tolerance_ : small_angle(), length,
-             [&](double size) -> std::optional<Model> {
-               Model m = model_;
-               auto& p = m.parameters[i];
-               p.value += size, p.fitted = p.value, p.nominal.reset();
-               return m;
-             }, true, true);
+      damage(
+          Mutation::Kind::parameter, model_.parameters[i].name, length ? 2 * tolerance_ : small_angle(), length,
+          [&](double size) -> std::optional<Model> {
+            Model m = model_;
+            auto& p = m.parameters[i];
+            p.value += size, p.fitted = p.value, p.nominal.reset();
+            return m;
+          },
+          true, true);
     }
   }
 
@@ -359,16 +374,19 @@ class Damages {
       const auto& [e, domain] = all[i];
       if (e.is_parameter() || domain == Domain::component) continue;
       const bool length = domain == Domain::length || domain == Domain::length_or_zero || domain == Domain::coordinate;
-      const std::string what = model_.objects[o].name + ": value " + print_number(double(i + 1)) + ", " + shown(evaluate(e, values_));
-      damage(Mutation::Kind::number, what, length ? 2 * tolerance_ : small_angle(), length,
-             [&, i](double size) -> std::optional<Model> {
-               Model m = model_;
-               std::size_t at = 0;
-               visit_expressions(m.objects[o].shape, [&](Expr& x, Domain) {
-                 if (at++ == i) x = x + Expr(size);
-               });
-               return m;
-             }, false, true);
+      const std::string what =
+          model_.objects[o].name + ": value " + print_number(double(i + 1)) + ", " + shown(evaluate(e, values_));
+      damage(
+          Mutation::Kind::number, what, length ? 2 * tolerance_ : small_angle(), length,
+          [&, i](double size) -> std::optional<Model> {
+            Model m = model_;
+            std::size_t at = 0;
+            visit_expressions(m.objects[o].shape, [&](Expr& x, Domain) {
+              if (at++ == i) x = x + Expr(size);
+            });
+            return m;
+          },
+          false, true);
     }
   }
 
@@ -386,7 +404,7 @@ class Damages {
       for (std::size_t e = 0; e < sketch->loops[l].elements.size(); ++e) {
         const auto* curve = std::get_if<SketchNurbs>(&sketch->loops[l].elements[e]);
         if (!curve) continue;
-        auto changed = [&, l, e](std::vector<double> SketchNurbs::* list, std::size_t i) {
+        auto changed = [&, l, e](std::vector<double> SketchNurbs::*list, std::size_t i) {
           return [&, l, e, list, i](double size) -> std::optional<Model> {
             Model m = model_;
             (std::get<SketchNurbs>(sketch_of(m.objects[o].shape)->loops[l].elements[e]).*list)[i] += size;
@@ -395,10 +413,12 @@ class Damages {
         };
         const std::string name = model_.objects[o].name + ": ";
         for (std::size_t i = 0; i < curve->weights.size(); ++i)
-          damage(Mutation::Kind::number, name + "weight " + print_number(double(i + 1)), 0.02, false, changed(&SketchNurbs::weights, i));
+          damage(Mutation::Kind::number, name + "weight " + print_number(double(i + 1)), 0.02, false,
+                 changed(&SketchNurbs::weights, i));
         for (std::size_t i = 0; i < curve->knots.size(); ++i)
           if (curve->knots[i] > curve->knots.front() && curve->knots[i] < curve->knots.back())
-            damage(Mutation::Kind::number, name + "knot " + print_number(double(i + 1)), 0.02, false, changed(&SketchNurbs::knots, i));
+            damage(Mutation::Kind::number, name + "knot " + print_number(double(i + 1)), 0.02, false,
+                   changed(&SketchNurbs::knots, i));
       }
   }
 
@@ -408,7 +428,8 @@ class Damages {
     if (!planes) return;
     for (std::size_t i = 0; i < planes->planes.size(); ++i) {
       const auto& plane = planes->planes[i];
-      const Vec3 n(evaluate(plane.normal_x, values_), evaluate(plane.normal_y, values_), evaluate(plane.normal_z, values_));
+      const Vec3 n(evaluate(plane.normal_x, values_), evaluate(plane.normal_y, values_),
+                   evaluate(plane.normal_z, values_));
       const Vec3 axis = n.unitOrthogonal();
       damage(Mutation::Kind::number, "normal of face " + quoted(plane.name), small_angle(), false,
              [&, i, n, axis](double size) -> std::optional<Model> {
@@ -432,8 +453,8 @@ class Damages {
     for (std::size_t i = 0; i < normals.size(); i += stride) {
       if (!(normals[i].norm() > 0)) continue;
       const Vec3 n = normals[i].normalized();
-      damage(Mutation::Kind::number, model_.objects[o].name + ": vertex " + print_number(double(i)), 4 * tolerance_, false,
-             [&, i, n](double size) -> std::optional<Model> {
+      damage(Mutation::Kind::number, model_.objects[o].name + ": vertex " + print_number(double(i)), 4 * tolerance_,
+             false, [&, i, n](double size) -> std::optional<Model> {
                Model m = model_;
                auto& v = std::get<TriSurface>(m.objects[o].shape).vertices[i];
                for (std::size_t k = 0; k < 3; ++k) v[k] += size * n[int(k)];
@@ -475,12 +496,13 @@ class Damages {
           Expr* all[] = {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz};
           return *all[k];
         };
-        damage(Mutation::Kind::moved, name, k < 3 ? 2 * tolerance_ : small_angle(), k < 3, [&](double size) -> std::optional<Model> {
-          Model m = model_;
-          Expr& e = component(m.objects[o].frame);
-          e = e + Expr(size);
-          return m;
-        });
+        damage(Mutation::Kind::moved, name, k < 3 ? 2 * tolerance_ : small_angle(), k < 3,
+               [&](double size) -> std::optional<Model> {
+                 Model m = model_;
+                 Expr& e = component(m.objects[o].frame);
+                 e = e + Expr(size);
+                 return m;
+               });
       }
     }
   }
@@ -492,7 +514,8 @@ class Damages {
       result_.push_back({Mutation::Kind::scaled, "scaled by 1.005", moved, std::move(model)});
     } else if (moved > 0) {
       const double factor = 1 + 0.005 * 2 * tolerance_ / moved;
-      take(Mutation::Kind::scaled, "scaled by " + shown(factor) + " (0.5 % moves the surface by " + shown(moved) + " only)",
+      take(Mutation::Kind::scaled,
+           "scaled by " + shown(factor) + " (0.5 % moves the surface by " + shown(moved) + " only)",
            scaled(model_, factor, middle_));
     }
   }
@@ -502,13 +525,20 @@ class Damages {
 
 const char* name_of(Mutation::Kind kind) {
   switch (kind) {
-    case Mutation::Kind::parameter: return "parameter";
-    case Mutation::Kind::number: return "number";
-    case Mutation::Kind::moved: return "moved";
-    case Mutation::Kind::missing: return "missing";
-    case Mutation::Kind::mirrored: return "mirrored";
-    case Mutation::Kind::scaled: return "scaled";
-    case Mutation::Kind::harmless: return "harmless";
+    case Mutation::Kind::parameter:
+      return "parameter";
+    case Mutation::Kind::number:
+      return "number";
+    case Mutation::Kind::moved:
+      return "moved";
+    case Mutation::Kind::missing:
+      return "missing";
+    case Mutation::Kind::mirrored:
+      return "mirrored";
+    case Mutation::Kind::scaled:
+      return "scaled";
+    case Mutation::Kind::harmless:
+      return "harmless";
   }
   return "harmless";
 }
@@ -540,8 +570,10 @@ std::vector<SurfacePoint> surface_points(const Model& model, std::size_t count, 
           root = i % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * d_low / (d_low - d_high);
           const double d_root = along(root);
           if (std::abs(d_root) < sharp) break;
-          if ((d_root < 0) == (d_low < 0)) low = root, d_low = d_root;
-          else high = root, d_high = d_root;
+          if ((d_root < 0) == (d_low < 0))
+            low = root, d_low = d_root;
+          else
+            high = root, d_high = d_root;
         }
         const Vec3 p = start + root * direction;
         // Beside an open sheet the sign changes where there is no surface.

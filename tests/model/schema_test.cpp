@@ -29,9 +29,26 @@ const Json& schema() {
 }
 
 /// The keywords that the schema uses; any other is a fault of the test, not silently true.
-const std::set<std::string> known_keywords = {
-    "$schema", "title", "description", "definitions", "$ref", "type", "enum", "anyOf", "oneOf", "allOf", "required", "properties",
-    "additionalProperties", "items", "minItems", "maxItems", "minimum", "maximum", "exclusiveMinimum", "pattern"};
+const std::set<std::string> known_keywords = {"$schema",
+                                              "title",
+                                              "description",
+                                              "definitions",
+                                              "$ref",
+                                              "type",
+                                              "enum",
+                                              "anyOf",
+                                              "oneOf",
+                                              "allOf",
+                                              "required",
+                                              "properties",
+                                              "additionalProperties",
+                                              "items",
+                                              "minItems",
+                                              "maxItems",
+                                              "minimum",
+                                              "maximum",
+                                              "exclusiveMinimum",
+                                              "pattern"};
 
 bool has_type(const Json& value, const std::string& type) {
   if (type == "object") return value.is_object();
@@ -62,7 +79,8 @@ class Validator {
  private:
   bool strict_;
 
-  std::string check(const std::string& keyword, const Json& argument, const Json& value, const Json& rule, const std::string& at) const {
+  std::string check(const std::string& keyword, const Json& argument, const Json& value, const Json& rule,
+                    const std::string& at) const {
     const std::string wrong = at + ": " + keyword;
     if (keyword == "$ref") {
       const std::string name = argument.get<std::string>().substr(std::string("#/definitions/").size());
@@ -80,13 +98,16 @@ class Validator {
     if (keyword == "maximum") return !value.is_number() || value <= argument ? "" : wrong;
     if (keyword == "exclusiveMinimum") return !value.is_number() || value > argument ? "" : wrong;
     if (keyword == "pattern")
-      return !value.is_string() || std::regex_search(value.get<std::string>(), std::regex(argument.get<std::string>())) ? "" : wrong;
+      return !value.is_string() || std::regex_search(value.get<std::string>(), std::regex(argument.get<std::string>()))
+                 ? ""
+                 : wrong;
     if (keyword == "minItems") return !value.is_array() || value.size() >= argument.get<std::size_t>() ? "" : wrong;
     if (keyword == "maxItems") return !value.is_array() || value.size() <= argument.get<std::size_t>() ? "" : wrong;
     if (keyword == "items" && value.is_array()) {
       for (std::size_t i = 0; i < value.size(); ++i) {
         if (argument.is_array() && i >= argument.size()) break;
-        const std::string text = fault(value[i], argument.is_array() ? argument[i] : argument, at + "[" + std::to_string(i) + "]");
+        const std::string text =
+            fault(value[i], argument.is_array() ? argument[i] : argument, at + "[" + std::to_string(i) + "]");
         if (!text.empty()) return text;
       }
     }
@@ -149,7 +170,8 @@ TEST_CASE("model.schema.json: there is a definition for every kind of shape, and
   std::set<std::string> written, defined;
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (written.insert(std::string(std::variant_alternative_t<I, Shape>::kind)), ...);
-  }(std::make_index_sequence<std::variant_size_v<Shape>>());
+  }
+  (std::make_index_sequence<std::variant_size_v<Shape>>());
   for (const auto& choice : schema()["definitions"]["shape"]["oneOf"])
     defined.insert(choice["$ref"].get<std::string>().substr(std::string("#/definitions/shape_").size()));
   CHECK(written == defined);

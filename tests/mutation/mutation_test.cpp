@@ -77,11 +77,13 @@ std::vector<Job> jobs_for(const std::string& part, const std::vector<Mutation>& 
   std::size_t turn = 0;
   for (const auto& mutation : mutations) {
     const auto kind = mutation.kind;
-    const bool in_turn = kind == Mutation::Kind::number || kind == Mutation::Kind::moved || kind == Mutation::Kind::harmless;
+    const bool in_turn =
+        kind == Mutation::Kind::number || kind == Mutation::Kind::moved || kind == Mutation::Kind::harmless;
     const bool one = in_turn && !everything;
     for (std::size_t i = 0; i < (one ? 1 : backends().size()); ++i) {
       const std::string& backend = backends()[(turn + i) % backends().size()].name;
-      const bool is_heavy = std::any_of(heavy.begin(), heavy.end(), [&](const Heavy& h) { return h.part == part && h.backend == backend; });
+      const bool is_heavy = std::any_of(heavy.begin(), heavy.end(),
+                                        [&](const Heavy& h) { return h.part == part && h.backend == backend; });
       if (is_heavy && (kind == Mutation::Kind::harmless || !tried.insert({backend, kind}).second)) continue;
       jobs.push_back({&mutation, backend});
     }
@@ -99,7 +101,8 @@ void write_artifact(Job& job, const Model& truth, const Path& folder) {
   if (!artifact.ok()) return void(job.found = artifact.error().message);
   std::filesystem::create_directory(folder);
   for (const auto& f : artifact->files)
-    if (const auto written = write_file(folder / f.name, f.bytes); !written.ok()) return void(job.found = written.error().message);
+    if (const auto written = write_file(folder / f.name, f.bytes); !written.ok())
+      return void(job.found = written.error().message);
   job.file = folder / artifact->files[0].name;
 }
 
@@ -109,7 +112,8 @@ void judge(Job& job, const Model& truth, const Scan& scan) {
   options.tolerance = truth.tolerance;
   // Only a model can say that an open sheet is what was meant.
   const auto* surface = std::get_if<TriSurface>(&truth.objects.back().shape);
-  const auto verdict = verify({job.file}, scan, surface && !surface->closed ? std::optional(truth) : std::nullopt, options, context);
+  const auto verdict =
+      verify({job.file}, scan, surface && !surface->closed ? std::optional(truth) : std::nullopt, options, context);
   if (!verdict.ok()) return void(job.found = verdict.error().message);
   job.found = name_of(verdict->verdict);
   for (const auto& reason : verdict->artifacts[0].reasons) job.reasons += reason + "; ";
@@ -137,12 +141,14 @@ void refuses_damages(const std::string& part) {
     INFO(part << ", " << job.damage() << ", " << job.backend << ": " << job.reasons);
     CHECK(job.found == job.expected());
     table << part << '\t' << (job.mutation ? name_of(job.mutation->kind) : "none") << '\t' << job.damage() << '\t'
-          << print_number(job.mutation ? job.mutation->moved : 0) << '\t' << job.backend << '\t' << job.found << '\t' << job.reasons << '\n';
+          << print_number(job.mutation ? job.mutation->moved : 0) << '\t' << job.backend << '\t' << job.found << '\t'
+          << job.reasons << '\n';
   }
 }
 
 std::size_t count_of(const std::vector<Mutation>& mutations, Mutation::Kind kind) {
-  return static_cast<std::size_t>(std::count_if(mutations.begin(), mutations.end(), [&](const Mutation& m) { return m.kind == kind; }));
+  return static_cast<std::size_t>(
+      std::count_if(mutations.begin(), mutations.end(), [&](const Mutation& m) { return m.kind == kind; }));
 }
 
 }  // namespace
@@ -187,12 +193,15 @@ TEST_CASE("mutation: a damage moves the surface by as much as it says") {
   const Model pin = golden("pin");
   for (const auto& m : mutations_of(pin)) {
     INFO(m.name);
-    if (m.kind == Mutation::Kind::harmless) CHECK(m.moved < 0.15 * pin.tolerance);
-    else CHECK(m.moved > 1.5 * pin.tolerance);
+    if (m.kind == Mutation::Kind::harmless)
+      CHECK(m.moved < 0.15 * pin.tolerance);
+    else
+      CHECK(m.moved > 1.5 * pin.tolerance);
   }
   // Half a percent about the middle of a bar of 80 mm: 0.2 mm at its ends.
   const auto bar = mutations_of(golden("cylinder"));
-  const auto scaled = std::find_if(bar.begin(), bar.end(), [](const Mutation& m) { return m.kind == Mutation::Kind::scaled; });
+  const auto scaled =
+      std::find_if(bar.begin(), bar.end(), [](const Mutation& m) { return m.kind == Mutation::Kind::scaled; });
   REQUIRE(scaled != bar.end());
   CHECK(scaled->name == "scaled by 1.005");
   CHECK(scaled->moved == Approx(0.2).epsilon(0.01));
