@@ -1,0 +1,70 @@
+// Pin
+//
+// Units: millimetres and degrees. Tolerance: 0.08 mm.
+// Fit: rms 0.0042 mm, at most 0.0046 mm from 43,290 points, 100 % of its surface scanned.
+// Source: scan.json, view_00.png, view_01.png, view_02.png and 3 more.
+// Written by partscribe 0.1.0.
+
+/* [Switches] */
+// true: the sizes the part was designed with, false: as it was built, with the fitted sizes
+as_designed = true;
+// true: where the scan has the part, false: in the part's own frame
+as_scanned = true;
+
+/* [Turned body] */
+// radius of the fillet [mm]
+fillet_radius = as_designed ? 1.5 : 1.5007;  // fitted 1.5007 +/- 0.0008 from 610 points; nominal 1.5 (multiples of 0.5 mm, z = -0.9)
+// height of a flat face [mm]
+shoulder_z = as_designed ? 6 : 5.9998;       // fitted 5.9998 +/- 0.0005 from 1,643 points; nominal 6 (multiples of 1 mm, z = 0.5)
+// radius of the shank [mm]
+shank_radius = as_designed ? 6 : 5.9999;     // fitted 5.9999 +/- 0.0004 from 13,541 points; nominal 6 (multiples of 1 mm, z = 0.2)
+// radius of the head [mm]
+head_radius = 10;                            // fitted 10 +/- 0.0004 from 3,383 points; nominal 10 (multiples of 10 mm, z = 0)
+// width and height of the 45 degree chamfer [mm]
+chamfer = as_designed ? 1 : 1.0003;          // fitted 1.0003 +/- 0.0006 from 414 points; nominal 1 (multiples of 1 mm, z = -0.6)
+// length over all [mm]
+total_length = as_designed ? 46 : 45.9999;   // fitted 45.9999 +/- 0.0005 from 1,144 points; nominal 46 (multiples of 1 mm, z = 0.2)
+
+/* [Quality] */
+// largest distance between a curved surface and the facets that stand for it [mm]
+chord_error = 0.008;
+
+assert(fillet_radius > 0, "fillet_radius must be positive");
+
+module turned_body_profile()
+  polygon([
+    [0, 0],                                  // bottom face
+    [head_radius, 0],                        // head
+    [head_radius, shoulder_z],               // shoulder
+    // fillet, then shank
+    each arc([shank_radius + fillet_radius, shoulder_z + fillet_radius], fillet_radius, -90, -180),
+    [shank_radius, total_length - chamfer],  // cone
+    [shank_radius - chamfer, total_length],  // top face
+    [0, total_length]                        // axis
+  ]);
+
+module turned_body() {
+  n = facets(head_radius);
+  rotate_extrude($fn = n) scale([straddled(1, n), 1]) turned_body_profile();
+}
+
+// From the part's own frame to the scan's.
+module scan_from_part() translate([25.8715, -28.934, 66.2697]) rotate([-32.823, -159.7628, 0]) children();
+
+// Number of facets around a circle of radius r; a multiple of 4, so that corners lie on the axes.
+// Half of chord_error is spent around, half along a profile.
+function facets(r) = 4 * ceil(22.5 / atan(sqrt(chord_error / 2 / max(r, chord_error))));
+
+// Radius of a polygon with n corners that is as far outside a circle of radius r as inside.
+function straddled(r, n) = 2 * r / (1 + cos(180 / n));
+
+// Points on the arc about center from one angle to another, both ends included.
+function arc(center, r, from, to) =
+  let (step = 2 * acos(1 - chord_error / 2 / max(r, chord_error)),
+       n = ceil(abs(to - from) / step))
+  [for (i = [0 : n]) let (a = i == n ? to : from + (to - from) * i / n) center + r * [cos(a), sin(a)]];
+
+module part() turned_body();
+
+if (as_scanned) scan_from_part() part();
+else part();
