@@ -1,6 +1,7 @@
 #include "geometry/curve2.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/ensure.h"
@@ -103,10 +104,13 @@ Eigen::Vector3d homogeneous(const Nurbs2& c, int i) {
   return {c.control[i].x() * w, c.control[i].y() * w, w};
 }
 
+constexpr int highest_degree = 9;
+
 /// de Boor on homogeneous control points; `order` derivatives by differencing the control polygon first.
 Eigen::Vector3d de_boor(const Nurbs2& c, double u, int order) {
   const int p = c.degree, s = span_of(c, u);
-  std::vector<Eigen::Vector3d> d(static_cast<std::size_t>(p) + 1);
+  ensure(p <= highest_degree, "a NURBS curve has at most degree 9");
+  std::array<Eigen::Vector3d, highest_degree + 1> d;  // no allocation: this is the innermost loop of every fit
   for (int j = 0; j <= p; ++j) d[j] = homogeneous(c, s - p + j);
   int q = p;
   for (int k = 0; k < order && q > 0; ++k, --q)
@@ -268,7 +272,7 @@ OutlineDistance::Hit OutlineDistance::operator()(const Vec2& p) const {
         const double g = d1.dot(q - p), h = d1.squaredNorm() + d2.dot(q - p);
         const double step = -g / (h > 0 ? h : std::max(d1.squaredNorm(), 1e-300));
         u = std::clamp(u + step, c.knots[c.degree], c.knots[c.control.size()]);
-        if (std::abs(step) < 1e-14 * (u1 - u0 + std::abs(u))) break;
+        if (std::abs(step) < 1e-12 * (c.knots[c.control.size()] - c.knots[c.degree])) break;
       }
       c.derivatives(u, q, d1, d2);
       foot = {(p - q).squaredNorm(), q};
