@@ -191,7 +191,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;
       Candidate tidy = exact;
-      snap_parameters(tidy, {options.tolerance, nominal});
+      snap_parameters(tidy, {options.tolerance, input.bounds.diagonal(), nominal});
       // Round numbers shift what hangs on them: let the rest settle around them once more.
       std::vector<double> printed;
       Candidate settled = tidy;

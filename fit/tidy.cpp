@@ -1,6 +1,7 @@
 #include "fit/tidy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -32,6 +33,19 @@ std::optional<NominalEvidence> nominal_for(const Parameter& p, double tolerance)
   return missed;
 }
 
+/// A unit normal without components that move nothing by a tenth of the tolerance.
+void square_up(HalfSpace& plane, const TidyOptions& options) {
+  std::array<Expr*, 3> parts = {&plane.normal_x, &plane.normal_y, &plane.normal_z};
+  Vec3 n;
+  for (int k = 0; k < 3; ++k) {
+    if (!parts[k]->is_number()) return;
+    n[k] = std::abs(parts[k]->number) * options.size < options.tolerance / 10 ? 0.0 : parts[k]->number;
+  }
+  if (!(n.norm() > 0.5)) return;
+  n.normalize();
+  for (int k = 0; k < 3; ++k) *parts[k] = Expr(snapped(n[k], 1e-8));
+}
+
 /// How much of a turn a shape feels.
 enum class Symmetry { none, about_z, all };
 
@@ -46,6 +60,8 @@ Symmetry symmetry_of(const Shape& shape) {
 }  // namespace
 
 void snap_parameters(Candidate& candidate, const TidyOptions& options) {
+  if (auto* body = std::get_if<HalfSpaces>(&candidate.shape))
+    for (auto& plane : body->planes) square_up(plane, options);
   for (auto& p : candidate.parameters) {
     if (p.quantity == Quantity::count) continue;
     const bool angle = p.quantity == Quantity::angle;
