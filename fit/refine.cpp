@@ -106,6 +106,8 @@ class Problem {
         j.block<1, 3>(row, first + 3) = -((p - center_).cross(gradient)).transpose() / size_;
       }
     });
+    // Half-spaces move with their offsets: shifting the frame as well would say the same twice.
+    if (std::holds_alternative<HalfSpaces>(candidate_.shape)) j.middleCols(first, 3).setZero();
     return j;
   }
 
