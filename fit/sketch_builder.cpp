@@ -6,29 +6,13 @@
 #include <optional>
 
 #include "core/number.h"
+#include "fit/sketch_pieces.h"
 
 namespace partscribe {
 namespace {
 
-enum class Way { horizontal, vertical, oblique };
-
-struct Piece {
-  ProfileSegment s;
-  Way way = Way::oblique;  // of a line
-  int level = -1;          // of a horizontal or vertical line
-  // Of an arc, once its relations are known:
-  Expr cx, cy, r, from, to;
-  double from0 = 0, to0 = 0;                        // measured
-  bool tangent_start = false, tangent_end = false;  // to a horizontal or vertical line
-  bool solved = false;
-  std::optional<Expr> joint_start, joint_end;  // angles fixed by a tangent neighbouring arc
-  std::string name;
-};
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-/// The angle equal to `angle` up to full turns that is nearest to `near`.
-double turned_near(double angle, double near) { return angle + 2 * pi * std::round((near - angle) / (2 * pi)); }
+using Piece = SketchPiece;
+using Level = SketchLevel;
 
 class Builder {
  public:
@@ -37,9 +21,11 @@ class Builder {
   }
 
   BuiltSketch build() {
-    choose_origin();
-    for (auto& loop : loops_) prepare(loop);
-    for (auto& pieces : pieces_) classify_lines(pieces);
+    origin_ = sketch_origin(loops_, o_);
+    // The origin has coordinates of its own; on a revolve x = 0 is the axis.
+    for (auto& known : known_) known.emplace_back(0.0, Expr(0));
+    for (const auto& loop : loops_) pieces_.push_back(sketch_pieces(loop, origin_, o_));
+    for (auto& pieces : pieces_) find_levels(pieces, levels_, same_);
     for (std::size_t l = 0; l < pieces_.size(); ++l) mark_tangents(pieces_[l], loops_[l].axis_to_axis);
     for (std::size_t l = 0; l < pieces_.size(); ++l) solve_arcs(pieces_[l], loops_[l].axis_to_axis);
     for (std::size_t l = 0; l < pieces_.size(); ++l) emit(pieces_[l], loops_[l]);
@@ -89,111 +75,7 @@ class Builder {
     return e;
   }
 
-  // ---- preparation -------------------------------------------------------------------------------------------------
-
-  void choose_origin() {
-    double best = -1;
-    if (o_.revolve) {
-      // The lowest flat face; else the centre of an arc on the axis; else the lowest point.
-      double low = 1e300, lowest = 1e300;
-      std::optional<double> center;
-      for (const auto& loop : loops_)
-        for (const auto& s : loop.segments) {
-          lowest = std::min({lowest, s.start.y(), s.end.y()});
-          if (!s.arc && !s.spline && std::abs(s.direction.y()) * s.length() / 2 < relation() &&
-              s.length() > 4 * o_.tolerance)
-            low = std::min(low, s.point.y());
-          if (s.arc && std::abs(s.center.x()) < std::max(o_.tolerance / 2, 0.02 * s.radius) && s.length() > best)
-            best = s.length(), center = s.center.y();
-        }
-      origin_ = {0, low < 1e300 ? low : center ? *center : lowest};
-      known_[0].emplace_back(0.0, Expr(0));
-      known_[1].emplace_back(0.0, Expr(0));
-      return;
-    }
-    // The largest round hole, a single round outline, or the corner of the edges lowest in x and y.
-    for (const auto& loop : loops_)
-      if (loop.segments.size() == 1 && loop.segments[0].arc && (&loop != &loops_[0] || loops_.size() == 1) &&
-          loop.segments[0].radius > best + same_) {
-        best = loop.segments[0].radius;
-        origin_ = loop.segments[0].center;
-      }
-    if (best < 0) {
-      Vec2 low = Vec2::Constant(1e300);
-      for (const auto& s : loops_[0].segments) {
-        low = low.cwiseMin(s.start).cwiseMin(s.end);
-        if (s.arc || s.spline) continue;
-        if (std::abs(s.direction.x()) * s.length() / 2 < relation()) low.x() = std::min(low.x(), s.point.x());
-        if (std::abs(s.direction.y()) * s.length() / 2 < relation()) low.y() = std::min(low.y(), s.point.y());
-      }
-      // Corners are means of nodes and lie a little inside: the level of the edge itself is meant.
-      Vec2 edge = low;
-      for (const auto& s : loops_[0].segments) {
-        if (s.arc || s.spline) continue;
-        if (std::abs(s.direction.x()) * s.length() / 2 < relation() && std::abs(s.point.x() - low.x()) < o_.tolerance)
-          edge.x() = s.point.x();
-        if (std::abs(s.direction.y()) * s.length() / 2 < relation() && std::abs(s.point.y() - low.y()) < o_.tolerance)
-          edge.y() = s.point.y();
-      }
-      origin_ = edge;
-    }
-    for (auto& known : known_) known.emplace_back(0.0, Expr(0));
-  }
-
-  static bool curved(const Piece& p) { return p.s.arc || p.s.spline; }
-
-  double relation() const { return o_.tolerance / 3; }
-
-  void prepare(const LoopPieces& loop) {
-    std::vector<Piece> pieces;
-    for (const auto& s : loop.segments) {
-      Piece p;
-      p.s = s;
-      p.s.start -= origin_, p.s.end -= origin_, p.s.point -= origin_, p.s.center -= origin_;
-      for (auto& c : p.s.curve.control) c -= origin_;
-      if (s.arc) {
-        const Vec2 d = p.s.start - p.s.center;
-        p.from0 = std::atan2(d.y(), d.x());
-        p.to0 = p.from0 + s.sweep;
-      }
-      pieces.push_back(p);
-    }
-    pieces_.push_back(std::move(pieces));
-  }
-
-  struct Level {
-    int axis;  // 0: x (vertical lines), 1: y
-    double value;
-    double length = 0;
-    double low = 1e300, high = -1e300;  // extent along the line
-    bool rising = true;                 // direction of its longest line
-    Expr expr;
-    bool set = false;
-  };
-
-  void classify_lines(std::vector<Piece>& pieces) {
-    for (auto& p : pieces) {
-      if (curved(p)) continue;
-      const double half = p.s.length() / 2;
-      if (std::abs(p.s.direction.y()) * half < relation() && std::abs(p.s.direction.y()) < 0.25)
-        p.way = Way::horizontal;
-      else if (std::abs(p.s.direction.x()) * half < relation() && std::abs(p.s.direction.x()) < 0.25)
-        p.way = Way::vertical;
-      if (p.way == Way::oblique) continue;
-      const int axis = p.way == Way::vertical ? 0 : 1;
-      const double v = p.s.point[axis];
-      auto found = std::find_if(levels_.begin(), levels_.end(), [&](const Level& level) {
-        return level.axis == axis && std::abs(level.value - v) < same_;
-      });
-      if (found == levels_.end())
-        found = levels_.insert(levels_.end(), Level{axis, v, 0, 1e300, -1e300, true, {}, false});
-      if (p.s.length() > found->length) found->rising = p.s.direction[1 - axis] > 0;
-      found->length += p.s.length();
-      found->low = std::min({found->low, p.s.start[1 - axis], p.s.end[1 - axis]});
-      found->high = std::max({found->high, p.s.start[1 - axis], p.s.end[1 - axis]});
-      p.level = static_cast<int>(found - levels_.begin());
-    }
-  }
+  // ---- levels ------------------------------------------------------------------------------------------------------
 
   Expr level_expr(int index) {
     Level& level = levels_[static_cast<std::size_t>(index)];
@@ -230,53 +112,30 @@ class Builder {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       Piece& a = pieces[i];
       if (!a.s.arc) continue;
-      auto tangent_to = [&](const Piece* b, double end_angle, double away) {
-        if (!b || curved(*b) || b->way == Way::oblique) return false;
-        const int axis = b->way == Way::vertical ? 0 : 1;
-        const double side = a.s.center[axis] - b->s.point[axis];
-        // The touching point must be where the arc ends, within the uncertainty of a shallow crossing.
-        const double touch = axis == 0 ? (side > 0 ? pi : 0.0) : (side > 0 ? -pi / 2 : pi / 2);
-        const double off = std::abs(turned_near(touch, end_angle) - end_angle);
-        const double miss = std::abs(std::abs(side) - a.s.radius);
-        return (off < 0.35 || off * a.s.radius < 3 * o_.tolerance) &&
-               miss < std::max(o_.tolerance, 0.03 * a.s.radius) && away >= 0;
-      };
-      a.tangent_start = tangent_to(neighbour(pieces, i, -1, axis_to_axis), a.from0, 0);
-      a.tangent_end = tangent_to(neighbour(pieces, i, +1, axis_to_axis), a.to0, 0);
+      auto tangent_to = [&](const Piece* b, double end_angle) { return b && touches(a, end_angle, *b, o_); };
+      a.tangent_start = tangent_to(neighbour(pieces, i, -1, axis_to_axis), a.from0);
+      a.tangent_end = tangent_to(neighbour(pieces, i, +1, axis_to_axis), a.to0);
     }
-  }
-
-  bool on_axis(const Piece& a) const {
-    return o_.revolve && std::abs(a.s.center.x()) < std::max(o_.tolerance / 2, 0.02 * a.s.radius);
   }
 
   std::size_t index_of(const std::vector<Piece>& pieces, std::size_t i, int step) const {
     return (i + pieces.size() + static_cast<std::size_t>(step + static_cast<int>(pieces.size()))) % pieces.size();
   }
 
-  /// Do two arcs in a row touch without a corner?
-  bool arcs_tangent(const Piece& a, const Piece& b) const {
-    const Vec2 ta = Vec2(-std::sin(a.to0), std::cos(a.to0)) * (a.s.sweep > 0 ? 1 : -1);
-    const Vec2 tb = Vec2(-std::sin(b.from0), std::cos(b.from0)) * (b.s.sweep > 0 ? 1 : -1);
-    const double d = (a.s.center - b.s.center).norm();
-    const bool opposite = (a.s.sweep > 0) != (b.s.sweep > 0);
-    const double miss =
-        opposite ? std::abs(d - a.s.radius - b.s.radius) : std::abs(d - std::abs(a.s.radius - b.s.radius));
-    return ta.dot(tb) > 0.9 && miss < std::max(2 * o_.tolerance, 0.05 * std::min(a.s.radius, b.s.radius));
-  }
-
   /// The reference of an arc whose centre follows from a tangent neighbouring arc: -1 before, +1 after, 0 none. The
   /// freer of two tangent arcs depends on the other; of two equally free ones the later.
   int reference_of(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) const {
     const Piece& a = pieces[i];
-    if (!a.s.arc || on_axis(a) || (a.tangent_start && a.tangent_end)) return 0;
-    auto freedom = [&](const Piece& p) { return 2 - int(on_axis(p)) - int(p.tangent_start) - int(p.tangent_end); };
+    if (!a.s.arc || centred_on_axis(a, o_) || (a.tangent_start && a.tangent_end)) return 0;
+    auto freedom = [&](const Piece& p) {
+      return 2 - int(centred_on_axis(p, o_)) - int(p.tangent_start) - int(p.tangent_end);
+    };
     for (const int step : {-1, +1}) {
       const Piece* b = neighbour(pieces, i, step, axis_to_axis);
       if (!b || !b->s.arc || b == &a) continue;
       if (step < 0 ? a.tangent_start : a.tangent_end) continue;
-      if (!(step < 0 ? arcs_tangent(*b, a) : arcs_tangent(a, *b))) continue;
-      if (freedom(a) > freedom(*b) || on_axis(*b) ||
+      if (!(step < 0 ? arcs_tangent(*b, a, o_) : arcs_tangent(a, *b, o_))) continue;
+      if (freedom(a) > freedom(*b) || centred_on_axis(*b, o_) ||
           (freedom(a) == freedom(*b) && step < 0 && index_of(pieces, i, -1) < i))
         return step;
     }
@@ -364,7 +223,7 @@ class Builder {
     a.solved = true;
     const bool convex = a.s.sweep > 0;
     if (pieces.size() == 1) return full_circle(a);
-    const bool centred = on_axis(a);
+    const bool centred = centred_on_axis(a, o_);
     const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
     const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
     std::vector<const Piece*> touched;
@@ -479,7 +338,7 @@ class Builder {
       if (a.cx == Expr(0)) return near(Expr(std::sin(measured) >= 0 ? pi / 2 : -pi / 2));
       return crossing_x(Expr(0));
     }
-    if (b && !curved(*b) && b->way != Way::oblique) {
+    if (b && !b->curved() && b->way != Way::oblique) {
       const int axis = b->way == Way::vertical ? 0 : 1;
       const double side = (axis == 0 ? cx : cy) - levels_[b->level].value;
       if (tangent) return near(Expr(axis == 0 ? (side > 0 ? pi : 0.0) : (side > 0 ? -pi / 2 : pi / 2)));
@@ -522,14 +381,8 @@ class Builder {
   // ---- elements
   // -------------------------------------------------------------------------------------------------------
 
-  static std::optional<Vec2> intersection(const ProfileSegment& a, const ProfileSegment& b) {
-    const double c = cross(a.direction, b.direction);
-    if (std::abs(c) < 0.02) return {};
-    return Vec2(a.point + a.direction * (cross(b.point - a.point, b.direction) / c));
-  }
-
   std::string edge_role(const Piece& p) const {
-    if (curved(p)) return "";
+    if (p.curved()) return "";
     if (!p.s.supported) return "unseen end";
     if (!o_.revolve) {
       if (p.way == Way::horizontal) return p.s.direction.x() > 0 ? "front" : "back";
@@ -549,7 +402,7 @@ class Builder {
     Loop loop;
     loop.name = source.name;
     const std::size_t n = pieces.size();
-    if (source.axis_to_axis && !curved(pieces.front())) {
+    if (source.axis_to_axis && !pieces.front().curved()) {
       const Piece& p = pieces.front();
       add_point(loop, Expr(0), axis_height(p), edge_role(p));
     }
@@ -564,9 +417,9 @@ class Builder {
       const Piece* after = neighbour(pieces, i, +1, source.axis_to_axis);
       if (p.s.spline) {
         const Piece* before = neighbour(pieces, i, -1, source.axis_to_axis);
-        SketchNurbs n;
-        n.degree = p.s.curve.degree;
-        n.knots = p.s.curve.knots;
+        SketchNurbs spline;
+        spline.degree = p.s.curve.degree;
+        spline.knots = p.s.curve.knots;
         const double step = power_of_ten_below(o_.tolerance / 100);
         // Its ends lie on the edges beside it, or on the axis: the nodes stop a little short of them.
         std::vector<Vec2> control = p.s.curve.control;
@@ -581,7 +434,7 @@ class Builder {
             reach(end, inner, 0, 0);
             return {Expr(0), std::nullopt};
           }
-          if (!b || curved(*b) || b->way == Way::oblique) return {};
+          if (!b || b->curved() || b->way == Way::oblique) return {};
           const int axis = b->way == Way::vertical ? 0 : 1;
           reach(end, inner, axis, levels_[b->level].value);
           if (axis == 0) return {level_expr(b->level), std::nullopt};
@@ -589,21 +442,22 @@ class Builder {
         };
         const auto first = attach(control.front(), control[1], before);
         const auto last = attach(control.back(), control[control.size() - 2], after);
-        for (const auto& c : control) n.control.push_back({Expr(snapped(c.x(), step)), Expr(snapped(c.y(), step))});
+        for (const auto& c : control)
+          spline.control.push_back({Expr(snapped(c.x(), step)), Expr(snapped(c.y(), step))});
         for (int axis = 0; axis < 2; ++axis) {
-          if (first[axis]) n.control.front()[axis] = *first[axis];
-          if (last[axis]) n.control.back()[axis] = *last[axis];
+          if (first[axis]) spline.control.front()[axis] = *first[axis];
+          if (last[axis]) spline.control.back()[axis] = *last[axis];
         }
-        n.name = "curve";
-        n.edge = after ? edge_role(*after) : source.axis_to_axis ? "axis" : "";
-        loop.elements.push_back(std::move(n));
+        spline.name = "curve";
+        spline.edge = after ? edge_role(*after) : source.axis_to_axis ? "axis" : "";
+        loop.elements.push_back(std::move(spline));
         continue;
       }
       if (!after) {
         if (source.axis_to_axis) add_point(loop, Expr(0), axis_height(p), "axis");
         continue;
       }
-      if (curved(*after)) continue;  // the curve's end is the corner
+      if (after->curved()) continue;  // the curve's end is the corner
       corner(loop, pieces, i, p, *after, source.axis_to_axis);
     }
     if (source.axis_to_axis && pieces.back().s.arc) std::get<SketchArc>(loop.elements.back()).edge = "axis";
@@ -621,10 +475,10 @@ class Builder {
   /// A short oblique edge between a horizontal and a vertical one.
   bool is_chamfer(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) const {
     const Piece& p = pieces[i];
-    if (curved(p) || p.way != Way::oblique) return false;
+    if (p.curved() || p.way != Way::oblique) return false;
     const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
     const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
-    if (!before || !after || curved(*before) || curved(*after)) return false;
+    if (!before || !after || before->curved() || after->curved()) return false;
     if (!((before->way == Way::horizontal && after->way == Way::vertical) ||
           (before->way == Way::vertical && after->way == Way::horizontal)))
       return false;
@@ -641,7 +495,7 @@ class Builder {
     const Piece& v = before->way == Way::horizontal ? *after : *before;
     ProfileSegment hl = h.s, vl = v.s;
     hl.direction = {1, 0}, vl.direction = {0, 1};
-    const auto on_h = intersection(p.s, hl), on_v = intersection(p.s, vl);
+    const auto on_h = crossing_of(p.s, hl), on_v = crossing_of(p.s, vl);
     const double dx = on_h ? std::abs(on_h->x() - v.s.point.x()) : p.s.length();
     const double dy = on_v ? std::abs(on_v->y() - h.s.point.y()) : p.s.length();
     std::pair<Expr, Expr> legs;
@@ -674,7 +528,7 @@ class Builder {
       return p.way == Way::horizontal ? std::optional<Expr>(level_expr(p.level)) : std::nullopt;
     };
     std::optional<Expr> x = x_of(a) ? x_of(a) : x_of(b), y = y_of(a) ? y_of(a) : y_of(b);
-    const Vec2 joint = intersection(a.s, b.s).value_or(0.5 * (a.s.end + b.s.start));
+    const Vec2 joint = crossing_of(a.s, b.s).value_or(0.5 * (a.s.end + b.s.start));
     const Vec2 safe = (joint - 0.5 * (a.s.end + b.s.start)).norm() < a.s.length() + b.s.length()
                           ? joint
                           : Vec2(0.5 * (a.s.end + b.s.start));
