@@ -157,6 +157,21 @@ struct Check {
       else if (l > 0 && enclosed > 0)
         complain(where + ": loop " + quoted(name) + " is a hole and must run clockwise");
     }
+    // Holes lie inside the outer boundary and outside each other.
+    auto alone = [&](int l) {
+      Outline2 one;
+      for (const auto& c : outline.curves)
+        if (c.loop == l) one.curves.push_back(c);
+      return one;
+    };
+    for (std::size_t l = 1; l < sketch.loops.size(); ++l) {
+      const Outline2 hole = alone(static_cast<int>(l));
+      const Vec2 place = start_of(hole.curves.front().curve);
+      for (std::size_t k = 0; k < sketch.loops.size(); ++k)
+        if (k != l && OutlineDistance(alone(static_cast<int>(k))).inside(place) != (k == 0))
+          return complain(where + ": loop " + quoted(sketch.loops[l].name) +
+                          (k == 0 ? " is a hole outside the outer loop" : " lies in another hole"));
+    }
     if (profile)
       for (const auto& chord : chords)
         if (chord.a.x() < -1e-7) return complain(where + ": the profile crosses the axis");

@@ -63,6 +63,11 @@ TEST_CASE("check: sketches are simple, closed the right way round, and keep off 
   expect_complaint(test::model_with(Revolve{{{test::polygon({{-1, 0}, {5, 0}, {5, 5}, {-1, 5}})}}}), "crosses the axis");
   Loop hole = test::polygon({{2, 2}, {4, 2}, {4, 4}, {2, 4}});
   expect_complaint(test::model_with(Extrude{{{test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), hole}}, 5}), "must run clockwise");
+  const Loop outer = test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
+  const Loop far = test::polygon({{22, 2}, {22, 4}, {24, 4}, {24, 2}});
+  expect_complaint(test::model_with(Extrude{{{outer, far}}, 5}), "outside the outer loop");
+  const Loop large = test::polygon({{1, 1}, {1, 9}, {9, 9}, {9, 1}}), small = test::polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}});
+  expect_complaint(test::model_with(Extrude{{{outer, large, small}}, 5}), "another hole");
 }
 
 TEST_CASE("check: triangulations are manifold and face outward") {
