@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "codegen/describe.h"
 #include "core/number.h"
 
 namespace partscribe {
@@ -25,19 +26,6 @@ std::string noun_of(const Shape& shape) {
   if (kind == "difference") return "a body with cuts";
   if (kind == "intersection") return "an intersection";
   return "a " + std::string(kind);
-}
-
-std::string unit_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::length:
-      return "mm";
-    case Quantity::angle:
-      return "deg";
-    case Quantity::count:
-    case Quantity::ratio:
-      break;
-  }
-  return "";
 }
 
 double shown(double value, Quantity quantity) { return quantity == Quantity::angle ? degrees(value) : value; }

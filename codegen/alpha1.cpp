@@ -103,9 +103,7 @@ class Writer {
   TemplateList parameter_groups() {
     TemplateList groups;
     for (const auto& group : grouped_parameters(model_)) {
-      TemplateList rows;
-      std::vector<std::string> statements, fits;
-      std::size_t width = 0;
+      std::vector<std::string> statements;
       auto real = [](const std::string& number) { return print_real(*parse_number(number)); };
       for (const Parameter* p : group.parameters) {
         const std::string value = real(value_text(p->quantity, p->value));
@@ -115,19 +113,8 @@ class Writer {
           as_designed_ = true;
         }
         statements.push_back(statement);
-        fits.push_back(describe_fit(*p, model_.tolerance));
-        if (!fits.back().empty()) width = std::max(width, statement.size());
       }
-      for (std::size_t i = 0; i < statements.size(); ++i) {
-        const Parameter& p = *group.parameters[i];
-        const std::string unit = unit_of(p.quantity);
-        std::string meaning = one_line(p.note);
-        if (!unit.empty()) meaning += (meaning.empty() ? "[" : " [") + unit + "]";
-        std::string statement = statements[i];
-        if (!fits[i].empty()) statement.resize(std::max(width, statement.size()), ' ');
-        rows.push_back({{"meaning", meaning}, {"statement", statement}, {"fit", fits[i]}});
-      }
-      groups.push_back({{"title", group.title}, {"parameters", rows}});
+      groups.push_back({{"title", group.title}, {"parameters", parameter_rows(group, statements, model_.tolerance)}});
     }
     return groups;
   }
@@ -192,19 +179,22 @@ class Writer {
     data["net"] = label;
     data["corner"] = text_.fresh(o.name + " corner");
     data["section"] = text_.fresh(o.name + " section");
-    for (const auto& [name, field] : {std::pair{"a1", &s.a1}, {"a2", &s.a2}, {"a3", &s.a3}, {"taper_x", &s.taper_x}, {"taper_y", &s.taper_y}})
+    for (const auto& [name, field] :
+         {std::pair{"a1", &s.a1}, {"a2", &s.a2}, {"a3", &s.a3}, {"taper_x", &s.taper_x}, {"taper_y", &s.taper_y}})
       data[name] = text_.factor(*field);
     for (const auto& [name, field] : {std::pair{"e1", &s.e1}, {"e2", &s.e2}})
       data[name] = print_real(text_.value(*field)) + (field->is_number() ? "" : " (" + text_.plain(*field) + ")");
     data["deviation"] = print_number(std::max(snapped(net.deviation, 1e-4), 1e-4));
     TemplateList around, along;
     for (const auto& a : net.around) around.push_back({{"c", print_real(a.c)}, {"s", print_real(a.s)}});
-    for (const auto& a : net.along) along.push_back({{"r", print_real(a.r)}, {"q", print_real(a.q)}, {"z", print_real(a.z)}});
+    for (const auto& a : net.along)
+      along.push_back({{"r", print_real(a.r)}, {"q", print_real(a.q)}, {"z", print_real(a.z)}});
     data["around"] = around;
     data["along"] = along;
     if (auto done = step("superellipsoid.scl", data); !done.ok()) return done.error();
     const std::string order = order_name(net.order);
-    return "solidOfSurface( surface( " + order + ", \"ec_periodic\", \"kv_uniform\", " + order + ", \"ec_open\", \"kv_uniform\", " + label + " ) )";
+    return "solidOfSurface( surface( " + order + ", \"ec_periodic\", \"kv_uniform\", " + order +
+           ", \"ec_open\", \"kv_uniform\", " + label + " ) )";
   }
 
   Made expression_of(const Object& o, const HalfSpaces& s) {
@@ -212,8 +202,8 @@ class Writer {
     std::vector<std::string> rows;
     std::size_t width = 0;
     for (const auto& h : s.planes) {
-      rows.push_back("halfSpace( " + text_.plain(h.normal_x) + ", " + text_.plain(h.normal_y) + ", " + text_.plain(h.normal_z) + ", " +
-                     text_.plain(h.offset) + " );");
+      rows.push_back("halfSpace( " + text_.plain(h.normal_x) + ", " + text_.plain(h.normal_y) + ", " +
+                     text_.plain(h.normal_z) + ", " + text_.plain(h.offset) + " );");
       width = std::max(width, rows.back().size());
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -242,20 +232,29 @@ class Writer {
     std::vector<std::string> labels;
     for (const auto& v : s.vertices) {
       labels.push_back(text_.fresh(o.name + " v " + std::to_string(labels.size() + 1)));
-      corners.push_back({{"label", labels.back()}, {"x", print_real(v[0])}, {"y", print_real(v[1])}, {"z", print_real(v[2])}});
+      corners.push_back(
+          {{"label", labels.back()}, {"x", print_real(v[0])}, {"y", print_real(v[1])}, {"z", print_real(v[2])}});
     }
-    for (const auto& t : s.triangles) triangles.push_back({{"a", labels[t[0]]}, {"b", labels[t[1]]}, {"c", labels[t[2]]}});
+    for (const auto& t : s.triangles)
+      triangles.push_back({{"a", labels[t[0]]}, {"b", labels[t[1]]}, {"c", labels[t[2]]}});
     const std::string facets = text_.fresh(o.name + " facets");
-    if (auto done = step("tri_surface.scl", {{"corners", corners}, {"triangles", triangles}, {"facets", facets}}); !done.ok()) return done.error();
+    if (auto done = step("tri_surface.scl", {{"corners", corners}, {"triangles", triangles}, {"facets", facets}});
+        !done.ok())
+      return done.error();
     return "polyhedronOfFacets( " + facets + " )";
   }
 
   Made expression_of(const Object& o, const Union& s) { return combined(o, "solidUnion", " with ", s.objects); }
-  Made expression_of(const Object& o, const Difference& s) { return combined(o, "solidDifference", " without ", s.objects); }
-  Made expression_of(const Object& o, const Intersection& s) { return combined(o, "solidCommon", " within ", s.objects); }
+  Made expression_of(const Object& o, const Difference& s) {
+    return combined(o, "solidDifference", " without ", s.objects);
+  }
+  Made expression_of(const Object& o, const Intersection& s) {
+    return combined(o, "solidCommon", " within ", s.objects);
+  }
 
   /// A chain of two-shell operations, each result with a label of its own: "BracketWithoutBore1".
-  Made combined(const Object& o, const std::string& operation, const std::string& joint, const std::vector<std::string>& operands) {
+  Made combined(const Object& o, const std::string& operation, const std::string& joint,
+                const std::vector<std::string>& operands) {
     std::string result = text_.object(operands[0]);
     for (std::size_t i = 1; i < operands.size(); ++i) {
       const std::string made = operation + "( " + result + ", " + text_.object(operands[i]) + " )";
@@ -324,7 +323,9 @@ class Writer {
 
   Result<Done> profile(const Object& o, const Loop& loop, const std::string& label, bool about_axis) {
     TemplateList curves, corners;
-    auto corner = [&](const std::string& text, const std::string& role) { corners.push_back({{"corner", text}, {"role", one_line(role)}}); };
+    auto corner = [&](const std::string& text, const std::string& role) {
+      corners.push_back({{"corner", text}, {"role", one_line(role)}});
+    };
     for (const auto& element : loop.elements) {
       if (const auto* p = std::get_if<SketchPoint>(&element)) {
         corner(point(p->x, p->y, about_axis), p->edge);
@@ -334,7 +335,9 @@ class Writer {
         const int parts = std::abs(turn) > 1.9 * pi ? 2 : 1;
         for (int k = 0; k < parts; ++k) {
           auto at = [&](int half) {
-            const Expr angle = half == 0 ? a->from : half == 2 * parts ? a->to : a->from + (a->to - a->from) * Expr(half) / Expr(2 * parts);
+            const Expr angle = half == 0           ? a->from
+                               : half == 2 * parts ? a->to
+                                                   : a->from + (a->to - a->from) * Expr(half) / Expr(2 * parts);
             const Place place = on_arc(*a, angle);
             return point(place.x, place.y, about_axis);
           };
@@ -352,9 +355,13 @@ class Writer {
         std::vector<std::string> knots, points, weights;
         for (const double k : n.knots) knots.push_back(print_real(k));
         for (const auto& c : n.control) points.push_back(point(c[0], c[1], about_axis));
-        for (std::size_t i = 0; i < n.control.size(); ++i) weights.push_back(print_real(n.weights.empty() ? 1.0 : n.weights[i]));
-        curves.push_back({{"name", name}, {"order", order_name(n.degree + 1)}, {"knots", collected(knots)},
-                          {"points", collected(points)}, {"weights", collected(weights)}});
+        for (std::size_t i = 0; i < n.control.size(); ++i)
+          weights.push_back(print_real(n.weights.empty() ? 1.0 : n.weights[i]));
+        curves.push_back({{"name", name},
+                          {"order", order_name(n.degree + 1)},
+                          {"knots", collected(knots)},
+                          {"points", collected(points)},
+                          {"weights", collected(weights)}});
         corner(name, n.edge.empty() ? "" : "then " + n.edge);
       }
     }

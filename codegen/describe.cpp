@@ -154,4 +154,24 @@ std::vector<ParameterGroup> grouped_parameters(const Model& model) {
   return groups;
 }
 
+TemplateList parameter_rows(const ParameterGroup& group, const std::vector<std::string>& statements, double tolerance) {
+  std::vector<std::string> fits;
+  std::size_t width = 0;
+  for (std::size_t i = 0; i < statements.size(); ++i) {
+    fits.push_back(describe_fit(*group.parameters[i], tolerance));
+    if (!fits.back().empty()) width = std::max(width, statements[i].size());
+  }
+  TemplateList rows;
+  for (std::size_t i = 0; i < statements.size(); ++i) {
+    const Parameter& p = *group.parameters[i];
+    const std::string unit = unit_of(p.quantity);
+    std::string meaning = one_line(p.note);
+    if (!unit.empty()) meaning += (meaning.empty() ? "[" : " [") + unit + "]";
+    std::string statement = statements[i];
+    if (!fits[i].empty()) statement.resize(width, ' ');
+    rows.push_back({{"meaning", meaning}, {"statement", statement}, {"fit", fits[i]}});
+  }
+  return rows;
+}
+
 }  // namespace partscribe

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "codegen/template.h"
 #include "model/model.h"
 
 namespace partscribe {
@@ -42,5 +43,9 @@ struct ParameterGroup {
   std::vector<const Parameter*> parameters;
 };
 std::vector<ParameterGroup> grouped_parameters(const Model& model);
+
+/// One row per parameter of the group: its meaning with the unit, its statement, what the fit said; statements that are
+/// followed by the latter are padded to one width.
+TemplateList parameter_rows(const ParameterGroup& group, const std::vector<std::string>& statements, double tolerance);
 
 }  // namespace partscribe

@@ -138,9 +138,7 @@ class Writer {
   TemplateList parameter_groups() {
     TemplateList groups;
     for (const auto& group : grouped_parameters(model_)) {
-      TemplateList rows;
-      std::size_t width = 0;
-      std::vector<std::string> statements, fits;
+      std::vector<std::string> statements;
       for (const Parameter* p : group.parameters) {
         std::string value = value_text(p->quantity, p->value);
         if (const auto as_built = as_built_text(*p, model_.tolerance)) {
@@ -148,19 +146,8 @@ class Writer {
           as_designed_ = true;
         }
         statements.push_back(text_.names().parameter.at(p->name) + " = " + value + ";");
-        fits.push_back(describe_fit(*p, model_.tolerance));
-        if (!fits.back().empty()) width = std::max(width, statements.back().size());
       }
-      for (std::size_t i = 0; i < statements.size(); ++i) {
-        const Parameter& p = *group.parameters[i];
-        const std::string unit = unit_of(p.quantity);
-        std::string meaning = one_line(p.note);
-        if (!unit.empty()) meaning += (meaning.empty() ? "[" : " [") + unit + "]";
-        std::string statement = statements[i];
-        if (!fits[i].empty()) statement.resize(std::max(width, statement.size()), ' ');
-        rows.push_back({{"meaning", meaning}, {"statement", statement}, {"fit", fits[i]}});
-      }
-      groups.push_back({{"title", group.title}, {"parameters", rows}});
+      groups.push_back({{"title", group.title}, {"parameters", parameter_rows(group, statements, model_.tolerance)}});
     }
     return groups;
   }

@@ -193,7 +193,6 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
       Candidate tidy = exact;
       snap_parameters(tidy, {options.tolerance, input.bounds.diagonal(), nominal});
       // Round numbers shift what hangs on them: let the rest settle around them once more.
-      std::vector<double> printed;
       Candidate settled = tidy;
       RefineOptions rest;
       rest.points = 6000, rest.iterations = 8, rest.uncertainty = false;

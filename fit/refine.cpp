@@ -21,7 +21,6 @@ constexpr int jackknife_groups = 8;
 struct Normal {
   Matrix h;
   Vector g;
-  double cost = 0;
   std::vector<Matrix> group_h;
   std::vector<Vector> group_g;
 };
@@ -140,7 +139,6 @@ class Problem {
               Vector& g = groups ? part.group_g[group_[i]] : part.g;
               h.selfadjointView<Eigen::Lower>().rankUpdate(row, w);
               g += w * d[i] * row;
-              part.cost += loss(d[i], scale);
             }
           }
         },
@@ -149,7 +147,7 @@ class Problem {
     sum.h = Matrix::Zero(n, n), sum.g = Vector::Zero(n);
     if (groups) sum.group_h.assign(jackknife_groups, sum.h), sum.group_g.assign(jackknife_groups, sum.g);
     for (const auto& part : parts) {
-      sum.h += part.h, sum.g += part.g, sum.cost += part.cost;
+      sum.h += part.h, sum.g += part.g;
       if (groups)
         for (int k = 0; k < jackknife_groups; ++k) sum.group_h[k] += part.group_h[k], sum.group_g[k] += part.group_g[k];
     }
