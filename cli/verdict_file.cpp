@@ -51,8 +51,8 @@ ArtifactVerdict artifact_of(const Json& json) {
   }
   if (const auto found = json.find("objects"); found != json.end() && found->is_array())
     for (const auto& row : *found)
-      artifact.objects.push_back({text(row, "name"), count(row, "points"), number(row, "rms"), number(row, "max"),
-                                  number(row, "covered"), outcome_of(row, "verdict")});
+      artifact.objects.push_back({text(row, "name"), text(row, "kind"), {}, count(row, "points"), number(row, "rms"),
+                                  number(row, "max"), number(row, "covered"), outcome_of(row, "verdict")});
   if (const auto found = json.find("reasons"); found != json.end() && found->is_array())
     for (const auto& reason : *found) artifact.reasons.push_back(reason.get<std::string>());
   return artifact;

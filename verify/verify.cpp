@@ -74,6 +74,17 @@ const char* name_of(Outcome outcome) {
   return "not_run";
 }
 
+const char* name_of(Finding::Kind kind) {
+  switch (kind) {
+    case Finding::Kind::displaced: return "displaced";
+    case Finding::Kind::missing_material: return "missing_material";
+    case Finding::Kind::invented_material: return "invented_material";
+    case Finding::Kind::not_scanned: return "not_scanned";
+    case Finding::Kind::rejected: return "rejected";
+  }
+  return "displaced";
+}
+
 int exit_code_of(Outcome outcome) {
   switch (outcome) {
     case Outcome::verified: return 0;

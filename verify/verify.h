@@ -39,13 +39,48 @@ struct ModelToData {
   double area = 0, supported = 0, not_scanned = 0, contradicted = 0;  ///< mm^2
 };
 
+/// One number of a feature as an inspector reads it.
+struct FeatureDimension {
+  std::string name;           ///< "diameter", "offset", "half angle", "position x"
+  Quantity quantity = Quantity::length;
+  double nominal = 0;         ///< mm or rad, as the artifact says
+  double measured = 0;        ///< fitted to the scanned points of the feature alone
+  double sigma = 0;           ///< of `measured`
+  double deviation = 0;       ///< measured - nominal
+  bool within = true;         ///< the surface it moves stays within the tolerance
+};
+
 struct FeatureVerdict {
-  std::string name;
+  std::string name;           ///< "hole 3", "left bore": unique in the artifact
+  std::string kind;           ///< "plane", "hole", "boss", "cone", "sphere", "torus", "free surface"; empty if unknown
+  std::vector<FeatureDimension> dimensions;
   std::size_t points = 0;
   double rms = 0, max = 0;    ///< mm; max of the local robust mean
   double covered = 0;         ///< share of its surface with data
   Outcome verdict = Outcome::verified;
 };
+
+/// A connected patch where artifact and scan disagree, or where nobody looked; one line for a person.
+struct Finding {
+  enum class Kind {
+    displaced,          ///< the scan has this face, elsewhere: too far out, in, or aside
+    missing_material,   ///< the scan has surface that the artifact lacks
+    invented_material,  ///< the artifact has surface that the scan contradicts
+    not_scanned,        ///< the artifact has surface that no view could see or no data cover; no fault by itself
+    rejected,           ///< points were set aside as outliers where they crowd
+  };
+  Kind kind = Kind::displaced;
+  std::string feature;         ///< name of the nearest row of `objects`; empty if there is none
+  Vec3 place = Vec3::Zero();   ///< on the surface, scan frame
+  Vec3 direction = Vec3::Zero();  ///< unit; where the scan lies, seen from the artifact; zero if it has no direction
+  double deviation = 0;        ///< mm along `direction`
+  double area = 0;             ///< mm^2
+  double extent = 0;           ///< mm, largest width of the patch
+  std::size_t points = 0;      ///< scanned points in it
+  std::string reason;          ///< why: "no view faces it", "view 3 saw what lies behind it", "its points were rejected"
+  std::string text;            ///< "hole 3: 0.31 mm too far in +x over 14 mm^2 at (10, 20, 5)"
+};
+const char* name_of(Finding::Kind kind);  ///< "displaced", ...
 
 struct ArtifactVerdict {
   std::string file, backend, program, version;
@@ -54,6 +89,7 @@ struct ArtifactVerdict {
   DataToModel data_to_model;
   ModelToData model_to_data;
   std::vector<FeatureVerdict> objects;
+  std::vector<Finding> findings;      ///< the worst first; of those that are faults, then the not scanned ones
   std::vector<std::string> reasons;   ///< why it is not verified, one line each
   std::vector<float> point_deviation; ///< local signed deviation per kept source point, for pictures; not in the JSON
   TriangleMesh mesh;                  ///< the evaluated geometry, for pictures; not in the JSON
