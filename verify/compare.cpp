@@ -52,8 +52,9 @@ double unsupported_bodies(const TriangleMesh& mesh, const SurfaceField& field) {
   return sum;
 }
 
-std::vector<FeatureVerdict> rows(const ScanSource& source, const FaceNames& faces, const PointField& points,
-                                 const SurfaceField& surface, const VerifyOptions& options, int threads) {
+/// A row per face that has data or area; which row each point and each triangle of the mesh belongs to.
+void fill_rows(const ScanSource& source, const FaceNames& faces, const PointField& points, const SurfaceField& surface,
+               const VerifyOptions& options, ArtifactVerdict& verdict, int threads) {
   std::vector<FeatureVerdict> result(faces.names.size());
   std::vector<double> squares(result.size(), 0);
   std::vector<std::size_t> samples(result.size(), 0), covered(result.size(), 0);
@@ -85,7 +86,7 @@ std::vector<FeatureVerdict> rows(const ScanSource& source, const FaceNames& face
       ++samples[static_cast<std::size_t>(sample_face[i])];
       covered[static_cast<std::size_t>(sample_face[i])] += surface.support[i] == Support::supported;
     }
-  std::vector<FeatureVerdict> shown_rows;
+  std::vector<std::int32_t> row_of_face(result.size(), -1);
   for (std::size_t f = 0; f < result.size(); ++f) {
     auto& row = result[f];
     if (row.points == 0 && samples[f] == 0) continue;
@@ -93,9 +94,22 @@ std::vector<FeatureVerdict> rows(const ScanSource& source, const FaceNames& face
     if (samples[f]) row.covered = static_cast<double>(covered[f]) / static_cast<double>(samples[f]);
     const bool bad = row.max > options.tolerance || (options.strict && samples[f] && row.covered == 0);
     row.verdict = bad ? Outcome::out_of_tolerance : Outcome::verified;
-    shown_rows.push_back(row);
+    row_of_face[f] = static_cast<std::int32_t>(verdict.objects.size());
+    verdict.objects.push_back(row);
   }
-  return shown_rows;
+  auto row_of = [&](int face) { return face < 0 ? -1 : row_of_face[static_cast<std::size_t>(face)]; };
+  verdict.point_object.assign(source.kept, -1);
+  for (std::size_t i = 0; i < source.points.size(); ++i)
+    if (source.kept_place[i] != ScanSource::nowhere)
+      verdict.point_object[source.kept_place[i]] = row_of(place_face[points.place[i]]);
+  const TriangleMesh& mesh = verdict.mesh;
+  verdict.triangle_object.resize(mesh.triangles.size());
+  parallel_for(mesh.triangles.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+      verdict.triangle_object[t] = row_of(faces.face_of(middle, static_cast<std::uint32_t>(t)));
+    }
+  });
 }
 
 }  // namespace
@@ -165,7 +179,7 @@ void compare(const ScanSource& source, const FaceNames& faces, const VerifyOptio
   context.report("compare", 0.9);
   verdict.data_to_model = points.summary;
   verdict.model_to_data = field.summary;
-  verdict.objects = rows(source, faces, points, field, options, context.threads);
+  fill_rows(source, faces, points, field, options, verdict, context.threads);
   verdict.point_deviation.assign(source.kept, 0);
   for (std::size_t i = 0; i < source.points.size(); ++i)
     if (source.kept_place[i] != ScanSource::nowhere)

@@ -1,6 +1,7 @@
 /// The verdict: does what the artifacts describe agree with the scan, everywhere and in both directions?
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -92,6 +93,8 @@ struct ArtifactVerdict {
   std::vector<Finding> findings;      ///< the worst first; of those that are faults, then the not scanned ones
   std::vector<std::string> reasons;   ///< why it is not verified, one line each
   std::vector<float> point_deviation; ///< local signed deviation per kept source point, for pictures; not in the JSON
+  std::vector<std::int32_t> point_object;     ///< its row in `objects`, or -1; as long, for pictures too
+  std::vector<std::int32_t> triangle_object;  ///< of each triangle of `mesh`; for pictures too
   TriangleMesh mesh;                  ///< the evaluated geometry, for pictures; not in the JSON
 };
 
