@@ -179,6 +179,7 @@ void compare(const ScanSource& source, const FaceNames& faces, const VerifyOptio
   context.report("compare", 0.9);
   verdict.data_to_model = points.summary;
   verdict.model_to_data = field.summary;
+  for (const auto support : field.support) verdict.sample_support.push_back(static_cast<std::uint8_t>(support));
   fill_rows(source, faces, points, field, options, verdict, context.threads);
   verdict.point_deviation.assign(source.kept, 0);
   for (std::size_t i = 0; i < source.points.size(); ++i)

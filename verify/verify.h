@@ -95,6 +95,7 @@ struct ArtifactVerdict {
   std::vector<float> point_deviation; ///< local signed deviation per kept source point, for pictures; not in the JSON
   std::vector<std::int32_t> point_object;     ///< its row in `objects`, or -1; as long, for pictures too
   std::vector<std::int32_t> triangle_object;  ///< of each triangle of `mesh`; for pictures too
+  std::vector<std::uint8_t> sample_support;   ///< Support of even_samples(mesh, this size); for pictures too
   TriangleMesh mesh;                  ///< the evaluated geometry, for pictures; not in the JSON
 };
 
