@@ -77,7 +77,9 @@ Dimension describe(const Parameter& parameter) {
     const auto& nominal = *parameter.nominal;
     row.nominal = print_number(snapped(shown(nominal.candidate, quantity), 1e-10)) +
                   (nominal.series.empty() ? "" : " (" + nominal.series + ")") + ", " + readable(std::abs(nominal.z)) +
-                  " sigma away: " + (nominal.kept ? "taken" : "not taken");
+                  " sigma away" +
+                  (nominal.probability > 0 ? ", probability " + print_number(snapped(nominal.probability, 0.001)) : "") +
+                  ": " + (nominal.kept ? "taken" : "not taken");
   }
   return row;
 }

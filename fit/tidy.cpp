@@ -4,34 +4,13 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "core/number.h"
+#include "fit/nominal.h"
 
 namespace partscribe {
 namespace {
-
-/// The coarsest grid that the value sits on; else the coarsest that it is near to but misses; else nothing to say.
-std::optional<NominalEvidence> nominal_for(const Parameter& p, double tolerance) {
-  constexpr double z_limit = 2.5, chance_limit = 0.1;
-  const bool angle = p.quantity == Quantity::angle;
-  const double fitted = angle ? degrees(p.fitted) : p.fitted;
-  const double sigma = std::max(angle ? degrees(p.sigma) : p.sigma, 1e-9);
-  static constexpr double length_grids[] = {10, 5, 1, 0.5, 0.1}, angle_grids[] = {15, 5, 1, 0.5, 0.1};
-  std::optional<NominalEvidence> missed;
-  for (const double grid : angle ? angle_grids : length_grids) {
-    const double candidate = snapped(std::round(fitted / grid) * grid, 0.1);
-    // A grid so fine that chance alone hits it proves nothing.
-    if (candidate == 0 || 2 * z_limit * sigma / grid >= (angle ? 0.5 : 1) * chance_limit) continue;
-    NominalEvidence e;
-    e.candidate = angle ? radians(candidate) : candidate;
-    e.z = (candidate - fitted) / sigma;
-    e.series = "multiples of " + print_number(grid) + (angle ? " degrees" : " mm");
-    e.kept = std::abs(e.z) <= (angle ? 2.0 : z_limit) && (angle || std::abs(candidate - fitted) < tolerance / 4);
-    if (e.kept) return e;
-    if (!missed && std::abs(e.z) < 20) missed = e;
-  }
-  return missed;
-}
 
 /// A unit normal without components that move nothing by a tenth of the tolerance.
 void square_up(HalfSpace& plane, const TidyOptions& options) {
@@ -62,11 +41,14 @@ Symmetry symmetry_of(const Shape& shape) {
 void snap_parameters(Candidate& candidate, const TidyOptions& options) {
   if (auto* body = std::get_if<HalfSpaces>(&candidate.shape))
     for (auto& plane : body->planes) square_up(plane, options);
-  for (auto& p : candidate.parameters) {
+  std::vector<std::optional<NominalEvidence>> nominal(candidate.parameters.size());
+  if (options.nominal) nominal = nominal_values(candidate.parameters, options.tolerance, options.size);
+  for (std::size_t i = 0; i < candidate.parameters.size(); ++i) {
+    auto& p = candidate.parameters[i];
     if (p.quantity == Quantity::count) continue;
     const bool angle = p.quantity == Quantity::angle;
     const double sigma = p.sigma > 0 ? p.sigma : options.tolerance;
-    if (options.nominal && p.sigma > 0 && p.quantity != Quantity::ratio) p.nominal = nominal_for(p, options.tolerance);
+    p.nominal = nominal[i];
     if (p.nominal && p.nominal->kept) {
       p.value = p.nominal->candidate;
     } else if (angle) {
@@ -86,6 +68,7 @@ void snap_parameters(Candidate& candidate, const TidyOptions& options) {
       if (*s > 0) *s = snapped(*s, power_of_ten_below(*s / 10));
     if (p.nominal) {
       p.nominal->z = snapped(p.nominal->z, 0.01);
+      p.nominal->probability = snapped(p.nominal->probability, 0.001);
     }
   }
 }

@@ -11,9 +11,8 @@ struct TidyOptions {
   bool nominal = true;      ///< replace values by round ones where the data cannot tell them apart
 };
 
-/// Nominal candidates are multiples of 10, 5, 1, 0.5 and 0.1 mm and of 15, 5, 1 and 0.5 degrees, coarsest first. One is
-/// kept if it lies within 2.5 sigma and a quarter of the tolerance, and chance would hit the grid so well in less than
-/// one case of ten. All other values are rounded to a decimal step well below tolerance and sigma.
+/// Nominal sizes replace fitted ones where nominal_values() keeps them (fit/nominal.h). All other values are rounded to
+/// a decimal step well below tolerance and sigma.
 /// Normals of half-spaces become as square as the data allow.
 void snap_parameters(Candidate& candidate, const TidyOptions& options);
 

@@ -299,7 +299,8 @@ Json parameter_to_json(const Parameter& p) {
     j["nominal"] = {{"candidate", p.nominal->candidate},
                     {"z", p.nominal->z},
                     {"kept", p.nominal->kept},
-                    {"series", p.nominal->series}};
+                    {"series", p.nominal->series},
+                    {"probability", p.nominal->probability}};
   if (!p.note.empty()) j["note"] = p.note;
   return j;
 }
@@ -323,7 +324,8 @@ Parameter read_parameter(const Json& j, const std::string& path) {
     const auto& n = j["nominal"];
     const std::string where = path + ".nominal";
     p.nominal = NominalEvidence{read_number(member(n, "candidate", where), where), number_or(n, "z", where, 0),
-                                flag_or(n, "kept", where, false), text_or(n, "series", where)};
+                                flag_or(n, "kept", where, false), text_or(n, "series", where),
+                                number_or(n, "probability", where, 0)};
   }
   return p;
 }

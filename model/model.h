@@ -17,7 +17,8 @@ struct NominalEvidence {
   double candidate = 0;  ///< mm or rad
   double z = 0;          ///< (candidate - fitted) / sigma
   bool kept = false;
-  std::string series;    ///< "0.5 mm grid", ...
+  std::string series;    ///< "multiples of 0.5 mm", "diameter, clearance of M6, medium", ...
+  double probability = 0;  ///< that the size was meant, by the evidence of all sizes of the part; 0: not known
 };
 
 /// A named number. `value` is printed; `fitted` +- `sigma` is what the data said. Lengths in mm, angles in rad.
