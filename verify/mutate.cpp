@@ -5,263 +5,22 @@
 #include <cmath>
 #include <functional>
 #include <optional>
-#include <set>
 
-#include "core/ensure.h"
 #include "core/number.h"
-#include "core/random.h"
-#include "model/check.h"
-#include "model/distance.h"
+#include "verify/mutate_edits.h"
+#include "verify/mutate_features.h"
+#include "verify/mutate_gauge.h"
 
 namespace partscribe {
 namespace {
 
-constexpr std::size_t probes = 2000;           // places by which displacements are measured
-constexpr std::size_t visible = probes / 200;  // so many of them must lie off the damaged surface
-constexpr std::size_t most_vertices = 24;      // of a triangulation that are moved, one at a time
+constexpr std::size_t most_vertices = 24;  // of a triangulation that are moved, one at a time
 
-std::string quoted(const std::string& text) { return "'" + text + "'"; }
 std::string shown(double v) { return print_number(snapped(v, 1e-5)); }
 std::string signed_text(double v) { return (v < 0 ? " - " : " + ") + shown(std::abs(v)); }
 
-Vec3 gradient(const ModelDistance& distance, const Vec3& p, double h) {
-  Vec3 g;
-  for (int k = 0; k < 3; ++k)
-    g[k] = (distance(p + h * Vec3::Unit(k)).distance - distance(p - h * Vec3::Unit(k)).distance) / (2 * h);
-  return g;
-}
-
-/// From far away the nearest places are the outermost ones of the part: they span its box.
-Box3 bounds_of(const ModelDistance& distance, Vec3 center) {
-  double reach = 1000;
-  Box3 box;
-  // The first look is from anywhere, the second from about the part and closer.
-  for (int look = 0; look < 2; ++look) {
-    Random random(7);
-    box = {};
-    for (int i = 0; i < 400; ++i) {
-      Vec3 direction(random.normal(), random.normal(), random.normal());
-      if (i < 6) direction = (i % 2 ? -1.0 : 1.0) * Vec3::Unit(i / 2);
-      Vec3 p = center + reach * direction.normalized();
-      double d = distance(p).distance;
-      for (int step = 0; step < 60 && std::abs(d) > 1e-7 * reach; ++step) {
-        const Vec3 g = gradient(distance, p, 1e-6 * reach);
-        if (g.squaredNorm() < 0.01) break;
-        p -= d * g.normalized();
-        d = distance(p).distance;
-      }
-      if (std::abs(d) < 1e-3 * reach) box.add(p);
-    }
-    ensure(!box.empty(), "a model has a surface");
-    center = box.center();
-    reach = 2 * box.diagonal();
-  }
-  return box;
-}
-
-Box3 bounds_of(const Model& model, const ModelDistance& distance) {
-  return bounds_of(distance,
-                   model.as_scanned ? evaluate(model.scan_from_part, values_of(model)).translation : Vec3(0, 0, 0));
-}
-
-// ---- how far a damage moves the surface ---------------------------------------------------------------------------
-
-bool passes(const Model& model) { return std::holds_alternative<CheckedModel>(check(model)); }
-
-/// Measures damages of one model.
-class Gauge {
- public:
-  explicit Gauge(const Model& model) : truth_(model), distance_(model), points_(surface_points(model, probes, 11)) {
-    for (const auto& p : points_) box_.add(p.point);
-  }
-
-  const Box3& box() const { return box_; }
-
-  /// At least `visible` probes are so far from the surface of `damaged`.
-  double moved(const Model& damaged) const {
-    const ModelDistance distance(damaged);
-    std::vector<double> off;
-    for (const auto& p : points_) off.push_back(std::abs(distance(p.point).distance));
-    std::nth_element(off.begin(), off.begin() + visible, off.end(), std::greater<>());
-    return off[visible];
-  }
-
-  /// True if both describe the same surface.
-  bool same(const Model& damaged) const {
-    const ModelDistance distance(damaged);
-    const double limit = 1e-6 * box_.diagonal();
-    for (const auto& p : points_)
-      if (std::abs(distance(p.point).distance) > limit) return false;
-    for (const auto& p : surface_points(damaged, probes / 4, 13))
-      if (std::abs(distance_(p.point).distance) > limit) return false;
-    return true;
-  }
-
- private:
-  const Model& truth_;
-  ModelDistance distance_;
-  std::vector<SurfacePoint> points_;
-  Box3 box_;
-};
-
 /// The damaged model for a change of this size, if there is such a model.
 using Change = std::function<std::optional<Model>(double size)>;
-
-// ---- mirrors --------------------------------------------------------------------------------------------------------
-
-Frame frame_of(const Pose& pose) {
-  const Vec3 turn = euler_from_rotation(pose.rotation);
-  return {pose.translation.x(), pose.translation.y(), pose.translation.z(), turn.x(), turn.y(), turn.z()};
-}
-
-Pose shift(const Vec3& by) { return {Mat3::Identity(), by}; }
-
-/// How a shape, mirrored in its own `axis` and then moved by `shift`, is written as a shape of the same kind.
-struct OwnMirror {
-  int axis = 0;
-  Vec3 shift = Vec3::Zero();
-};
-
-OwnMirror mirror_in_place(Shape& shape, const Values& values) {
-  if (const auto* s = std::get_if<Box>(&shape)) return {0, {-evaluate(s->size_x, values), 0, 0}};
-  if (const auto* s = std::get_if<Wedge>(&shape)) return {2, {0, 0, -evaluate(s->size_z, values)}};
-  if (const auto* s = std::get_if<Extrude>(&shape)) return {2, {0, 0, -evaluate(s->height, values)}};
-  if (auto* s = std::get_if<HalfSpaces>(&shape)) {
-    for (auto& plane : s->planes) plane.normal_x = -plane.normal_x;
-  } else if (auto* t = std::get_if<TriSurface>(&shape)) {
-    for (auto& v : t->vertices) v[0] = -v[0];
-    for (auto& triangle : t->triangles) std::swap(triangle[1], triangle[2]);
-  }
-  return {};  // all others are their own mirror image in x
-}
-
-bool combines(const Shape& shape) {
-  return std::holds_alternative<Union>(shape) || std::holds_alternative<Difference>(shape) ||
-         std::holds_alternative<Intersection>(shape);
-}
-
-Mat3 mirror_matrix(int axis) {
-  Vec3 d = Vec3::Ones();
-  d[axis] = -1;
-  return d.asDiagonal();
-}
-
-/// Every object is mirrored in its parent's frame: M F S = (M F M') (M' S), M' a mirror that S can express.
-Model mirrored(const Model& model, int axis, const Vec3& middle) {
-  Model result = model;
-  const Values values = values_of(model);
-  const Mat3 mirror = mirror_matrix(axis);
-  for (auto& object : result.objects) {
-    const OwnMirror own =
-        combines(object.shape) ? OwnMirror{axis, Vec3::Zero()} : mirror_in_place(object.shape, values);
-    const Pose frame = evaluate(object.frame, values);
-    const Pose turned{mirror * frame.rotation * mirror_matrix(own.axis), mirror * frame.translation};
-    object.frame = frame_of(turned * shift(own.shift));
-  }
-  auto& last = result.objects.back();
-  last.frame = frame_of(shift(2 * middle[axis] * Vec3::Unit(axis)) * evaluate(last.frame, values));
-  return result;
-}
-
-// ---- scale ----------------------------------------------------------------------------------------------------------
-
-Model scaled(const Model& model, double factor, const Vec3& middle) {
-  Model result = model;
-  for (auto& object : result.objects) {
-    visit_expressions(object.shape, [&](Expr& e, Domain domain) {
-      if (domain == Domain::length || domain == Domain::length_or_zero || domain == Domain::coordinate)
-        e = Expr(factor) * e;
-    });
-    if (auto* t = std::get_if<TriSurface>(&object.shape))
-      for (auto& v : t->vertices)
-        for (auto& x : v) x *= factor;
-    for (Expr* e : {&object.frame.x, &object.frame.y, &object.frame.z}) *e = Expr(factor) * *e;
-  }
-  Frame& last = result.objects.back().frame;
-  const Vec3 back = (1 - factor) * middle;
-  last.x = last.x + Expr(back.x()), last.y = last.y + Expr(back.y()), last.z = last.z + Expr(back.z());
-  return result;
-}
-
-// ---- what can be left out
-// ---------------------------------------------------------------------------------------------
-
-/// Without the objects that the part no longer needs.
-void prune(Model& model) {
-  std::set<std::string> needed = {model.objects.back().name};
-  for (auto o = model.objects.rbegin(); o != model.objects.rend(); ++o) {
-    if (!needed.count(o->name)) continue;
-    auto need = [&](const std::vector<std::string>& names) { needed.insert(names.begin(), names.end()); };
-    if (const auto* u = std::get_if<Union>(&o->shape)) need(u->objects);
-    if (const auto* d = std::get_if<Difference>(&o->shape)) need(d->objects);
-    if (const auto* n = std::get_if<Intersection>(&o->shape)) need(n->objects);
-  }
-  std::erase_if(model.objects, [&](const Object& o) { return !needed.count(o.name); });
-}
-
-struct Omission {
-  std::string name;
-  Model model;
-};
-
-std::vector<Omission> omissions(const Model& model) {
-  std::vector<Omission> result;
-  auto without = [&](std::size_t o, const std::string& what, const std::function<void(Shape&)>& omit) {
-    Model damaged = model;
-    omit(damaged.objects[o].shape);
-    prune(damaged);
-    result.push_back({"without " + what, std::move(damaged)});
-  };
-  auto sketch_of = [](Shape& shape) -> Sketch* {
-    if (auto* e = std::get_if<Extrude>(&shape)) return &e->sketch;
-    if (auto* r = std::get_if<Revolve>(&shape)) return &r->sketch;
-    return nullptr;
-  };
-  for (std::size_t o = 0; o < model.objects.size(); ++o) {
-    Shape shape = model.objects[o].shape;
-    const std::string owner = quoted(model.objects[o].name);
-    if (const Sketch* sketch = sketch_of(shape)) {
-      for (std::size_t l = 1; l < sketch->loops.size(); ++l)
-        without(o, "loop " + quoted(sketch->loops[l].name),
-                [&](Shape& s) { std::erase(sketch_of(s)->loops, sketch->loops[l]); });
-      for (std::size_t l = 0; l < sketch->loops.size(); ++l)
-        for (std::size_t e = 0; e < sketch->loops[l].elements.size() && sketch->loops[l].elements.size() > 1; ++e)
-          without(o, "element " + print_number(double(e + 1)) + " of loop " + quoted(sketch->loops[l].name),
-                  [&](Shape& s) {
-                    auto& elements = sketch_of(s)->loops[l].elements;
-                    elements.erase(elements.begin() + long(e));
-                  });
-    } else if (const auto* h = std::get_if<HalfSpaces>(&shape)) {
-      for (std::size_t i = 0; i < h->planes.size(); ++i)
-        without(o, "face " + quoted(h->planes[i].name), [&](Shape& s) {
-          auto& planes = std::get<HalfSpaces>(s).planes;
-          planes.erase(planes.begin() + long(i));
-        });
-    } else if (const auto* t = std::get_if<TriSurface>(&shape); t && !t->closed && t->triangles.size() > 1) {
-      without(o, "a triangle of " + owner,
-              [](Shape& s) { std::get<TriSurface>(s).triangles.erase(std::get<TriSurface>(s).triangles.begin()); });
-    }
-    auto operands = [&]<class S>(const S* combination, bool keep_first) {
-      if (!combination) return;
-      for (std::size_t i = keep_first ? 1 : 0; i < combination->objects.size() && combination->objects.size() > 1; ++i)
-        without(o, combination->objects[i], [&](Shape& s) {
-          auto names = combination->objects;
-          names.erase(names.begin() + long(i));
-          if (names.size() == 1)
-            s = Union{names};
-          else
-            std::get<S>(s).objects = names;
-        });
-    };
-    operands(std::get_if<Union>(&shape), false);
-    operands(std::get_if<Difference>(&shape), true);
-    operands(std::get_if<Intersection>(&shape), false);
-  }
-  return result;
-}
-
-// ---- the list
-// ---------------------------------------------------------------------------------------------------------
 
 class Damages {
  public:
@@ -276,7 +35,9 @@ class Damages {
     parameters();
     for (std::size_t o = 0; o < model_.objects.size(); ++o) numbers(o);
     placements();
-    for (auto& omission : omissions(model_)) take(Mutation::Kind::missing, omission.name, std::move(omission.model));
+    for (auto& edit : omissions(model_)) take(edit.kind, edit.name, std::move(edit.model));
+    for (auto& edit : additions(model_, gauge_)) take_either(edit.kind, edit.name, std::move(edit.model));
+    for (const auto& edit : sized_edits(model_)) damage(edit.kind, edit.name, edit.start, edit.exact, edit.change);
     for (int axis = 0; axis < 3; ++axis)
       take(Mutation::Kind::mirrored, std::string("mirrored in ") + "xyz"[axis], mirrored(model_, axis, middle_));
     scale();
@@ -295,9 +56,16 @@ class Damages {
   std::vector<Mutation> result_;
 
   void take(Mutation::Kind kind, const std::string& name, Model damaged) {
-    if (!passes(damaged)) return;
+    if (!passes_check(damaged)) return;
     const double moved = gauge_.moved(damaged);
     if (moved > 1.5 * tolerance_) result_.push_back({kind, name, moved, std::move(damaged)});
+  }
+
+  /// As take, for damages that may only add surface; all larger than the tolerance, or pointless.
+  void take_either(Mutation::Kind kind, const std::string& name, Model damaged) {
+    if (!passes_check(damaged)) return;
+    const double moved = gauge_.moved_either(damaged);
+    if (moved > 3 * tolerance_) result_.push_back({kind, name, moved, std::move(damaged)});
   }
 
   /// Finds the change of a suitable size. `exact`: 2 T is right if it moves the surface at all visibly.
@@ -306,11 +74,11 @@ class Damages {
     bool unseen = false;
     for (int attempt = 0; attempt < 16; ++attempt) {
       auto model = change(size);
-      if (!model || !passes(*model)) {
+      if (!model || !passes_check(*model)) {
         if (attempt > 0) break;
         size = -size;
         model = change(size);
-        if (!model || !passes(*model)) break;
+        if (!model || !passes_check(*model)) break;
       }
       moved = gauge_.moved(*model);
       if ((exact && attempt == 0 && moved > 1.5 * tolerance_) ||
@@ -344,7 +112,7 @@ class Damages {
     sign_ = -sign_;
     if (!with_harmless) return;
     auto near = change(size / 20);
-    if (near && passes(*near))
+    if (near && passes_check(*near))
       result_.push_back(
           {Mutation::Kind::harmless, what + signed_text(size / 20), gauge_.moved(*near), std::move(*near)});
   }
@@ -392,13 +160,7 @@ class Damages {
 
   /// Weights and knots, which are plain numbers.
   void curve_numbers(std::size_t o) {
-    auto sketch_of = [](Shape& shape) -> Sketch* {
-      if (auto* e = std::get_if<Extrude>(&shape)) return &e->sketch;
-      if (auto* r = std::get_if<Revolve>(&shape)) return &r->sketch;
-      return nullptr;
-    };
-    Shape shape = model_.objects[o].shape;
-    const Sketch* sketch = sketch_of(shape);
+    const Sketch* sketch = sketch_of(model_.objects[o].shape);
     if (!sketch) return;
     for (std::size_t l = 0; l < sketch->loops.size(); ++l)
       for (std::size_t e = 0; e < sketch->loops[l].elements.size(); ++e) {
@@ -453,7 +215,7 @@ class Damages {
     for (std::size_t i = 0; i < normals.size(); i += stride) {
       if (!(normals[i].norm() > 0)) continue;
       const Vec3 n = normals[i].normalized();
-      damage(Mutation::Kind::number, model_.objects[o].name + ": vertex " + print_number(double(i)), 4 * tolerance_,
+      damage(Mutation::Kind::dented, model_.objects[o].name + ": vertex " + print_number(double(i)), 4 * tolerance_,
              false, [&, i, n](double size) -> std::optional<Model> {
                Model m = model_;
                auto& v = std::get<TriSurface>(m.objects[o].shape).vertices[i];
@@ -481,9 +243,9 @@ class Damages {
         last.frame = frame_of(by * evaluate(last.frame, values_));
         return m;
       };
-      damage(Mutation::Kind::moved, "part moved along " + name, 2 * tolerance_, true,
+      damage(Mutation::Kind::part_moved, "part moved along " + name, 2 * tolerance_, true,
              [&](double size) -> std::optional<Model> { return placed(shift(size * axis)); });
-      damage(Mutation::Kind::moved, "part turned about " + name, small_angle(), false,
+      damage(Mutation::Kind::part_turned, "part turned about " + name, small_angle(), false,
              [&](double size) -> std::optional<Model> {
                return placed(shift(middle_) * Pose{rotation_of(size * axis), Vec3::Zero()} * shift(-middle_));
              });
@@ -496,7 +258,7 @@ class Damages {
           Expr* all[] = {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz};
           return *all[k];
         };
-        damage(Mutation::Kind::moved, name, k < 3 ? 2 * tolerance_ : small_angle(), k < 3,
+        damage(k < 3 ? Mutation::Kind::feature_moved : Mutation::Kind::feature_turned, name, k < 3 ? 2 * tolerance_ : small_angle(), k < 3,
                [&](double size) -> std::optional<Model> {
                  Model m = model_;
                  Expr& e = component(m.objects[o].frame);
@@ -509,7 +271,7 @@ class Damages {
 
   void scale() {
     Model model = scaled(model_, 1.005, middle_);
-    const double moved = passes(model) ? gauge_.moved(model) : 0;
+    const double moved = passes_check(model) ? gauge_.moved(model) : 0;
     if (moved > 1.5 * tolerance_) {
       result_.push_back({Mutation::Kind::scaled, "scaled by 1.005", moved, std::move(model)});
     } else if (moved > 0) {
@@ -525,65 +287,40 @@ class Damages {
 
 const char* name_of(Mutation::Kind kind) {
   switch (kind) {
-    case Mutation::Kind::parameter:
-      return "parameter";
-    case Mutation::Kind::number:
-      return "number";
-    case Mutation::Kind::moved:
-      return "moved";
-    case Mutation::Kind::missing:
-      return "missing";
-    case Mutation::Kind::mirrored:
-      return "mirrored";
-    case Mutation::Kind::scaled:
-      return "scaled";
-    case Mutation::Kind::harmless:
-      return "harmless";
+    case Mutation::Kind::parameter: return "parameter off by 2 T";
+    case Mutation::Kind::number: return "number off by 2 T";
+    case Mutation::Kind::dented: return "corner of a mesh moved";
+    case Mutation::Kind::hole_size: return "one hole of another diameter";
+    case Mutation::Kind::part_moved: return "part moved";
+    case Mutation::Kind::part_turned: return "part turned";
+    case Mutation::Kind::feature_moved: return "feature moved";
+    case Mutation::Kind::feature_turned: return "feature tilted";
+    case Mutation::Kind::feature_missing: return "hole or boss missing";
+    case Mutation::Kind::edge_missing: return "fillet or edge missing";
+    case Mutation::Kind::face_missing: return "face missing";
+    case Mutation::Kind::hole_added: return "extra hole";
+    case Mutation::Kind::hole_doubled: return "hole twice";
+    case Mutation::Kind::hole_depth: return "hole of wrong depth";
+    case Mutation::Kind::boss_added: return "extra boss";
+    case Mutation::Kind::rounded: return "sharp edge rounded";
+    case Mutation::Kind::tapered: return "wall tapered";
+    case Mutation::Kind::reordered: return "sketch elements swapped";
+    case Mutation::Kind::combined: return "added instead of cut away";
+    case Mutation::Kind::sheet_added: return "thin spurious sheet";
+    case Mutation::Kind::body_doubled: return "shifted duplicate";
+    case Mutation::Kind::body_added: return "separate body";
+    case Mutation::Kind::mirrored: return "mirrored";
+    case Mutation::Kind::scaled: return "scaled";
+    case Mutation::Kind::harmless: return "harmless";
   }
   return "harmless";
 }
 
-std::vector<Mutation> mutations_of(const Model& model) { return Damages(model).run(); }
-
-std::vector<SurfacePoint> surface_points(const Model& model, std::size_t count, std::uint64_t seed) {
-  const ModelDistance distance(model);
-  const Box3 box = bounds_of(model, distance);
-  const Vec3 center = box.center();
-  const double radius = 0.51 * box.diagonal();
-  const double least_step = 1e-3 * radius, sharp = 1e-9 * radius, h = 1e-6 * radius;
-  Random random(seed);
-  std::vector<SurfacePoint> points;
-  // Lines uniform in direction and offset meet every piece of surface in proportion to its area (Crofton).
-  for (std::size_t lines = 0; points.size() < count; ++lines) {
-    ensure(lines < 1000 * count + 10000, "random lines meet the surface");
-    const Vec3 direction = Vec3(random.normal(), random.normal(), random.normal()).normalized();
-    const Vec3 side = direction.unitOrthogonal();
-    const double angle = random.uniform(0, 2 * pi), offset = radius * std::sqrt(random.uniform());
-    const Vec3 start = center + offset * (std::cos(angle) * side + std::sin(angle) * direction.cross(side));
-    auto along = [&](double t) { return distance(start + t * direction).distance; };
-    double t = -radius, d = along(t);
-    while (t < radius && points.size() < count) {
-      const double next = t + std::max(std::abs(d), least_step), d_next = along(next);
-      if ((d < 0) != (d_next < 0)) {
-        double low = t, high = next, d_low = d, d_high = d_next, root = t;
-        for (int i = 0; i < 80 && high - low > 0.1 * sharp; ++i) {
-          root = i % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * d_low / (d_low - d_high);
-          const double d_root = along(root);
-          if (std::abs(d_root) < sharp) break;
-          if ((d_root < 0) == (d_low < 0))
-            low = root, d_low = d_root;
-          else
-            high = root, d_high = d_root;
-        }
-        const Vec3 p = start + root * direction;
-        // Beside an open sheet the sign changes where there is no surface.
-        const Vec3 g = gradient(distance, p, h);
-        if (std::abs(along(root)) < 10 * sharp && g.norm() > 0.5) points.push_back({p, g.normalized()});
-      }
-      t = next, d = d_next;
-    }
-  }
-  return points;
+bool of_whole_part(Mutation::Kind kind) {
+  return kind == Mutation::Kind::part_moved || kind == Mutation::Kind::part_turned ||
+         kind == Mutation::Kind::mirrored || kind == Mutation::Kind::scaled;
 }
+
+std::vector<Mutation> mutations_of(const Model& model) { return Damages(model).run(); }
 
 }  // namespace partscribe
