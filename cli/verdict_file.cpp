@@ -29,6 +29,52 @@ std::string text(const Json& json, const char* key) {
   return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+Vec3 vector(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  Vec3 v = Vec3::Zero();
+  if (found != json.end() && found->is_array() && found->size() == 3)
+    for (std::size_t k = 0; k < 3; ++k)
+      if ((*found)[k].is_number()) v[static_cast<Eigen::Index>(k)] = (*found)[k].get<double>();
+  return v;
+}
+
+Quantity quantity_of(const std::string& name) {
+  if (name == "angle") return Quantity::angle;
+  if (name == "count") return Quantity::count;
+  return name == "ratio" ? Quantity::ratio : Quantity::length;
+}
+
+FeatureVerdict feature_of(const Json& json) {
+  FeatureVerdict feature;
+  feature.name = text(json, "name");
+  feature.kind = text(json, "kind");
+  feature.points = count(json, "points");
+  feature.rms = number(json, "rms"), feature.max = number(json, "max"), feature.covered = number(json, "covered");
+  feature.verdict = outcome_of(json, "verdict");
+  if (const auto found = json.find("dimensions"); found != json.end() && found->is_array())
+    for (const auto& d : *found)
+      feature.dimensions.push_back({text(d, "name"), quantity_of(text(d, "quantity")), number(d, "nominal"),
+                                    number(d, "measured"), number(d, "sigma"), number(d, "deviation"),
+                                    d.value("within", true)});
+  return feature;
+}
+
+Finding finding_of(const Json& json) {
+  Finding finding;
+  const std::string kind = text(json, "kind");
+  bool known = false;
+  for (const auto k : {Finding::Kind::displaced, Finding::Kind::missing_material, Finding::Kind::invented_material,
+                       Finding::Kind::not_scanned, Finding::Kind::rejected})
+    if (kind == name_of(k)) finding.kind = k, known = true;
+  if (!known) throw std::runtime_error("expected the kind of a finding at \"kind\", found \"" + kind + "\"");
+  finding.feature = text(json, "feature");
+  finding.place = vector(json, "place"), finding.direction = vector(json, "direction");
+  finding.deviation = number(json, "deviation"), finding.area = number(json, "area");
+  finding.extent = number(json, "extent"), finding.points = count(json, "points");
+  finding.reason = text(json, "reason"), finding.text = text(json, "text");
+  return finding;
+}
+
 ArtifactVerdict artifact_of(const Json& json) {
   ArtifactVerdict artifact;
   artifact.file = text(json, "file");
@@ -43,6 +89,7 @@ ArtifactVerdict artifact_of(const Json& json) {
     d.points = count(*found, "points"), d.rejected = count(*found, "rejected");
     d.local_max = number(*found, "local_max"), d.rms = number(*found, "rms"), d.p50 = number(*found, "p50");
     d.p95 = number(*found, "p95"), d.p99 = number(*found, "p99"), d.max = number(*found, "max");
+    d.worst = vector(*found, "worst");
   }
   if (const auto found = json.find("model_to_data"); found != json.end() && found->is_object()) {
     auto& m = artifact.model_to_data;
@@ -50,9 +97,9 @@ ArtifactVerdict artifact_of(const Json& json) {
     m.not_scanned = number(*found, "not_scanned"), m.contradicted = number(*found, "contradicted");
   }
   if (const auto found = json.find("objects"); found != json.end() && found->is_array())
-    for (const auto& row : *found)
-      artifact.objects.push_back({text(row, "name"), text(row, "kind"), {}, count(row, "points"), number(row, "rms"),
-                                  number(row, "max"), number(row, "covered"), outcome_of(row, "verdict")});
+    for (const auto& row : *found) artifact.objects.push_back(feature_of(row));
+  if (const auto found = json.find("findings"); found != json.end() && found->is_array())
+    for (const auto& finding : *found) artifact.findings.push_back(finding_of(finding));
   if (const auto found = json.find("reasons"); found != json.end() && found->is_array())
     for (const auto& reason : *found) artifact.reasons.push_back(reason.get<std::string>());
   return artifact;

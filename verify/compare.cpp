@@ -8,6 +8,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "verify/data_to_model.h"
+#include "verify/findings.h"
 #include "verify/model_to_data.h"
 
 namespace partscribe {
@@ -52,9 +53,14 @@ double unsupported_bodies(const TriangleMesh& mesh, const SurfaceField& field) {
   return sum;
 }
 
+/// Of each place and each surface sample, its row: index into the verdict's objects, or -1.
+struct RowOf {
+  std::vector<std::int32_t> place, sample;
+};
+
 /// A row per face that has data or area; which row each point and each triangle of the mesh belongs to.
-void fill_rows(const ScanSource& source, const FaceNames& faces, const PointField& points, const SurfaceField& surface,
-               const VerifyOptions& options, ArtifactVerdict& verdict, int threads) {
+RowOf fill_rows(const ScanSource& source, const FaceNames& faces, const PointField& points, const SurfaceField& surface,
+                const VerifyOptions& options, ArtifactVerdict& verdict, int threads) {
   std::vector<FeatureVerdict> result(faces.names.size());
   std::vector<double> squares(result.size(), 0);
   std::vector<std::size_t> samples(result.size(), 0), covered(result.size(), 0);
@@ -110,6 +116,10 @@ void fill_rows(const ScanSource& source, const FaceNames& faces, const PointFiel
       verdict.triangle_object[t] = row_of(faces.face_of(middle, static_cast<std::uint32_t>(t)));
     }
   });
+  RowOf row;
+  for (const int face : place_face) row.place.push_back(row_of(face));
+  for (const int face : sample_face) row.sample.push_back(row_of(face));
+  return row;
 }
 
 }  // namespace
@@ -180,7 +190,9 @@ void compare(const ScanSource& source, const FaceNames& faces, const VerifyOptio
   verdict.data_to_model = points.summary;
   verdict.model_to_data = field.summary;
   for (const auto support : field.support) verdict.sample_support.push_back(static_cast<std::uint8_t>(support));
-  fill_rows(source, faces, points, field, options, verdict, context.threads);
+  const RowOf row = fill_rows(source, faces, points, field, options, verdict, context.threads);
+  const Compared compared{source, verdict.mesh, normals, surface, points, field, verdict.objects, row.place, row.sample, {}};
+  verdict.findings = find_places(compared, options, context.threads);
   verdict.point_deviation.assign(source.kept, 0);
   for (std::size_t i = 0; i < source.points.size(); ++i)
     if (source.kept_place[i] != ScanSource::nowhere)
@@ -191,6 +203,9 @@ void compare(const ScanSource& source, const FaceNames& faces, const VerifyOptio
   if (field.summary.contradicted > field.allowed_contradiction)
     faults.push_back(shown(field.summary.contradicted) + " mm^2 of the model's surface contradict the scan, near " +
                      shown(field.worst));
+  if (const double inside = surface_inside_bodies(verdict.mesh, surface, normals, field, context.threads);
+      inside > field.allowed_contradiction)
+    faults.push_back("bodies of the artifact overlap: " + shown(inside) + " mm^2 of surface lie inside another body");
   if (const double alone = unsupported_bodies(verdict.mesh, field); alone > field.allowed_contradiction)
     faults.push_back("a separate body of " + shown(alone) + " mm^2 has no scanned point at all");
   if (options.strict && field.summary.not_scanned > field.allowed_contradiction)

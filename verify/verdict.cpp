@@ -11,6 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t width = 100;         // columns
+constexpr std::size_t most_rows = 60;      // of features without fault that a table shows
+constexpr std::size_t most_findings = 12;  // that a table shows
+
 double rounded(double v) { return snapped(v, 1e-6); }
 
 std::string fixed(double v, double resolution) { return print_number(snapped(v, resolution)); }
@@ -48,6 +52,42 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
+const char* name_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::length: return "length";
+    case Quantity::angle: return "angle";
+    case Quantity::count: return "count";
+    case Quantity::ratio: return "ratio";
+  }
+  return "length";
+}
+
+/// Angles to a billionth of a radian, all else to a millionth.
+double rounded(double v, Quantity quantity) { return snapped(v, quantity == Quantity::angle ? 1e-9 : 1e-6); }
+
+Json vector_json(const Vec3& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
+
+Json dimension_json(const FeatureDimension& d) {
+  const auto q = d.quantity;
+  return {{"name", d.name}, {"quantity", name_of(q)}, {"nominal", rounded(d.nominal, q)},
+          {"measured", rounded(d.measured, q)}, {"sigma", rounded(d.sigma, q)},
+          {"deviation", rounded(d.deviation, q)}, {"within", d.within}};
+}
+
+Json feature_json(const FeatureVerdict& o) {
+  Json entry = {{"name", o.name}, {"kind", o.kind}, {"points", o.points}, {"rms", rounded(o.rms)},
+                {"max", rounded(o.max)}, {"covered", rounded(o.covered)}, {"verdict", name_of(o.verdict)},
+                {"dimensions", Json::array()}};
+  for (const auto& d : o.dimensions) entry["dimensions"].push_back(dimension_json(d));
+  return entry;
+}
+
+Json finding_json(const Finding& f) {
+  return {{"kind", name_of(f.kind)}, {"feature", f.feature}, {"place", vector_json(f.place)},
+          {"direction", vector_json(f.direction)}, {"deviation", rounded(f.deviation)}, {"area", rounded(f.area)},
+          {"extent", rounded(f.extent)}, {"points", f.points}, {"reason", f.reason}, {"text", f.text}};
+}
+
 bool was_compared(const ArtifactVerdict& artifact) { return artifact.model_to_data.area > 0; }
 
 std::string percent(double part, double whole) {
@@ -62,6 +102,60 @@ std::string main_reason(const Verdict& verdict) {
     if (!pair.agree)
       return pair.first + " and " + pair.second + " differ by " + fixed(pair.distance, 0.0001) + " mm";
   return name_of(verdict.verdict);
+}
+
+/// What the findings say of one feature; else what its numbers do.
+std::string failure_of(const ArtifactVerdict& artifact, const FeatureVerdict& feature) {
+  std::vector<std::string> lines;
+  for (const auto& f : artifact.findings)
+    if (f.feature == feature.name && f.kind != Finding::Kind::not_scanned) lines.push_back(f.text);
+  if (lines.empty())
+    lines.push_back("deviates by " + fixed(feature.max, 0.0001) + " mm, covered " + fixed(feature.covered, 0.001));
+  return joined(lines);
+}
+
+/// `line` broken at spaces so that no line is wider than the table; what follows the first is indented.
+std::string wrapped(const std::string& line, std::size_t indent) {
+  std::string text, rest = line;
+  while (rest.size() > width) {
+    auto cut = rest.rfind(' ', width);
+    if (cut == std::string::npos || cut <= indent) break;
+    text += rest.substr(0, cut) + "\n";
+    rest = std::string(indent, ' ') + rest.substr(cut + 1);
+  }
+  return text + rest + "\n";
+}
+
+/// Faults, the worst first; of what was not scanned, how much and where most of it is.
+std::string finding_lines(const ArtifactVerdict& a) {
+  std::string text;
+  std::size_t shown = 0, faults = 0, unscanned = 0;
+  for (const auto& f : a.findings) {
+    const bool fault = f.kind != Finding::Kind::not_scanned;
+    ++(fault ? faults : unscanned);
+    if (fault ? faults > most_findings : unscanned > 2) continue;
+    text += wrapped("  " + std::string(fault ? std::to_string(++shown) + ". " : "-  ") + f.text, 5);
+  }
+  if (faults > most_findings) text += "  and " + std::to_string(faults - most_findings) + " more\n";
+  return text.empty() ? text : "\n" + a.file + ", " + (faults ? "what is wrong, the worst first" : "what was not scanned") + "\n" + text;
+}
+
+/// The inspection rows of the features that are out of tolerance.
+std::string failing_dimensions(const ArtifactVerdict& a) {
+  std::string text;
+  for (const auto& o : a.objects) {
+    if (o.verdict == Outcome::verified) continue;
+    for (const auto& d : o.dimensions) {
+      const bool angle = d.quantity == Quantity::angle;
+      auto value = [&](double v) { return fixed(angle ? degrees(v) : v, 0.001); };
+      text += "  " + column(column(o.name, 29), 30) + column(column(d.name + (angle ? " [deg]" : ""), 21), 22) +
+              column(value(d.nominal), 10, true) + column(value(d.measured), 10, true) +
+              column(value(d.sigma), 9, true) + column(value(d.deviation), 10, true) + (d.within ? "  in" : "  OUT") + "\n";
+    }
+  }
+  if (text.empty()) return text;
+  return "\n" + column(a.file + ", inspection", 54) + column("nominal", 10, true) + column("measured", 10, true) +
+         column("sigma", 9, true) + column("deviation", 10, true) + "\n" + text;
 }
 
 }  // namespace
@@ -95,9 +189,9 @@ std::string write_verdict_json(const Verdict& verdict) {
                                 {"not_scanned", rounded(m.not_scanned)}, {"contradicted", rounded(m.contradicted)}};
     }
     entry["objects"] = Json::array();
-    for (const auto& o : a.objects)
-      entry["objects"].push_back({{"name", o.name}, {"points", o.points}, {"rms", rounded(o.rms)}, {"max", rounded(o.max)},
-                                  {"covered", rounded(o.covered)}, {"verdict", name_of(o.verdict)}});
+    for (const auto& o : a.objects) entry["objects"].push_back(feature_json(o));
+    entry["findings"] = Json::array();
+    for (const auto& f : a.findings) entry["findings"].push_back(finding_json(f));
     json["artifacts"].push_back(std::move(entry));
   }
   json["between_backends"] = Json::array();
@@ -108,16 +202,30 @@ std::string write_verdict_json(const Verdict& verdict) {
 }
 
 std::string write_verdict_csv(const Verdict& verdict) {
-  std::string text = "file,backend,object,points,rms,max,covered,verdict\n";
+  std::string text =
+      "file,backend,feature,kind,dimension,unit,nominal,measured,sigma,deviation,within,points,rms,max,covered,verdict\n";
+  auto number = [](double v) { return print_number(rounded(v)); };
   for (const auto& a : verdict.artifacts) {
     const std::string start = quoted_csv(a.file) + "," + quoted_csv(a.backend) + ",";
+    auto quality = [&](std::size_t points, double rms, double max, double covered, Outcome outcome) {
+      return std::to_string(points) + "," + number(rms) + "," + number(max) + "," + number(covered) + "," +
+             name_of(outcome) + "\n";
+    };
     const auto& d = a.data_to_model;
     const double covered = was_compared(a) ? a.model_to_data.supported / a.model_to_data.area : 0;
-    text += start + "all," + std::to_string(d.points) + "," + print_number(rounded(d.rms)) + "," +
-            print_number(rounded(d.local_max)) + "," + print_number(rounded(covered)) + "," + name_of(a.verdict) + "\n";
-    for (const auto& o : a.objects)
-      text += start + quoted_csv(o.name) + "," + std::to_string(o.points) + "," + print_number(rounded(o.rms)) + "," +
-              print_number(rounded(o.max)) + "," + print_number(rounded(o.covered)) + "," + name_of(o.verdict) + "\n";
+    text += start + "all,,,,,,,,," + quality(d.points, d.rms, d.local_max, covered, a.verdict);
+    for (const auto& o : a.objects) {
+      const std::string feature = start + quoted_csv(o.name) + "," + quoted_csv(o.kind) + ",";
+      const std::string end = quality(o.points, o.rms, o.max, o.covered, o.verdict);
+      if (o.dimensions.empty()) text += feature + ",,,,,,," + end;
+      for (const auto& dimension : o.dimensions) {
+        const bool angle = dimension.quantity == Quantity::angle;
+        auto value = [&](double v) { return number(angle ? degrees(v) : v) + ","; };
+        text += feature + quoted_csv(dimension.name) + "," + (angle ? "deg," : "mm,") + value(dimension.nominal) +
+                value(dimension.measured) + value(dimension.sigma) + value(dimension.deviation) +
+                (dimension.within ? "yes," : "no,") + end;
+      }
+    }
   }
   return text;
 }
@@ -140,8 +248,7 @@ std::string write_verdict_junit(const Verdict& verdict) {
   };
   for (const auto& a : verdict.artifacts) {
     test_case(a.file, "within " + print_number(verdict.tolerance) + " mm", a.verdict, joined(a.reasons));
-    for (const auto& o : a.objects)
-      test_case(a.file, o.name, o.verdict, "deviates by " + fixed(o.max, 0.0001) + " mm, covered " + fixed(o.covered, 0.001));
+    for (const auto& o : a.objects) test_case(a.file, o.name, o.verdict, failure_of(a, o));
   }
   for (const auto& p : verdict.between_backends)
     test_case("between backends", p.first + " and " + p.second, p.agree ? Outcome::verified : Outcome::out_of_tolerance,
@@ -163,20 +270,21 @@ std::string verdict_table(const Verdict& verdict) {
             column(percent(a.model_to_data.supported, a.model_to_data.area), 9, true) +
             column(percent(a.model_to_data.contradicted, a.model_to_data.area), 9, true) + "\n";
   }
+  for (const auto& a : verdict.artifacts) text += finding_lines(a) + failing_dimensions(a);
   // All artifacts have the same faces: the first shows every one, the others those that are not as they should be.
   bool first = true;
   for (const auto& a : verdict.artifacts) {
     std::string faces;
     for (const auto& o : a.objects)
-      if (first || o.verdict != Outcome::verified)
+      if ((first && a.objects.size() <= most_rows) || o.verdict != Outcome::verified)
         faces += "  " + column(column(o.name, 43), 44) + column(name_of(o.verdict), 17) + column(fixed(o.max, 0.0001), 10, true) +
                  column(fixed(o.rms, 0.0001), 9, true) + column(percent(o.covered, 1), 9, true) +
                  column(std::to_string(o.points), 9, true) + "\n";
     if (!faces.empty())
-      text += "\n" + column(a.file + ", face by face", 46) + column("verdict", 17) + column("local max", 10, true) +
+      text += "\n" + column(a.file + ", feature by feature", 46) + column("verdict", 17) + column("local max", 10, true) +
               column("rms", 9, true) + column("scanned", 9, true) + column("points", 9, true) + "\n" + faces;
     if (!a.objects.empty()) first = false;
-    for (const auto& reason : a.reasons) text += "  " + a.file + ": " + reason + "\n";
+    for (const auto& reason : a.reasons) text += wrapped("  " + a.file + ": " + reason, 4);
   }
   if (!verdict.between_backends.empty()) text += "\n";
   for (const auto& p : verdict.between_backends)

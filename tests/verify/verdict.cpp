@@ -282,8 +282,10 @@ TEST_CASE("verdict: JSON, CSV, JUnit and the table say the same") {
   CHECK(json.find("\"between_backends\"") != std::string::npos);
   CHECK(json.find("\"face 1\"") != std::string::npos);
   const auto csv = write_verdict_csv(verdict);
-  CHECK(csv.rfind("file,backend,object,", 0) == 0);
-  CHECK(std::count(csv.begin(), csv.end(), '\n') == long(2 + verdict.artifacts[0].objects.size()));
+  CHECK(csv.rfind("file,backend,feature,kind,dimension,unit,nominal,measured,sigma,deviation,within,points,", 0) == 0);
+  std::size_t lines = 2;  // heading and the whole artifact
+  for (const auto& o : verdict.artifacts[0].objects) lines += std::max<std::size_t>(1, o.dimensions.size());
+  CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == lines);
   const auto junit = write_verdict_junit(verdict);
   CHECK(junit.find("<failure") != std::string::npos);
   CHECK(junit.find("failures=\"2\"") != std::string::npos);  // the artifact and the hole
