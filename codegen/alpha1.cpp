@@ -8,6 +8,7 @@
 #include "codegen/describe.h"
 #include "codegen/template.h"
 #include "core/number.h"
+#include "model/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -196,6 +197,32 @@ class Writer {
     return "solidOfSurface( surface( " + order + ", \"ec_periodic\", \"kv_uniform\", " + order +
            ", \"ec_open\", \"kv_uniform\", " + label + " ) )";
   }
+
+  Made expression_of(const Object& o, const Supertoroid& s) {
+    const auto now = std::get<SupertoroidOf<double>>(evaluate(Shape(s), values_));
+    const auto net = supertoroid_net(now, model_.tolerance / 10);
+    TemplateRecord data;
+    const std::string label = text_.fresh(o.name + " net");
+    data["net"] = label;
+    data["section"] = text_.fresh(o.name + " section");
+    data["major_radius"] = text_.plain(s.major_radius);
+    data["minor_radius"] = text_.factor(s.minor_radius);
+    data["half_height"] = text_.factor(s.half_height);
+    for (const auto& [name, field] : {std::pair{"e1", &s.e1}, {"e2", &s.e2}})
+      data[name] = print_real(text_.value(*field)) + (field->is_number() ? "" : " (" + text_.plain(*field) + ")");
+    data["deviation"] = print_number(std::max(snapped(net.deviation, 1e-4), 1e-4));
+    TemplateList around, tube;
+    for (const auto& a : net.around) around.push_back({{"c", print_real(a.c)}, {"s", print_real(a.s)}});
+    for (const auto& a : net.tube) tube.push_back({{"c", print_real(a.c)}, {"s", print_real(a.s)}});
+    data["around"] = around;
+    data["tube"] = tube;
+    if (auto done = step("supertoroid.scl", data); !done.ok()) return done.error();
+    const std::string order = order_name(net.order);
+    return "solidOfSurface( surface( " + order + ", \"ec_periodic\", \"kv_uniform\", " + order +
+           ", \"ec_periodic\", \"kv_uniform\", " + label + " ) )";
+  }
+
+  Made expression_of(const Object& o, const Fillet& s) { return expression_of(o, lowered(s)); }
 
   Made expression_of(const Object& o, const HalfSpaces& s) {
     TemplateList planes;

@@ -100,6 +100,30 @@ struct Samples {
   }
 };
 
+/// Control points of the closed uniform cubic through evenly spaced samples.
+std::vector<SuperellipsoidNet::Around> through(const std::vector<Vec2>& samples) {
+  const auto count = static_cast<Eigen::Index>(samples.size());
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(count, count), b(count, 2);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    A(j, (j + count - 1) % count) = A(j, (j + 1) % count) = 1.0 / 6;
+    A(j, j) = 4.0 / 6;
+    b.row(j) = samples[static_cast<std::size_t>(j)].transpose();
+  }
+  const Eigen::MatrixXd control = A.partialPivLu().solve(b);
+  std::vector<SuperellipsoidNet::Around> net;
+  for (Eigen::Index j = 0; j < count; ++j) net.push_back({snapped(control(j, 0), 1e-9), snapped(control(j, 1), 1e-9)});
+  return net;
+}
+
+/// A place on a closed net at `t`, counted in its control points.
+Vec2 closed_at(const std::vector<SuperellipsoidNet::Around>& net, int order, double t) {
+  const int n = static_cast<int>(net.size()), j = static_cast<int>(std::floor(t));
+  const double f = t - j;
+  auto p = [&](int k) { const auto& a = net[static_cast<std::size_t>((j + k + n) % n)]; return Vec2(a.c, a.s); };
+  if (order == 2) return (1 - f) * p(0) + f * p(1);
+  return (std::pow(1 - f, 3) * p(-1) + (3 * f * f * f - 6 * f * f + 4) * p(0) + (-3 * f * f * f + 3 * f * f + 3 * f + 1) * p(1) + f * f * f * p(2)) / 6;
+}
+
 SuperellipsoidNet net_of(const Samples& samples, int order, int around, int along) {
   SuperellipsoidNet net;
   net.order = order;
@@ -115,14 +139,9 @@ SuperellipsoidNet net_of(const Samples& samples, int order, int around, int alon
     }
     return net;
   }
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(around, around), b(around, 2);
-  for (int j = 0; j < around; ++j) {
-    A(j, (j + around - 1) % around) = A(j, (j + 1) % around) = 1.0 / 6;
-    A(j, j) = 4.0 / 6;
-    b.row(j) = samples.around(double(j) / around).transpose();
-  }
-  const Eigen::MatrixXd round = A.partialPivLu().solve(b);
-  for (int j = 0; j < around; ++j) net.around.push_back({tidy(round(j, 0)), tidy(round(j, 1))});
+  std::vector<Vec2> ring;
+  for (int j = 0; j < around; ++j) ring.push_back(samples.around(double(j) / around));
+  net.around = through(ring);
 
   Eigen::MatrixXd B(along, along), d(along, 3);
   for (int i = 0; i < along; ++i) {
@@ -141,13 +160,6 @@ SuperellipsoidNet net_of(const Samples& samples, int order, int around, int alon
 /// The largest distance found between the surface of the net and the superellipsoid.
 double deviation_of(const SuperellipsoidNet& net, const SuperellipsoidOf<double>& s, const ModelDistance& distance) {
   const int n = static_cast<int>(net.around.size()), m = static_cast<int>(net.along.size());
-  auto around_at = [&](double t) -> Vec2 {
-    const int j = static_cast<int>(std::floor(t));
-    const double f = t - j;
-    auto p = [&](int k) { const auto& a = net.around[static_cast<std::size_t>((j + k + n) % n)]; return Vec2(a.c, a.s); };
-    if (net.order == 2) return (1 - f) * p(0) + f * p(1);
-    return (std::pow(1 - f, 3) * p(-1) + (3 * f * f * f - 6 * f * f + 4) * p(0) + (-3 * f * f * f + 3 * f * f + 3 * f + 1) * p(1) + f * f * f * p(2)) / 6;
-  };
   auto along_at = [&](double t) -> Vec3 {
     Vec3 sum = Vec3::Zero();
     auto p = [&](int k) { const auto& a = net.along[static_cast<std::size_t>(k)]; return Vec3(a.r, a.q, a.z); };
@@ -165,7 +177,7 @@ double deviation_of(const SuperellipsoidNet& net, const SuperellipsoidOf<double>
   for (int i = 0; i <= per_span * static_cast<int>(last); ++i) up.push_back(along_at(double(i) / per_span));
   double worst = 0;
   for (int j = 0; j <= per_span * (n / 4); ++j) {
-    const Vec2 u = around_at(double(j) / per_span);
+    const Vec2 u = closed_at(net.around, net.order, double(j) / per_span);
     for (const Vec3& v : up) {
       const Vec3 p(s.a1 * u.x() * (v.x() + s.taper_x * v.y()), s.a2 * u.y() * (v.x() + s.taper_y * v.y()), s.a3 * v.z());
       worst = std::max(worst, std::abs(distance(p).distance));
@@ -174,17 +186,20 @@ double deviation_of(const SuperellipsoidNet& net, const SuperellipsoidOf<double>
   return worst;
 }
 
-}  // namespace
-
-SuperellipsoidNet superellipsoid_net(const SuperellipsoidOf<double>& s, double deviation) {
+/// A model of this one shape.
+ModelDistance distance_to(Shape shape) {
   Model model;
   Object object;
   object.name = "part";
-  Superellipsoid shape{s.a1, s.a2, s.a3, s.e1, s.e2, s.taper_x, s.taper_y};
-  object.shape = shape;
+  object.shape = std::move(shape);
   model.objects.push_back(object);
-  const ModelDistance distance(model);
+  return ModelDistance(model);
+}
 
+}  // namespace
+
+SuperellipsoidNet superellipsoid_net(const SuperellipsoidOf<double>& s, double deviation) {
+  const ModelDistance distance = distance_to(Superellipsoid{s.a1, s.a2, s.a3, s.e1, s.e2, s.taper_x, s.taper_y});
   const double wide = std::max(s.a1, s.a2);
   const Quarter latitude(s.e1, wide, s.a3), longitude(s.e2, s.a1, s.a2);
   const Samples samples{latitude, longitude, s.e1, s.e2};
@@ -197,6 +212,48 @@ SuperellipsoidNet superellipsoid_net(const SuperellipsoidOf<double>& s, double d
                                              Size{4, 96, 61}, Size{2, 128, 65}, Size{2, 192, 97}, Size{2, 256, 129}}) {
     auto net = net_of(samples, order, around, along);
     net.deviation = deviation_of(net, s, distance);
+    if (net.deviation < best.deviation) best = std::move(net);
+    if (best.deviation <= deviation) break;
+  }
+  return best;
+}
+
+SupertoroidNet supertoroid_net(const SupertoroidOf<double>& s, double deviation) {
+  const ModelDistance distance = distance_to(Supertoroid{s.major_radius, s.minor_radius, s.half_height, s.e1, s.e2});
+  const double reach = s.major_radius + s.minor_radius;
+  const Quarter tube(s.e1, s.minor_radius, s.half_height), ring(s.e2, reach, reach);
+  // The samples all round of a superellipse are those of a superellipsoid's equator.
+  const Samples tube_samples{tube, tube, s.e1, s.e1}, ring_samples{ring, ring, s.e2, s.e2};
+  struct Size {
+    int order, around, tube;
+  };
+  SupertoroidNet best;
+  best.deviation = 1e300;
+  for (const auto& [order, around, tube_count] :
+       {Size{4, 16, 12}, Size{4, 24, 16}, Size{4, 32, 24}, Size{4, 48, 32}, Size{4, 64, 48}, Size{4, 96, 64}, Size{2, 128, 64},
+        Size{2, 192, 96}, Size{2, 256, 128}}) {
+    SupertoroidNet net;
+    net.order = order;
+    auto closed = [order = order](const Samples& samples, int count) {
+      std::vector<Vec2> points;
+      for (int j = 0; j < count; ++j) points.push_back(samples.around(double(j) / count));
+      if (order == 4) return through(points);
+      std::vector<SuperellipsoidNet::Around> corners;
+      for (const auto& p : points) corners.push_back({snapped(p.x(), 1e-9), snapped(p.y(), 1e-9)});
+      return corners;
+    };
+    net.around = closed(ring_samples, around), net.tube = closed(tube_samples, tube_count);
+    constexpr int per_span = 3;
+    for (int i = 0; i < per_span * tube_count; ++i) {
+      const Vec2 t = closed_at(net.tube, order, double(i) / per_span);
+      // One quarter is enough: everything is symmetric to x = 0 and y = 0.
+      for (int j = 0; j <= per_span * (around / 4); ++j) {
+        const Vec2 u = closed_at(net.around, order, double(j) / per_span);
+        const double r = s.major_radius + s.minor_radius * t.x();
+        const Vec3 p(r * u.x(), r * u.y(), s.half_height * t.y());
+        net.deviation = std::max(net.deviation, std::abs(distance(p).distance));
+      }
+    }
     if (net.deviation < best.deviation) best = std::move(net);
     if (best.deviation <= deviation) break;
   }

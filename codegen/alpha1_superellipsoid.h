@@ -1,4 +1,4 @@
-/// The control net of a B-spline surface that stands for a superellipsoid within a given deviation.
+/// Control nets of B-spline surfaces that stand for superellipsoids and supertoroids within a given deviation.
 #pragma once
 
 #include <vector>
@@ -24,5 +24,15 @@ struct SuperellipsoidNet {
 };
 
 SuperellipsoidNet superellipsoid_net(const SuperellipsoidOf<double>& shape, double deviation);
+
+/// Corner (i, j) is ( (major_radius + minor_radius T_i.c) C_j, (major_radius + minor_radius T_i.c) S_j,
+/// half_height T_i.s ), periodic with uniform knots both ways.
+struct SupertoroidNet {
+  int order = 4;
+  std::vector<SuperellipsoidNet::Around> around, tube;
+  double deviation = 0;  ///< mm
+};
+
+SupertoroidNet supertoroid_net(const SupertoroidOf<double>& shape, double deviation);
 
 }  // namespace partscribe

@@ -130,7 +130,10 @@ class Builder {
   TopoDS_Shape build(const S& s) {
     return brep_of(s);
   }
-  TopoDS_Shape build(const SuperellipsoidOf<double>& s) {
+  TopoDS_Shape build(const SuperellipsoidOf<double>& s) { return approximated(s); }
+  TopoDS_Shape build(const SupertoroidOf<double>& s) { return approximated(s); }
+  template <class S>
+  TopoDS_Shape approximated(const S& s) {
     double error = 0;
     auto shape = brep_of(s, model_.tolerance / 10, error);
     error_ = std::max(error_, error);

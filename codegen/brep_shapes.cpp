@@ -34,6 +34,7 @@
 
 #include "core/number.h"
 #include "geometry/convex.h"
+#include "model/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -184,6 +185,8 @@ TopoDS_Shape brep_of(const ExtrudeOf<double>& s) {
   if (face.IsNull()) return {};
   return outward(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, s.height)).Shape());
 }
+
+TopoDS_Shape brep_of(const FilletOf<double>& s) { return brep_of(lowered(s)); }
 
 TopoDS_Shape brep_of(const RevolveOf<double>& s) {
   // Drawn in the x-z plane: its second axis is z when its normal is -y.

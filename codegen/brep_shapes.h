@@ -20,12 +20,16 @@ TopoDS_Shape brep_of(const SphereOf<double>& shape);
 TopoDS_Shape brep_of(const EllipsoidOf<double>& shape);
 TopoDS_Shape brep_of(const TorusOf<double>& shape);
 TopoDS_Shape brep_of(const HalfSpacesOf<double>& shape);
+TopoDS_Shape brep_of(const FilletOf<double>& shape);
 TopoDS_Shape brep_of(const ExtrudeOf<double>& shape);
 TopoDS_Shape brep_of(const RevolveOf<double>& shape);
 TopoDS_Shape brep_of(const TriSurfaceOf<double>& shape);
 
 /// A product of two piecewise cubic curves within `tolerance` of the superellipsoid; `error` is what was measured.
 TopoDS_Shape brep_of(const SuperellipsoidOf<double>& shape, double tolerance, double& error);
+
+/// Likewise: the tube's curve times the ring's.
+TopoDS_Shape brep_of(const SupertoroidOf<double>& shape, double tolerance, double& error);
 
 /// Planar faces on shared corners and edges: one shell per connected piece. `closed`: solids, cavities cut out.
 TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices,

@@ -1,4 +1,4 @@
-// Superellipsoids as one spline surface each.
+// Superellipsoids and supertoroids as one spline surface each.
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
@@ -39,12 +39,12 @@ void superellipse(double t, double e, double& x, double& y, double& dx, double& 
   dx = r_t * c - r * s, dy = r_t * s + r * c;
 }
 
-/// Along the ring, turned into quarter `quarter`.
-Jet ring(const SuperellipsoidOf<double>& s, double t, int quarter) {
+/// Along the closed unit superellipse, turned into quarter `quarter`.
+Jet closed_superellipse(double e, double t, int quarter) {
   double x, y, dx, dy;
   // Odd quarters run from the second axis to the first, so the quarter curve is taken backwards.
   const bool odd = quarter % 2 == 1;
-  superellipse(odd ? pi / 2 - t : t, s.e2, x, y, dx, dy);
+  superellipse(odd ? pi / 2 - t : t, e, x, y, dx, dy);
   if (odd) dx = -dx, dy = -dy;
   const double sx = quarter == 0 || quarter == 3 ? 1 : -1, sy = quarter < 2 ? 1 : -1;
   return {{sx * x, sy * y, 0}, {sx * dx, sy * dy, 0}};
@@ -133,26 +133,8 @@ Spline spline_of(const Curve& curve, int parts, bool corners, const Vec3& size, 
   return spline;
 }
 
-}  // namespace
-
-TopoDS_Shape brep_of(const SuperellipsoidOf<double>& s, double tolerance, double& error) {
-  const double grow_x = 1 + std::abs(s.taper_x), grow_y = 1 + std::abs(s.taper_y);
-  const Spline u = spline_of([&](double t, int part) { return ring(s, t, part); }, 4, s.e2 > 2 - 1e-9,
-                             {s.a1 * grow_x, s.a2 * grow_y, 0}, tolerance / 2);
-  const Spline v = spline_of([&](double t, int part) { return meridian(s, t, part); }, 2, s.e1 > 2 - 1e-9,
-                             {s.a1, s.a2, s.a3}, tolerance / 2);
-  error = u.error + v.error;
-  TColgp_Array2OfPnt poles(1, static_cast<int>(u.poles.size()), 1, static_cast<int>(v.poles.size()));
-  for (std::size_t i = 0; i < u.poles.size(); ++i) {
-    const Vec3& ring_pole = i + 1 == u.poles.size() ? u.poles.front() : u.poles[i];
-    for (std::size_t j = 0; j < v.poles.size(); ++j) {
-      const bool tip = j == 0 || j + 1 == v.poles.size();
-      const Vec3& m = v.poles[j];
-      poles(static_cast<int>(i) + 1, static_cast<int>(j) + 1) =
-          tip ? gp_Pnt(0, 0, j == 0 ? -s.a3 : s.a3)
-              : gp_Pnt(s.a1 * m.x() * ring_pole.x(), s.a2 * m.y() * ring_pole.y(), s.a3 * m.z());
-    }
-  }
+/// A closed surface with these poles as a solid.
+TopoDS_Shape solid_of(const TColgp_Array2OfPnt& poles, const Spline& u, const Spline& v) {
   auto reals = [](const std::vector<double>& list) {
     TColStd_Array1OfReal array(1, static_cast<int>(list.size()));
     for (std::size_t i = 0; i < list.size(); ++i) array(static_cast<int>(i) + 1) = list[i];
@@ -177,6 +159,48 @@ TopoDS_Shape brep_of(const SuperellipsoidOf<double>& s, double tolerance, double
   builder.Add(solid, shell);
   BRepLib::OrientClosedSolid(solid);
   return solid;
+}
+
+}  // namespace
+
+TopoDS_Shape brep_of(const SuperellipsoidOf<double>& s, double tolerance, double& error) {
+  const double grow_x = 1 + std::abs(s.taper_x), grow_y = 1 + std::abs(s.taper_y);
+  const Spline u = spline_of([&](double t, int part) { return closed_superellipse(s.e2, t, part); }, 4, s.e2 > 2 - 1e-9,
+                             {s.a1 * grow_x, s.a2 * grow_y, 0}, tolerance / 2);
+  const Spline v = spline_of([&](double t, int part) { return meridian(s, t, part); }, 2, s.e1 > 2 - 1e-9,
+                             {s.a1, s.a2, s.a3}, tolerance / 2);
+  error = u.error + v.error;
+  TColgp_Array2OfPnt poles(1, static_cast<int>(u.poles.size()), 1, static_cast<int>(v.poles.size()));
+  for (std::size_t i = 0; i < u.poles.size(); ++i) {
+    const Vec3& ring_pole = i + 1 == u.poles.size() ? u.poles.front() : u.poles[i];
+    for (std::size_t j = 0; j < v.poles.size(); ++j) {
+      const bool tip = j == 0 || j + 1 == v.poles.size();
+      const Vec3& m = v.poles[j];
+      poles(static_cast<int>(i) + 1, static_cast<int>(j) + 1) =
+          tip ? gp_Pnt(0, 0, j == 0 ? -s.a3 : s.a3)
+              : gp_Pnt(s.a1 * m.x() * ring_pole.x(), s.a2 * m.y() * ring_pole.y(), s.a3 * m.z());
+    }
+  }
+  return solid_of(poles, u, v);
+}
+
+TopoDS_Shape brep_of(const SupertoroidOf<double>& s, double tolerance, double& error) {
+  const double reach = s.major_radius + s.minor_radius;
+  const Spline u = spline_of([&](double t, int part) { return closed_superellipse(s.e2, t, part); }, 4, s.e2 > 2 - 1e-9,
+                             {reach, reach, 0}, tolerance / 2);
+  const Spline v = spline_of([&](double t, int part) { return closed_superellipse(s.e1, t, part); }, 4, s.e1 > 2 - 1e-9,
+                             {s.minor_radius, s.half_height, 0}, tolerance / 2);
+  error = u.error + v.error;
+  TColgp_Array2OfPnt poles(1, static_cast<int>(u.poles.size()), 1, static_cast<int>(v.poles.size()));
+  for (std::size_t i = 0; i < u.poles.size(); ++i) {
+    const Vec3& ring = i + 1 == u.poles.size() ? u.poles.front() : u.poles[i];
+    for (std::size_t j = 0; j < v.poles.size(); ++j) {
+      const Vec3& tube = j + 1 == v.poles.size() ? v.poles.front() : v.poles[j];
+      const double r = s.major_radius + s.minor_radius * tube.x();
+      poles(static_cast<int>(i) + 1, static_cast<int>(j) + 1) = gp_Pnt(r * ring.x(), r * ring.y(), s.half_height * tube.y());
+    }
+  }
+  return solid_of(poles, u, v);
 }
 
 }  // namespace partscribe

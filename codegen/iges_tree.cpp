@@ -29,6 +29,7 @@
 #include <gp_XYZ.hxx>
 
 #include "core/number.h"
+#include "model/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -223,7 +224,10 @@ Entity solid_of(const RevolveOf<double>& s) {
   });
 }
 
+Entity solid_of(const FilletOf<double>& s) { return solid_of(lowered(s)); }
+
 Entity solid_of(const SuperellipsoidOf<double>&) { return {}; }
+Entity solid_of(const SupertoroidOf<double>&) { return {}; }
 Entity solid_of(const HalfSpacesOf<double>&) { return {}; }
 Entity solid_of(const TriSurfaceOf<double>&) { return {}; }
 

@@ -10,6 +10,7 @@
 #include "codegen/template.h"
 #include "codegen/thicken.h"
 #include "core/number.h"
+#include "model/lower.h"
 
 namespace partscribe {
 namespace {
@@ -220,6 +221,13 @@ class Writer {
     needs_.library = uses_chord_error_ = true;
     return pack_.render("superellipsoid.scad", data_of_fields(o, s));
   }
+
+  Result<std::string> module_of(const Object& o, const Supertoroid& s) {
+    needs_.library = uses_chord_error_ = true;
+    return pack_.render("supertoroid.scad", data_of_fields(o, s));
+  }
+
+  Result<std::string> module_of(const Object& o, const Fillet& s) { return module_of(o, lowered(s)); }
 
   Result<std::string> module_of(const Object& o, const HalfSpaces& s) {
     needs_.library = true;

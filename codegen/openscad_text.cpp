@@ -57,6 +57,7 @@ const std::set<std::string> taken_modules = {"assert",
                                              "disc",
                                              "half_spaces",
                                              "superellipsoid",
+                                             "supertoroid",
                                              "thick_sheet",
                                              "scan_from_part"};
 const std::set<std::string> taken_variables = {"as_designed", "as_scanned", "assert", "chord_error", "each",  "echo",

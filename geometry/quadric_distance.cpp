@@ -136,7 +136,8 @@ struct Octant {
 /// Walks from surface point `x` to the foot of `p`: Newton on the Lagrangian in the tangent plane, drawn back onto
 /// the surface along rays. A coordinate shrinks to no less than a fiftieth per step, because exponents above 1 make
 /// the curvature unbounded at the symmetry planes. Returns the squared distance.
-double walk_to_foot(const Octant& shape, const Vec3& p, Vec3 x) {
+template <class Surface>
+double walk_to_foot(const Surface& shape, const Vec3& p, Vec3 x) {
   const double size = shape.a.maxCoeff();
   double sq = (p - x).squaredNorm();
   for (int step = 0; step < 60; ++step) {
@@ -185,6 +186,44 @@ double walk_to_foot(const Octant& shape, const Vec3& p, Vec3 x) {
   }
   return sq;
 }
+
+/// The octant of non-negative coordinates of a supertoroid.
+struct RingOctant {
+  Vec3 a;  // half sizes of the whole
+  double major, minor, height;
+  double p1, p2;  // 2 / e1, 2 / e2
+
+  Vec3 untapered(const Vec3& x) const { return x; }
+  double across(const Vec3& x) const { return (gauge_value(x[0], x[1], p2) - major) / minor; }
+  double norm(const Vec3& x) const { return gauge_value(std::abs(across(x)), x[2] / height, p1); }
+  /// The surface point on the ray from the tube's centre line through x, at x's own azimuth.
+  Vec3 onto(const Vec3& x) const {
+    const Vec3 v = x.cwiseMax(smallest * a);
+    const double ring = gauge_value(v[0], v[1], p2);
+    double r = (ring - major) / minor, z = v[2] / height;
+    const double n = gauge_value(std::abs(r), z, p1);
+    if (n > 0) r /= n, z /= n;
+    else r = 1;
+    const double grown = (major + minor * r) / ring;
+    return {v[0] * grown, v[1] * grown, height * z};
+  }
+
+  void derivatives(const Vec3& x, Vec3& gradient, Mat3& hessian) const {
+    const double unit = major + minor;
+    const Gauge in = gauge(x[0] / unit, x[1] / unit, p2);  // its Hessian is per unit
+    const double r = (in.value * unit - major) / minor, side = r < 0 ? -1 : 1;
+    const Gauge out = gauge(std::abs(r), x[2] / height, p1);
+    const double c = side / minor;
+    gradient = {out.gx * c * in.gx, out.gx * c * in.gy, out.gy / height};
+    const double hxx = out.hxx * c * c, bend = out.gx * c / unit;
+    hessian(0, 0) = hxx * in.gx * in.gx + bend * in.hxx;
+    hessian(1, 1) = hxx * in.gy * in.gy + bend * in.hyy;
+    hessian(0, 1) = hessian(1, 0) = hxx * in.gx * in.gy + bend * in.hxy;
+    hessian(0, 2) = hessian(2, 0) = out.hxy * c / height * in.gx;
+    hessian(1, 2) = hessian(2, 1) = out.hxy * c / height * in.gy;
+    hessian(2, 2) = out.hyy / (height * height);
+  }
+};
 
 /// Starts for the half that `shape` describes; `p` is folded into x, y >= 0. Returns the smallest squared distance.
 double half_distance(const Octant& shape, const Vec3& p, bool inside) {
@@ -248,6 +287,51 @@ double superellipsoid_distance(const Vec3& p, double a1, double a2, double a3, d
     sq = std::min(sq, half_distance(shape, q, inside));
   }
   return inside ? -std::sqrt(sq) : std::sqrt(sq);
+}
+
+double supertoroid_distance(const Vec3& p, double major, double minor, double half_height, double e1, double e2) {
+  ensure(minor > 0 && half_height > 0 && e1 > 0 && e2 > 0, "a supertoroid needs sizes and exponents above zero");
+  const double reach = major + minor;
+  const RingOctant shape{{reach, reach, half_height}, major, minor, half_height, 2 / e1, 2 / e2};
+  const Vec3 q = p.cwiseAbs().cwiseMax(smallest * shape.a);
+  const bool inside = shape.norm(q) <= 1;
+  struct Start {
+    double sq;
+    Vec3 x;
+  };
+  std::array<Start, 12> starts;
+  std::size_t count = 0;
+  const auto add = [&](const Vec3& x) {
+    // A little off the symmetry planes, or the walk would be balanced on a ridge.
+    const Vec3 s = shape.onto(inside || shape.across(q) < 0 ? Vec3(x.cwiseMax(1e-3 * shape.a)) : x);
+    starts[count++] = {(q - s).squaredNorm(), s};
+  };
+  add(q);
+  const double ring = gauge_value(q[0], q[1], shape.p2), z = q[2] / half_height;
+  const double r = std::abs(shape.across(q));
+  if (r < 1) add({q[0], q[1], half_height * std::pow(1 - std::pow(r, shape.p1), 1 / shape.p1)});
+  // The walls at this height, or the crest above it, in the direction of the ring's centre, of x and of y.
+  const double width = z < 1 ? minor * std::pow(1 - std::pow(z, shape.p1), 1 / shape.p1) : 0;
+  const double height = std::min(q[2], half_height);
+  for (const double wall : {major + width, major - width}) {
+    if (ring > 0) add({q[0] * wall / ring, q[1] * wall / ring, height});
+    for (const int axis : {0, 1}) {
+      const double other = q[1 - axis] / wall;
+      if (other >= 1) continue;
+      Vec3 x = q;
+      x[axis] = wall * std::pow(1 - std::pow(other, shape.p2), 1 / shape.p2), x[2] = height;
+      add(x);
+    }
+    if (width == 0) break;
+  }
+  std::stable_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(count),
+                   [](const Start& a, const Start& b) { return a.sq < b.sq; });
+  double best = walk_to_foot(shape, q, starts[0].x);
+  // Just above or below the surface there is one foot only.
+  const double near = 0.03 * std::min(minor, half_height);
+  if (best > near * near)
+    for (std::size_t i = 1; i < std::min<std::size_t>(count, 4); ++i) best = std::min(best, walk_to_foot(shape, q, starts[i].x));
+  return inside ? -std::sqrt(best) : std::sqrt(best);
 }
 
 double superellipsoid_radial_distance(const Vec3& p, double a1, double a2, double a3, double e1, double e2,

@@ -1,4 +1,4 @@
-/// Exact signed distances from a point to an ellipsoid and to a tapered superellipsoid, negative inside.
+/// Exact signed distances from a point to an ellipsoid, a tapered superellipsoid and a supertoroid, negative inside.
 #pragma once
 
 #include "geometry/vec.h"
@@ -18,5 +18,9 @@ double superellipsoid_distance(const Vec3& p, double a1, double a2, double a3, d
 /// The cheap stand-in: distance along the ray from the centre, q (1 - 1/N(q)) in the untapered space, negative inside.
 double superellipsoid_radial_distance(const Vec3& p, double a1, double a2, double a3, double e1, double e2,
                                       double taper_x, double taper_y);
+
+/// Supertoroid about z with its ring in z = 0: |(r - major) / minor|^(2/e1) + |z / half_height|^(2/e1) = 1 with
+/// r = (|x|^(2/e2) + |y|^(2/e2))^(e2/2). Sizes in mm, minor < major; exponents 0.1..2. Newton's method from several starts.
+double supertoroid_distance(const Vec3& p, double major, double minor, double half_height, double e1, double e2);
 
 }  // namespace partscribe

@@ -187,6 +187,8 @@ struct Check {
       if (s->bottom_radius <= 0 && s->top_radius <= 0) complain(where + ": one radius of a cone must be above 0");
     } else if (const auto* t = std::get_if<TorusOf<double>>(&shape)) {
       if (t->minor_radius >= t->major_radius) complain(where + ": the tube's radius must be below the ring's");
+    } else if (const auto* q = std::get_if<SupertoroidOf<double>>(&shape)) {
+      if (q->minor_radius >= q->major_radius) complain(where + ": the tube's half width must be below the ring's radius");
     } else if (const auto* h = std::get_if<HalfSpacesOf<double>>(&shape)) {
       std::vector<Plane3> planes;
       for (const auto& p : h->planes) {

@@ -10,6 +10,7 @@
 #include "geometry/convex.h"
 #include "geometry/mesh_distance.h"
 #include "geometry/quadric_distance.h"
+#include "model/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -183,6 +184,14 @@ std::unique_ptr<Solid> solid_of(const EvaluatedShape& shape) {
     return function_solid("surface", [q = *s](const Vec3& p) {
       return superellipsoid_distance(p, q.a1, q.a2, q.a3, q.e1, q.e2, q.taper_x, q.taper_y);
     });
+  if (const auto* s = std::get_if<SupertoroidOf<double>>(&shape))
+    return function_solid("surface", [q = *s](const Vec3& p) {
+      return supertoroid_distance(p, q.major_radius, q.minor_radius, q.half_height, q.e1, q.e2);
+    });
+  if (const auto* s = std::get_if<FilletOf<double>>(&shape)) {
+    const auto extrusion = lowered(*s);
+    return std::make_unique<Swept>(extrusion.sketch, false, extrusion.height);
+  }
   if (const auto* s = std::get_if<HalfSpacesOf<double>>(&shape)) {
     std::vector<Plane3> planes;
     std::vector<std::string> names;

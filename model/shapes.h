@@ -228,6 +228,39 @@ struct SuperellipsoidOf {
   bool operator==(const SuperellipsoidOf&) const = default;
 };
 
+/// A torus with superelliptic ring and tube (Barr 1981 with a1 = a2 = minor_radius, a3 = half_height and
+/// a4 = major_radius / minor_radius): |(r - major_radius) / minor_radius|^(2/e1) + |z / half_height|^(2/e1) = 1 with
+/// r = (|x|^(2/e2) + |y|^(2/e2))^(e2/2); minor_radius < major_radius.
+template <class N>
+struct SupertoroidOf {
+  static constexpr std::string_view kind = "supertoroid";
+  N major_radius{}, minor_radius{}, half_height{}, e1 = 1, e2 = 1;
+  template <class S, class V>
+  static void fields(S& s, V&& v) {
+    v("major_radius", s.major_radius, Domain::length, "radius of the ring's centre line along x and y");
+    v("minor_radius", s.minor_radius, Domain::length, "half width of the tube along x and y");
+    v("half_height", s.half_height, Domain::length, "half height of the tube");
+    v("e1", s.e1, Domain::exponent, "squareness of the tube");
+    v("e2", s.e2, Domain::exponent, "squareness of the ring");
+  }
+  bool operator==(const SupertoroidOf&) const = default;
+};
+
+/// What fills the inner corner between two faces at a right angle: legs along x (width) and y (height) from the origin,
+/// a concave quarter of an ellipse about (width, height) between their ends, z from 0 to length.
+template <class N>
+struct FilletOf {
+  static constexpr std::string_view kind = "fillet";
+  N width{}, height{}, length{};
+  template <class S, class V>
+  static void fields(S& s, V&& v) {
+    v("width", s.width, Domain::length, "leg along x");
+    v("height", s.height, Domain::length, "leg along y");
+    v("length", s.length, Domain::length, "length along z");
+  }
+  bool operator==(const FilletOf&) const = default;
+};
+
 /// The points p with normal . p <= offset.
 template <class N>
 struct HalfSpaceOf {
@@ -338,8 +371,8 @@ struct IntersectionOf {
 
 template <class N>
 using ShapeOf = std::variant<BoxOf<N>, WedgeOf<N>, CylinderOf<N>, ConeOf<N>, SphereOf<N>, EllipsoidOf<N>, TorusOf<N>,
-                             SuperellipsoidOf<N>, HalfSpacesOf<N>, ExtrudeOf<N>, RevolveOf<N>, TriSurfaceOf<N>,
-                             UnionOf<N>, DifferenceOf<N>, IntersectionOf<N>>;
+                             SuperellipsoidOf<N>, SupertoroidOf<N>, FilletOf<N>, HalfSpacesOf<N>, ExtrudeOf<N>,
+                             RevolveOf<N>, TriSurfaceOf<N>, UnionOf<N>, DifferenceOf<N>, IntersectionOf<N>>;
 
 using Box = BoxOf<Expr>;
 using Wedge = WedgeOf<Expr>;
@@ -349,6 +382,8 @@ using Sphere = SphereOf<Expr>;
 using Ellipsoid = EllipsoidOf<Expr>;
 using Torus = TorusOf<Expr>;
 using Superellipsoid = SuperellipsoidOf<Expr>;
+using Supertoroid = SupertoroidOf<Expr>;
+using Fillet = FilletOf<Expr>;
 using HalfSpace = HalfSpaceOf<Expr>;
 using HalfSpaces = HalfSpacesOf<Expr>;
 using Extrude = ExtrudeOf<Expr>;

@@ -100,6 +100,15 @@ struct ShapeBox {
   Box3 operator()(const SuperellipsoidOf<double>& s) const {
     return symmetric(s.a1 * (1 + std::abs(s.taper_x)), s.a2 * (1 + std::abs(s.taper_y)), -s.a3, s.a3);
   }
+  Box3 operator()(const SupertoroidOf<double>& s) const {
+    const double r = s.major_radius + s.minor_radius;
+    return symmetric(r, r, -s.half_height, s.half_height);
+  }
+  Box3 operator()(const FilletOf<double>& s) const {
+    Box3 box;
+    box.add(Vec3(0, 0, 0)), box.add(Vec3(s.width, s.height, s.length));
+    return box;
+  }
   Box3 operator()(const HalfSpacesOf<double>& s) const { return box_of(s); }
   Box3 operator()(const ExtrudeOf<double>& s) const {
     const auto flat = box_of(s.sketch);

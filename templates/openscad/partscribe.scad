@@ -1,4 +1,4 @@
-// Shapes that OpenSCAD does not have: superellipsoids, NURBS curves, half-spaces and thickened sheets.
+// Shapes that OpenSCAD does not have: superellipsoids, supertoroids, NURBS curves, half-spaces and thickened sheets.
 //
 // Belongs beside the script that uses it. Millimetres and degrees; OpenSCAD 2021.01 or later.
 
@@ -58,6 +58,29 @@ module superellipsoid(size, e1 = 1, e2 = 1, taper = [0, 0], chord_error = 0.01) 
       each [[a + j, a + n + j, a + n + k], [a + j, a + n + k, a + k]]],
     [for (j = [0 : n - 1]) [top, top - n + (j + 1) % n, top - n + j]]);
   polyhedron(points = points, faces = faces);
+}
+
+// ---- supertoroid ----------------------------------------------------------------------------------------------
+
+// The surface |(r - major) / minor|^(2/e1) + |z / half_height|^(2/e1) = 1 with r = (|x|^(2/e2) + |y|^(2/e2))^(e2/2).
+// Corners lie on the surface, facets within chord_error of it; every facet is plane.
+module supertoroid(major_radius, minor_radius, half_height, e1 = 1, e2 = 1, chord_error = 0.01) {
+  assert(minor_radius > 0 && minor_radius < major_radius && half_height > 0,
+    "a supertoroid needs a tube that is thinner than its ring");
+  assert(e1 >= 0.1 && e1 <= 2 && e2 >= 0.1 && e2 <= 2, "the exponents of a supertoroid must lie in 0.1 .. 2");
+  tube = function (t) let (p = _superellipse(t, e1)) [p.x * minor_radius, p.y * half_height];
+  ring = function (t) (major_radius + minor_radius) * _superellipse(t, e2);
+  around = function (curve) let (quarter = concat([0], _cuts(curve, 0, 90, chord_error / 2)))
+    [for (k = [0 : 3]) each [for (t = quarter) t + 90 * k]];
+  unit = [for (t = around(ring)) _superellipse(t, e2)];
+  n = len(unit);
+  sections = [for (t = around(tube)) tube(t)];
+  m = len(sections);
+  points = [for (s = sections, u = unit) [(major_radius + s.x) * u.x, (major_radius + s.x) * u.y, s.y]];
+  faces = [for (i = [0 : m - 1], j = [0 : n - 1])
+    let (a = i * n, b = ((i + 1) % m) * n, k = (j + 1) % n)
+    each [[a + j, b + k, a + k], [a + j, b + j, b + k]]];
+  polyhedron(points = points, faces = faces, convexity = 4);
 }
 
 // ---- NURBS curve ----------------------------------------------------------------------------------------------

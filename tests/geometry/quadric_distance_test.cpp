@@ -192,3 +192,68 @@ TEST_CASE("superellipsoid distance: takes some microseconds", "[.][speed]") {
     WARN("exponents " << b.e1 << " " << b.e2 << " taper " << b.kx << ": " << us << " us" << (sum == 1e99 ? " " : ""));
   }
 }
+
+TEST_CASE("supertoroid: the distance is that of the nearest of many samples, square rings and sharp tubes included") {
+  struct Ring {
+    double major, minor, height, e1, e2;
+  };
+  for (const Ring& r : {Ring{20, 6, 5, 1, 1}, {20, 6, 5, 0.6, 0.7}, {20, 9, 3, 0.2, 0.3}, {20, 4, 8, 1.6, 1}, {20, 6, 6, 1, 1.7}}) {
+    auto at = [&](double eta, double omega) {
+      const double c = power(std::cos(eta), r.e1), s = power(std::sin(eta), r.e1), radius = r.major + r.minor * c;
+      return Vec3(radius * power(std::cos(omega), r.e2), radius * power(std::sin(omega), r.e2), r.height * s);
+    };
+    // The coarse minimum of many samples, then ever finer grids about it.
+    auto sampled = [&](const Vec3& p) {
+      constexpr int n = 160;
+      struct Found {
+        double d, eta, omega;
+      };
+      std::vector<Found> found;
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          auto warped = [](double t, double e) { const double c = std::cos(t), s = std::sin(t); return std::atan2(power(s, 1 / e), power(c, 1 / e)); };
+          const double eta = warped(2 * pi * i / n, r.e1), omega = warped(2 * pi * j / n, r.e2);
+          found.push_back({(at(eta, omega) - p).norm(), eta, omega});
+        }
+      std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.d < b.d; });
+      double best = found[0].d;
+      for (std::size_t k = 0; k < 12; ++k) {
+        auto [d, eta, omega] = found[k];
+        for (double h = 0.2; h > 1e-10;) {
+          bool moved = false;
+          for (const auto& [a, b] : {std::pair{h, 0.0}, {-h, 0.0}, {0.0, h}, {0.0, -h}}) {
+            const double trial = (at(eta + a, omega + b) - p).norm();
+            if (trial < d) d = trial, eta += a, omega += b, moved = true;
+          }
+          if (!moved) h /= 2;
+        }
+        best = std::min(best, d);
+      }
+      return best;
+    };
+    Random random(5);
+    int close = 0, near_close = 0, never_less = 0;
+    constexpr int tried = 150;
+    for (int i = 0; i < tried; ++i) {
+      const Vec3 far(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(-15, 15));
+      const double d = std::abs(supertoroid_distance(far, r.major, r.minor, r.height, r.e1, r.e2)), truth = sampled(far);
+      close += d < truth + 1e-4 * std::max(1.0, truth);
+      never_less += d > truth - 1e-4;
+      const Vec3 near = at(random.uniform(0, 2 * pi), random.uniform(0, 2 * pi)) + 0.2 * Vec3(random.normal(), random.normal(), random.normal());
+      near_close += std::abs(supertoroid_distance(near, r.major, r.minor, r.height, r.e1, r.e2)) < sampled(near) + 1e-5;
+    }
+    INFO("exponents " << r.e1 << ", " << r.e2);
+    CHECK(never_less == tried);
+    CHECK(close >= tried * 97 / 100);
+    CHECK(near_close >= tried * 99 / 100);
+  }
+}
+
+TEST_CASE("supertoroid: a round one is a torus, inside as outside") {
+  Random random(6);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 p(random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(-10, 10));
+    const double torus = std::hypot(std::hypot(p.x(), p.y()) - 20, p.z()) - 6;
+    CHECK(supertoroid_distance(p, 20, 6, 6, 1, 1) == Approx(torus).margin(1e-7));
+  }
+}
