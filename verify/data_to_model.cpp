@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "core/number.h"
 #include "core/parallel.h"
 #include "geometry/thin.h"
+#include "verify/chance.h"
+#include "verify/strays.h"
 
 namespace partscribe {
 namespace {
@@ -18,6 +19,10 @@ constexpr std::size_t most_places = 60000;
 constexpr std::size_t fewest = 9;           // points that can prove a deviation
 constexpr double same_face = 0.7071;       // cosine of 45 degrees
 constexpr double edge_on = 0.17;           // sine of 10 degrees: no sensor sees a surface that steeply
+constexpr double false_alarm = 0.001;      // chance of refusing a true model, half for the means, half for the strays
+constexpr double trimming = 1.1;           // a mean of what lies within 2.5 deviations scatters so much more (measured)
+constexpr std::size_t most_clusters_told = 3;
+constexpr std::size_t spread_of = 24;      // points that a place's scatter is taken from
 
 std::string shown(double mm) { return print_number(snapped(mm, 0.0001)); }
 std::string shown(const Vec3& p) {
@@ -67,12 +72,15 @@ class Comparison {
       places_of_their_own();
     } else {
       make_places();
+      give_suspects_their_own_place();
+      const auto independent = std::max<std::size_t>(1, size() / static_cast<std::size_t>(neighbours_for(source_, tolerance_)));
+      field_.quantile = two_sided_quantile(0.5 * false_alarm / static_cast<double>(independent));
+      surface_chance_ = 0.5 * false_alarm / static_cast<double>(independent);
       average();
       find_strays();
-      judge_clusters_of_strays();
+      judge_strays();
     }
     summarise();
-    if (options_.rule == Rule::local) judge_rejections();
     return std::move(field_);
   }
 
@@ -84,6 +92,7 @@ class Comparison {
   Context& context_;
   double tolerance_, far_;
   std::vector<std::size_t> members_;  // per place
+  double surface_chance_ = 0;
   PointField field_;
 
   std::size_t size() const { return source_.points.size(); }
@@ -154,6 +163,18 @@ class Comparison {
     }
   }
 
+  /// A cube's mean must not blunt what is small: a neighbourhood whose mean is beyond T has such a point in its middle.
+  void give_suspects_their_own_place() {
+    if (field_.places.size() == size()) return;
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (std::abs(field_.distance[i]) <= tolerance_ || field_.places[field_.place[i]].point == i) continue;
+      field_.place[i] = static_cast<std::uint32_t>(field_.places.size());
+      field_.places.push_back({});
+      field_.places.back().point = i;
+      members_.push_back(1);
+    }
+  }
+
   void average() {
     const int least = neighbours_for(source_, tolerance_);
     parallel_for(field_.places.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
@@ -164,36 +185,49 @@ class Comparison {
         Place& place = field_.places[i];
         // A crowded cube is averaged as a whole, or its members would be judged by others.
         const auto wanted = static_cast<std::size_t>(std::clamp<std::size_t>(members_[i], std::size_t(least), 100));
-        std::size_t asked = 2 * wanted + 8;
+        const std::size_t wide = std::max(wanted, spread_of);
+        std::size_t asked = 2 * wide;
+        double reach = 0;
         for (int attempt = 0; attempt < 2; ++attempt, asked *= 4) {
           source_.tree->nearest(source_.points[place.point], asked, near);
           place.spacing = spacing_from_eighth(std::sqrt(near[std::min<std::size_t>(8, near.size() - 1)].sq_distance));
           // Twice the radius of a disc that holds so many points.
-          const double reach = 1.2 * std::min(place.spacing, source_.sparsest) * std::sqrt(double(wanted));
+          reach = 1.2 * std::min(place.spacing, source_.sparsest) * std::sqrt(double(wanted));
           group.clear();
+          values.clear();
           for (const auto& n : near) {
-            if (n.sq_distance > reach * reach || group.size() == wanted) break;
-            if (n.index == place.point || on_same_face(place.point, n.index)) group.push_back(n.index);
+            if (values.size() == wide || n.sq_distance > 2 * reach * reach) break;
+            if (n.index != place.point && !on_same_face(place.point, n.index)) continue;
+            values.push_back(field_.distance[n.index]);
+            if (n.sq_distance <= reach * reach && group.size() < wanted) group.push_back(n.index);
           }
           if (group.size() >= wanted || near.size() < asked) break;
         }
+        const double scatter = robust_mean(values).spread;
         values.clear();
         for (const auto p : group) values.push_back(field_.distance[p]);
         const RobustMean mean = robust_mean(values);
         place.mean = mean.mean, place.spread = mean.spread;
-        // Beyond the noise that the choice of k already allows for, a mean is as uncertain as its own neighbours
-        // say: too few of them, or a scatter that is no surface's, prove no deviation.
-        const double excess = 3.3 * (std::max(source_.noise, mean.spread) / std::sqrt(double(values.size())) -
-                                     source_.noise / std::sqrt(double(least)));
-        if (excess > 0) place.mean = std::copysign(std::max(std::abs(place.mean) - excess, 0.0), place.mean);
+        place.error = trimming * std::max(source_.noise, scatter) / std::sqrt(double(group.size()));
+        place.decided = field_.quantile * place.error <= tolerance_;
         if (std::abs(place.mean) > tolerance_)
-          place.surface = place.spacing <= source_.sparsest && group.size() >= fewest && is_surface(group);
+          place.surface = std::abs(place.mean) - field_.quantile * place.error > 0.5 * tolerance_ && is_surface(place, group);
       }
     }, 256);
   }
 
+  /// More than strays: as dense as no curtain of mixed pixels, or thin and wide as only surface is.
+  bool is_surface(const Place& place, const std::vector<std::uint32_t>& group) const {
+    if (group.size() < fewest) return false;
+    double sq_radius = 0;
+    for (const auto p : group) sq_radius = std::max(sq_radius, (source_.points[p] - source_.points[place.point]).squaredNorm());
+    const double strays = densest_curtain * pi * sq_radius / (source_.spacing * source_.spacing);
+    if (poisson_tail(group.size() - 1, strays) < surface_chance_) return true;
+    return place.spacing <= source_.sparsest && is_thin(group);
+  }
+
   /// False for sprays (as thick as wide), for threads of points, and for curtains of points seen edge-on.
-  bool is_surface(const std::vector<std::uint32_t>& group) const {
+  bool is_thin(const std::vector<std::uint32_t>& group) const {
     Vec3 mean = Vec3::Zero();
     for (const auto p : group) mean += source_.points[p];
     mean /= static_cast<double>(group.size());
@@ -216,54 +250,83 @@ class Comparison {
     for (std::uint32_t i = 0; i < size(); ++i) {
       if (std::abs(field_.distance[i]) <= tolerance_) continue;
       const Place& place = field_.places[field_.place[i]];
+      if (place.surface && std::abs(place.mean) > tolerance_) continue;  // the surface itself is off
       const double off = std::abs(field_.distance[i] - place.mean);
-      field_.stray[i] = !place.surface || off > std::max({5 * place.spread, 5 * source_.noise, 0.5 * tolerance_});
+      // Where two surfaces mix their mean is neither's, and the spread says so.
+      const bool mixed = place.spread > std::max(2.5 * source_.noise, 0.5 * tolerance_);
+      field_.stray[i] = !place.surface || mixed || off > std::max(5 * source_.noise, 0.5 * tolerance_);
     }
   }
 
-  /// Strays that lie together as a surface are no strays: a feature that the model lacks, too small for its
-  /// surroundings' mean. They are judged by the mean of their own kind.
-  void judge_clusters_of_strays() {
-    std::vector<Vec3> points;
-    std::vector<std::uint32_t> index;
-    for (std::uint32_t i = 0; i < size(); ++i)
-      if (field_.stray[i] && std::abs(field_.distance[i]) > far_) points.push_back(source_.points[i]), index.push_back(i);
-    if (points.size() < 10) return;
-    const KdTree tree(points);
-    const double reach = 4 * source_.spacing;
-    std::vector<double> means(points.size(), 0);
-    parallel_for(points.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
-      std::vector<Neighbour> near;
-      std::vector<std::uint32_t> group;
-      std::vector<double> values;
-      for (std::size_t i = begin; i < end; ++i) {
-        tree.nearest(points[i], 16, near);
-        group.clear(), values.clear();
-        for (const auto& n : near) {
-          const auto other = index[n.index];
-          if (n.sq_distance > reach * reach || !on_same_face(index[i], other)) continue;
-          group.push_back(other), values.push_back(field_.distance[other]);
-        }
-        if (group.size() < 10 || !is_surface(group)) continue;
-        means[i] = robust_mean(values).mean;
+  /// Rejected points may be neither too many nor too close together.
+  void judge_strays() {
+    // Beyond T, and so far that noise hardly ever gets there.
+    const double off_by = std::max(tolerance_, 4 * source_.noise);
+    std::vector<std::uint8_t> is_off(size(), 0);
+    std::vector<std::uint32_t> index;  // of the source point; nowhere: set aside
+    std::vector<double> distance;
+    StrayScene scene;
+    auto take = [&](const Vec3& p, std::uint32_t from, double d, const MeshHit& hit) {
+      scene.off.push_back(p), scene.feet.push_back(hit.point), scene.foot_normals.push_back(normals_[hit.triangle]);
+      index.push_back(from), distance.push_back(d);
+    };
+    std::size_t far = 0;
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (!field_.stray[i] || std::abs(field_.distance[i]) <= off_by) continue;
+      is_off[i] = 1;
+      far += std::abs(field_.distance[i]) > far_ && source_.kept_place[i] != ScanSource::nowhere;
+      take(source_.points[i], i, field_.distance[i], surface_.closest(source_.points[i]));
+    }
+    for (const auto& p : source_.set_aside) {
+      MeshHit hit;
+      const double d = surface_.signed_distance(p, hit);
+      far += std::abs(d) > far_;
+      if (std::abs(d) > off_by) take(p, ScanSource::nowhere, d, hit);
+    }
+    judge_rate(far);
+    scene.source = &source_, scene.is_off = &is_off, scene.triangle = &field_.triangle, scene.normals = &normals_;
+    const auto clusters = clusters_beyond_chance(scene, 0.5 * false_alarm, context_.threads);
+    std::vector<double> values;
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      const auto& members = clusters[c].members;
+      values.clear();
+      Vec3 middle = Vec3::Zero();
+      for (const auto m : members) values.push_back(distance[m]), middle += scene.off[m];
+      middle /= static_cast<double>(members.size());
+      const double mean = robust_mean(values).mean;
+      std::uint32_t nearest = members.front();
+      for (const auto m : members) {
+        if ((scene.off[m] - middle).squaredNorm() < (scene.off[nearest] - middle).squaredNorm()) nearest = m;
+        if (index[m] != ScanSource::nowhere) field_.stray[index[m]] = 0;
       }
-    }, 256);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (std::abs(means[i]) > tolerance_) {
-        field_.stray[index[i]] = 0;
-        take_worst(means[i], index[i]);
-      }
+      take_worst(mean, scene.off[nearest]);
+      if (c < most_clusters_told)
+        field_.faults.push_back(std::to_string(members.size()) + " points together at " + shown(scene.off[nearest]) + " are " +
+                                shown(std::abs(mean)) + " mm off the model, too many for rejected strays: " +
+                                std::to_string(clusters[c].most) + " where this scan's strays explain " +
+                                print_number(snapped(clusters[c].expected, 0.01)));
+    }
+    if (clusters.size() > most_clusters_told)
+      field_.faults.push_back(std::to_string(clusters.size() - most_clusters_told) + " more such groups of points");
   }
 
-  void take_worst(double mean, std::uint32_t point) {
-    if (std::abs(mean) > field_.summary.local_max)
-      field_.summary.local_max = std::abs(mean), field_.summary.worst = source_.points[point];
+  void judge_rate(std::size_t far) {
+    const double total = static_cast<double>(source_.kept + source_.set_aside.size());
+    const double rate = options_.outlier_rate;
+    if (static_cast<double>(far) > rate * total + 4 * std::sqrt(rate * total) + 3)
+      field_.faults.push_back(std::to_string(far) + " rejected points are farther than the tolerance from the model; " +
+                              "an outlier rate of " + print_number(rate) + " explains " +
+                              std::to_string(static_cast<std::size_t>(rate * total)));
+  }
+
+  void take_worst(double mean, const Vec3& place) {
+    if (std::abs(mean) > field_.summary.local_max) field_.summary.local_max = std::abs(mean), field_.summary.worst = place;
   }
 
   void summarise() {
     DataToModel& summary = field_.summary;
     for (const auto& place : field_.places)
-      if (place.surface) take_worst(place.mean, place.point);
+      if (place.surface) take_worst(place.mean, source_.points[place.point]);
     std::vector<double> sizes;
     double squares = 0;
     for (std::uint32_t i = 0; i < size(); ++i) {
@@ -288,51 +351,6 @@ class Comparison {
     if (summary.local_max > tolerance_)
       field_.faults.push_back(std::string(options_.rule == Rule::max ? "a scanned point is " : "the scanned surface is ") +
                               shown(summary.local_max) + " mm from the model at " + shown(summary.worst));
-  }
-
-  /// Rejected points that the model does not explain may be neither too many nor too close together.
-  void judge_rejections() {
-    std::vector<Vec3> far_points, feet;
-    auto take = [&](const Vec3& p) {
-      const MeshHit hit = surface_.closest(p);
-      if (hit.distance > far_) far_points.push_back(p), feet.push_back(hit.point);
-    };
-    for (std::uint32_t i = 0; i < size(); ++i)
-      if (field_.stray[i] && source_.kept_place[i] != ScanSource::nowhere) take(source_.points[i]);
-    for (const auto& p : source_.set_aside) take(p);
-    const double total = static_cast<double>(source_.kept + source_.set_aside.size());
-    const double rate = options_.outlier_rate;
-    const double allowed = rate * total + 4 * std::sqrt(rate * total) + 3;
-    if (static_cast<double>(far_points.size()) > allowed)
-      field_.faults.push_back(std::to_string(far_points.size()) + " rejected points are farther than the tolerance from the model; " +
-                              "an outlier rate of " + print_number(rate) + " explains " +
-                              std::to_string(static_cast<std::size_t>(rate * total)));
-    if (far_points.size() < 20) return;
-
-    const double edge = 8 * source_.spacing, reach = 3 * source_.spacing;
-    if (!(edge > 0)) return;
-    const KdTree tree(far_points);
-    std::map<Cell, std::array<std::size_t, 2>> cells;  // rejected, accepted
-    std::vector<Neighbour> near;
-    for (std::size_t i = 0; i < far_points.size(); ++i) {
-      tree.nearest(far_points[i], 6, near);
-      if (near.size() == 6 && near.back().sq_distance <= reach * reach) ++cells[cell_of(feet[i], edge)][0];
-    }
-    std::erase_if(cells, [](const auto& cell) { return cell.second[0] < 20; });
-    if (cells.empty()) return;
-    for (std::uint32_t i = 0; i < size(); ++i) {
-      if (field_.stray[i]) continue;
-      const auto found = cells.find(cell_of(source_.points[i], edge));
-      if (found != cells.end()) ++found->second[1];
-    }
-    for (const auto& [cell, counts] : cells)
-      if (counts[0] > counts[1]) {
-        Vec3 middle;
-        for (std::size_t k = 0; k < 3; ++k) middle[static_cast<int>(k)] = (static_cast<double>(cell[k]) + 0.5) * edge;
-        field_.faults.push_back("most points over the surface at " + shown(middle) + " were rejected: " +
-                                std::to_string(counts[0]) + " of " + std::to_string(counts[0] + counts[1]));
-        break;
-      }
   }
 };
 

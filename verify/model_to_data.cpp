@@ -1,7 +1,9 @@
 #include "verify/model_to_data.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/number.h"
 #include "core/parallel.h"
@@ -11,11 +13,39 @@ namespace {
 
 constexpr std::size_t sample_count = 60000;
 
+/// Which body every triangle belongs to, and which bodies enclose material.
+struct Bodies {
+  std::vector<std::uint32_t> of;     // per triangle
+  std::vector<double> volume;        // per body
+};
+
+Bodies bodies_of(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& t : mesh.triangles)
+    for (const auto v : {t[1], t[2]}) parent[std::max(root(t[0]), root(v))] = std::min(root(t[0]), root(v));
+  Bodies bodies;
+  std::vector<std::uint32_t> number(parent.size(), 0);
+  for (std::uint32_t v = 0; v < parent.size(); ++v)
+    if (root(v) == v) number[v] = static_cast<std::uint32_t>(bodies.volume.size()), bodies.volume.push_back(0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto r = root(mesh.triangles[t][0]);
+    const Vec3 o = mesh.vertices[r], a = mesh.corner(t, 0) - o, b = mesh.corner(t, 1) - o, c = mesh.corner(t, 2) - o;
+    bodies.of.push_back(number[r]);
+    bodies.volume[number[r]] += a.dot(b.cross(c)) / 6;
+  }
+  return bodies;
+}
+
 class Coverage {
  public:
   Coverage(const ScanSource& source, const PointField& points, const MeshDistance& surface,
-           const std::vector<Vec3>& normals, double tolerance, double size)
-      : source_(source), points_(points), surface_(surface), normals_(normals), tolerance_(tolerance), size_(size),
+           const std::vector<Vec3>& normals, const Bodies& bodies, double tolerance, double size)
+      : source_(source), points_(points), surface_(surface), normals_(normals), bodies_(bodies), tolerance_(tolerance), size_(size),
         far_(tolerance + 3 * source.noise) {}
 
   Support support_of(const Vec3& place, std::uint32_t triangle, std::vector<Neighbour>& near) const {
@@ -24,7 +54,7 @@ class Coverage {
       const double distance = source_.surface->closest(place).distance;
       if (distance <= far_) return Support::supported;
       if (source_.closed_surface) return Support::contradicted;
-    } else if (points_near(place, normal, 1, near)) {
+    } else if (points_near(place, triangle, 1, near)) {
       return Support::supported;
     }
     for (const auto& map : source_.sights)
@@ -38,31 +68,41 @@ class Coverage {
   const PointField& points_;
   const MeshDistance& surface_;
   const std::vector<Vec3>& normals_;
+  const Bodies& bodies_;
   double tolerance_, size_, far_;
 
   /// At least `wanted` points within reach along the surface and within the tolerance across it, on a face that
-  /// looks the same way.
-  bool points_near(const Vec3& place, const Vec3& normal, int wanted, std::vector<Neighbour>& near) const {
+  /// of the same body that looks the same way; a quarter of them belong to this very sheet, not to one in front of it
+  /// or behind.
+  bool points_near(const Vec3& place, std::uint32_t triangle, int wanted, std::vector<Neighbour>& near) const {
+    const Vec3& normal = normals_[triangle];
     const auto nearest = source_.tree->nearest_one(place).index;
     const double spacing = std::max(points_.places[points_.place[nearest]].spacing, source_.spacing);
     const double reach = std::max(3 * std::min(spacing, 3 * source_.spacing), tolerance_) + tolerance_;
     const double radius = std::hypot(reach, far_);
     auto count = [&] {
-      int found = 0;
+      int found = 0, other = 0;
       for (const auto& n : near) {
         if (n.sq_distance > radius * radius) break;
-        if (points_.stray[n.index]) continue;
+        if (points_.stray[n.index] || !points_.places[points_.place[n.index]].decided) continue;
         const Vec3 offset = source_.points[n.index] - place;
         const double height = normal.dot(offset);
-        if (std::abs(height) > far_ || (offset - height * normal).squaredNorm() > reach * reach) continue;
-        if (normals_[points_.triangle[n.index]].dot(normal) < 0.5) continue;
-        if (++found == wanted) return true;
+        const double along = (offset - height * normal).norm();
+        if (std::abs(height) > far_ || along > reach) continue;
+        if (bodies_.of[points_.triangle[n.index]] != bodies_.of[triangle]) continue;
+        const Vec3& facet = normals_[points_.triangle[n.index]];
+        const double cosine = facet.dot(normal);
+        if (cosine < 0.5) continue;
+        // The point's own foot on the model: as high above the place as the surface bends on the way.
+        const double foot = height - points_.distance[n.index] * cosine;
+        const bool this_sheet = std::abs(foot) <= 0.25 * tolerance_ + along * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+        ++(this_sheet ? found : other);
       }
-      return false;
+      return found >= wanted && 3 * found >= other;
     };
     source_.tree->nearest(place, 16, near);
+    if (near.size() < 16 || near.back().sq_distance > radius * radius) return count();
     if (count()) return true;
-    if (near.size() < 16 || near.back().sq_distance > radius * radius) return false;
     source_.tree->within(place, radius, near);
     return count();
   }
@@ -79,7 +119,7 @@ class Coverage {
       if (!hit) return false;
       passed += hit->distance + step;
       if (passed >= deepest) return false;
-      if (passed > far_ && normals_[hit->triangle].dot(normal) > 0.7 && points_near(hit->point, normals_[hit->triangle], 5, near))
+      if (passed > far_ && normals_[hit->triangle].dot(normal) > 0.7 && points_near(hit->point, hit->triangle, 5, near))
         return true;
       from = hit->point;
     }
@@ -87,7 +127,45 @@ class Coverage {
   }
 };
 
+/// How many other bodies hold the place: crossings out of them less crossings into them along a ray.
+int bodies_around(const Vec3& place, const Vec3& direction, std::uint32_t own, const Bodies& bodies,
+                  const MeshDistance& surface, const std::vector<Vec3>& normals, double size) {
+  int around = 0;
+  Vec3 from = place;
+  for (int crossing = 0; crossing < 200; ++crossing) {
+    const auto hit = surface.first_hit(from, direction, 2 * size);
+    if (!hit) break;
+    if (bodies.of[hit->triangle] != own) around += normals[hit->triangle].dot(direction) > 0 ? 1 : -1;
+    from = hit->point + 1e-9 * size * direction;
+  }
+  return around;
+}
+
 }  // namespace
+
+double surface_inside_bodies(const TriangleMesh& mesh, const MeshDistance& surface, const std::vector<Vec3>& normals,
+                             const SurfaceField& field, int threads) {
+  const Bodies bodies = bodies_of(mesh);
+  if (std::count_if(bodies.volume.begin(), bodies.volume.end(), [](double v) { return v > 0; }) < 2) return 0;
+  const std::size_t step = 10, count = field.samples.size() / step;
+  std::vector<char> inside(count, 0);
+  const double size = mesh.bounds().diagonal();
+  const Vec3 askew = Vec3(0.5341, 0.2711, 0.8008).normalized();  // along no edge that a designer would draw
+  parallel_for(count, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& s = field.samples[i * step];
+      const auto own = bodies.of[s.triangle];
+      // From just below its own surface, and both ways: bodies that only touch are not inside one another, though a
+      // ray may miss one of two facets that lie on each other.
+      const Vec3 below = s.point - 1e-7 * size * normals[s.triangle];
+      if (bodies.volume[own] > 0)
+        inside[i] = bodies_around(below, askew, own, bodies, surface, normals, size) > 0 &&
+                    bodies_around(below, -askew, own, bodies, surface, normals, size) > 0;
+    }
+  }, 64);
+  const auto found = static_cast<double>(std::count(inside.begin(), inside.end(), 1));
+  return count ? field.summary.area * found / static_cast<double>(count) : 0;
+}
 
 SurfaceField model_to_data(const ScanSource& source, const PointField& points, const TriangleMesh& mesh,
                            const MeshDistance& surface, const std::vector<Vec3>& normals, const VerifyOptions& options,
@@ -95,7 +173,8 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
   SurfaceField field;
   field.samples = even_samples(mesh, sample_count);
   field.support.assign(field.samples.size(), Support::not_scanned);
-  const Coverage coverage(source, points, surface, normals, options.tolerance, mesh.bounds().diagonal());
+  const Bodies bodies = bodies_of(mesh);
+  const Coverage coverage(source, points, surface, normals, bodies, options.tolerance, mesh.bounds().diagonal());
   parallel_for(field.samples.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     for (std::size_t i = begin; i < end; ++i)

@@ -24,4 +24,8 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
                            const MeshDistance& surface, const std::vector<Vec3>& normals, const VerifyOptions& options,
                            Context& context);
 
+/// mm^2 of bodies that lie inside another body of the mesh: duplicates, sheets in the material. They bound nothing.
+double surface_inside_bodies(const TriangleMesh& mesh, const MeshDistance& surface, const std::vector<Vec3>& normals,
+                             const SurfaceField& field, int threads);
+
 }  // namespace partscribe

@@ -1,0 +1,224 @@
+/// Attacks on the verdict: damage too small, too hidden or too much like a stray, and true parts that look damaged.
+#include <catch2/catch.hpp>
+
+#include "scan/simulate.h"
+#include "tests/verify/shapes.h"
+#include "verify/chance.h"
+
+using namespace partscribe;
+using namespace partscribe::testing;
+
+namespace {
+
+constexpr double T = 0.1;
+constexpr double sigma = 0.02;
+
+VerifyOptions at(double tolerance) {
+  VerifyOptions options;
+  options.tolerance = tolerance;
+  return options;
+}
+
+TriangleMesh plate() { return box({-30, -30, 0}, {30, 30, 5}); }
+
+/// 20,000 points of the plate, 0.65 mm apart.
+Scan plate_scan(std::uint64_t seed = 1) { return scanned(plate(), 20000, sigma, seed); }
+
+/// A share of the points becomes stray: anywhere within 10 mm.
+void add_strays(Scan& scan, double share, std::uint64_t seed) {
+  Random random(seed);
+  for (auto& p : scan.cloud.points)
+    if (random.uniform() < share) p += random.uniform(-10, 10) * Vec3(random.normal(), random.normal(), random.normal()).normalized();
+}
+
+/// A pin of that radius stands at (x, y): it hides the plate below it and shows `count` points of its own.
+void add_pin(Scan& scan, double x, double y, double radius, double height, int count, std::uint64_t seed) {
+  std::erase_if(scan.cloud.points, [&](const Vec3& p) { return p.z() > 2.5 && std::hypot(p.x() - x, p.y() - y) < radius; });
+  Random random(seed);
+  for (int i = 0; i < count; ++i) {
+    const double a = random.uniform(0, 2 * pi);
+    const bool top = i % 2 == 0;  // half on its top, half on its side
+    const double r = top ? radius * std::sqrt(random.uniform()) : radius;
+    const double z = top ? height : random.uniform(0.3 * height, height);
+    scan.cloud.points.push_back({x + r * std::cos(a), y + r * std::sin(a), 5 + z + sigma * random.normal()});
+  }
+}
+
+}  // namespace
+
+TEST_CASE("chance: tails agree with sums that can be done by hand") {
+  CHECK(poisson_tail(0, 2) == 1);
+  CHECK(poisson_tail(2, 0.5) == Approx(1 - std::exp(-0.5) * 1.5));
+  CHECK(poisson_tail(5, 0) == 0);
+  CHECK(binomial_tail(3, 3, 0.1) == Approx(0.001));
+  CHECK(binomial_tail(2, 3, 0.1) == Approx(0.001 + 3 * 0.01 * 0.9));
+  CHECK(binomial_tail(4, 3, 0.1) == 0);
+  CHECK(two_sided_quantile(0.0455002638963584) == Approx(2).epsilon(1e-9));
+}
+
+TEST_CASE("attack: a pin of six points does not hide among strays") {
+  struct Case {
+    double strays;
+    int points;
+  };
+  for (const Case c : {Case{0, 6}, {0.002, 6}, {0.002, 12}, {0.01, 9}})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      auto scan = plate_scan(seed);
+      add_strays(scan, c.strays, seed + 10);
+      add_pin(scan, 7.3, -11.2, 0.85, 1.0, c.points, seed + 20);
+      const auto verdict = verdict_on(plate(), scan, at(T));
+      INFO(c.points << " points among " << c.strays << " strays, seed " << seed);
+      CHECK(verdict.verdict == Outcome::out_of_tolerance);
+    }
+}
+
+TEST_CASE("attack: strays alone, up to the expected rate, refuse no true part") {
+  for (const double share : {0.002, 0.01, 0.018})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      auto scan = plate_scan(seed);
+      add_strays(scan, share, seed + 30);
+      const auto verdict = verdict_on(plate(), scan, at(T));
+      INFO(share << " strays, seed " << seed << "\n" << all_reasons(verdict));
+      CHECK(verdict.verdict == Outcome::verified);
+    }
+  auto scan = plate_scan();
+  add_strays(scan, 0.05, 3);
+  CHECK(verdict_on(plate(), scan, at(T)).verdict == Outcome::out_of_tolerance);
+}
+
+TEST_CASE("attack: mixed pixels, bit errors and outliers of a real scanner refuse no true part") {
+  const auto truth = joined(holed_plate(20, 8, 4, 5, -3), moved(turned({{0, 0}, {3, 0}, {3, 9}, {0, 9}}, 60), {-10, 8, 8.5}));
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    SimulateOptions options;
+    options.resolution = 128;
+    options.sigma = sigma;
+    options.mixed = 0.3;
+    options.bit_error = 0.001;
+    options.outliers = seed % 2 ? 0 : 0.005;
+    options.views = seed == 2 ? "cube" : "octahedron";
+    options.seed = seed;
+    Context context;
+    auto scan = simulate(surface_of(truth), options, context).merged;
+    for (const bool with_rays : {true, false}) {
+      if (!with_rays) scan.cloud.rays.clear(), scan.cloud.view.clear(), scan.views.assign(1, {});
+      const auto verdict = verdict_on(truth, scan, at(T));
+      INFO("seed " << seed << (with_rays ? " with rays\n" : "\n") << all_reasons(verdict));
+      CHECK(verdict.verdict == Outcome::verified);
+    }
+  }
+}
+
+TEST_CASE("attack: a thin wall that the model lacks is missed") {
+  for (const int count : {40, 140}) {  // of 140 that the rest of the scan would have
+    auto scan = plate_scan();
+    std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() > 2.5 && std::abs(p.x() - 10) < 0.5 && std::abs(p.y()) < 5; });
+    Random random(4);
+    for (int i = 0; i < count; ++i)
+      scan.cloud.points.push_back({10 + (i % 2 ? 0.5 : -0.5) + sigma * random.normal(), random.uniform(-5, 5), random.uniform(5.2, 8)});
+    INFO(count);
+    CHECK(verdict_on(plate(), scan, at(T)).verdict == Outcome::out_of_tolerance);
+  }
+}
+
+TEST_CASE("attack: a thin sheet inside the material is refused at any depth from half a tolerance on") {
+  const auto scan = plate_scan();
+  for (const double depth : {0.5 * T, T, 2 * T, 5 * T}) {
+    INFO(depth);
+    const auto verdict = verdict_on(joined(plate(), box({-10, -10, 5 - depth - 0.05}, {10, 10, 5 - depth})), scan, at(T));
+    CHECK(verdict.verdict == Outcome::out_of_tolerance);
+    CHECK(all_reasons(verdict).find("overlap") != std::string::npos);
+  }
+}
+
+TEST_CASE("attack: a crack below the surface is at least not called scanned") {
+  auto crack = box({-20, -20, 5 - 3 * T}, {20, 20, 5 - 2 * T});
+  for (auto& t : crack.triangles) std::swap(t[1], t[2]);
+  const auto verdict = verdict_on(joined(plate(), crack), plate_scan(), at(T));
+  CHECK(verdict.artifacts[0].model_to_data.not_scanned > 3000);  // both its walls
+}
+
+TEST_CASE("attack: a second body inside the part, shifted, is refused") {
+  const auto truth = sphere(20, 90);
+  const auto scan = scanned(sphere(20, 200), 60000, sigma);
+  CHECK(verdict_on(joined(truth, scaled(truth, 0.5)), scan, at(T)).verdict == Outcome::out_of_tolerance);
+  CHECK(verdict_on(joined(truth, moved(truth, {0.05, 0.02, 0})), scan, at(T)).verdict == Outcome::out_of_tolerance);
+  // Bodies that only touch are a matter of taste.
+  const auto two = joined(plate(), box({-5, -5, 5}, {5, 5, 8}));
+  auto seen = scanned(two, 60000, sigma);
+  std::erase_if(seen.cloud.points, [](const Vec3& p) { return std::abs(p.x()) < 4.9 && std::abs(p.y()) < 4.9 && std::abs(p.z() - 5) < 0.2; });
+  const auto verdict = verdict_on(two, seen, at(T));
+  CHECK(all_reasons(verdict).find("overlap") == std::string::npos);
+}
+
+TEST_CASE("attack: a sheet outside, where nobody looked, is refused as a body without data") {
+  auto scan = plate_scan();
+  std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() < 2; });
+  REQUIRE(verdict_on(plate(), scan, at(T)).verdict == Outcome::verified);
+  const auto verdict = verdict_on(joined(plate(), box({-30, -30, -0.5}, {30, 30, -0.3})), scan, at(T));
+  CHECK(verdict.verdict == Outcome::out_of_tolerance);
+}
+
+TEST_CASE("attack: a blind hole too deep is refused by the few points of its real bottom") {
+  // A block with a bore of radius 2 down to z = `bottom`.
+  auto block = [](double bottom) {
+    return turned({{0, 0}, {12, 0}, {12, 20}, {2, 20}, {2, bottom}, {0, bottom}}, 128);
+  };
+  for (const int count : {8, 12, 20}) {
+    auto scan = scanned(block(10), 20000, sigma);
+    std::erase_if(scan.cloud.points, [](const Vec3& p) { return std::hypot(p.x(), p.y()) < 2.5 && p.z() < 18 && p.z() > 1; });
+    Random random(7);
+    for (int i = 0; i < count; ++i) {
+      const double a = random.uniform(0, 2 * pi), r = 0.9 * std::sqrt(random.uniform());
+      scan.cloud.points.push_back({r * std::cos(a), r * std::sin(a), 10 + sigma * random.normal()});
+    }
+    INFO(count);
+    CHECK(verdict_on(block(10), scan, at(T)).verdict == Outcome::verified);
+    CHECK(verdict_on(block(5), scan, at(T)).verdict == Outcome::out_of_tolerance);
+  }
+}
+
+TEST_CASE("attack: holes in a dense mesh refuse no true part and hide no damage") {
+  Scan scan;
+  scan.mesh = sphere(20, 200);
+  Random random(9);
+  std::vector<Vec3> middles;
+  for (int i = 0; i < 40; ++i) middles.push_back(20 * Vec3(random.normal(), random.normal(), random.normal()).normalized());
+  std::size_t t = 0;
+  std::erase_if(scan.mesh.triangles, [&](const auto& triangle) {
+    const Vec3 at = scan.mesh.vertices[triangle[0]];
+    ++t;
+    return std::any_of(middles.begin(), middles.end(), [&](const Vec3& m) { return (m - at).norm() < 1.2; });
+  });
+  scan.mesh = welded(scan.mesh, 0);
+  scan.cloud.points = scan.mesh.vertices;
+  for (auto& p : scan.cloud.points) p += 0.01 * random.normal() * p.normalized();
+  scan.mesh.vertices = scan.cloud.points;
+  scan.views.push_back({});
+  const auto truth = verdict_on(sphere(20, 120), scan, at(T));
+  INFO(all_reasons(truth));
+  CHECK(truth.verdict == Outcome::verified);
+  CHECK(verdict_on(sphere(20 + 2 * T, 120), scan, at(T)).verdict == Outcome::out_of_tolerance);
+  // A knob of a few vertices that the model lacks.
+  Scan knobbed = scan;
+  for (auto* list : {&knobbed.mesh.vertices, &knobbed.cloud.points})
+    for (auto& p : *list)
+      if ((p - Vec3(20, 0, 0)).norm() < 0.5) p *= 1.05;
+  CHECK(verdict_on(sphere(20, 120), knobbed, at(T)).verdict == Outcome::out_of_tolerance);
+}
+
+TEST_CASE("attack: a deviation of twice the tolerance is found on a face of a few points, or called undecided") {
+  // A disc with a stud of 2 mm radius, 2 T too low in the model; the scan shows ever fewer points of its top.
+  auto disc = [](double stud) { return turned({{0, 0}, {25, 0}, {25, 5}, {2, 5}, {2, 5 + stud}, {0, 5 + stud}}, 128); };
+  for (const int count : {6, 10, 30}) {
+    auto scan = scanned(disc(2), 20000, sigma);
+    std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() > 5.3 && std::hypot(p.x(), p.y()) < 2.5; });
+    Random random(7);
+    for (int i = 0; i < count; ++i) {
+      const double a = random.uniform(0, 2 * pi), r = 2 * std::sqrt(random.uniform());
+      scan.cloud.points.push_back({r * std::cos(a), r * std::sin(a), 7 + sigma * random.normal()});
+    }
+    INFO(count);
+    CHECK(verdict_on(disc(2), scan, at(T)).verdict == Outcome::verified);
+    CHECK(verdict_on(disc(2 - 2 * T), scan, at(T)).verdict == Outcome::out_of_tolerance);
+  }
+}

@@ -1,0 +1,152 @@
+#include "verify/strays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/number.h"
+#include "core/parallel.h"
+#include "verify/chance.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::array<double, 2> scales = {2.5, 5};  // spacings
+constexpr std::array<double, 2> patches = {2, 3.5};  // spacings; the ring reaches three times as far
+constexpr std::size_t fewest_in_ring = 30;
+constexpr double fewest_strays = 0.001, most_strays = 0.02;  // share of the points that is believed to be stray
+
+/// The window about one point that is least likely by chance.
+struct Alarm {
+  double probability = 1, expected = 0, radius = 0;
+  std::size_t count = 0;
+};
+
+class Judge {
+ public:
+  explicit Judge(const StrayScene& scene)
+      : scene_(scene), off_(scene.off), feet_(scene.feet), spacing_(scene.source->spacing) {
+    const auto total = static_cast<double>(std::max<std::size_t>(scene.source->points.size(), 1));
+    share_ = std::clamp(static_cast<double>(scene.off.size()) / total, fewest_strays, most_strays);
+  }
+
+  std::vector<StrayCluster> run(double false_alarm, int threads) const {
+    const std::size_t count = scene_.off.size();
+    std::vector<Alarm> alarms(count);
+    const double limit = 0.5 * false_alarm / static_cast<double>(count);
+    parallel_for(count, threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<Neighbour> near, kept;
+      for (std::size_t i = begin; i < end; ++i) {
+        const Alarm space = in_space(i, near), surface = on_surface(i, near, kept);
+        // Half of the chance of a false alarm each, again shared by the sizes of the windows.
+        if (space.probability * double(scales.size()) < limit) alarms[i] = space;
+        else if (surface.probability * double(patches.size()) < limit) alarms[i] = surface;
+      }
+    }, 64);
+    return grouped(alarms);
+  }
+
+ private:
+  const StrayScene& scene_;
+  KdTree off_, feet_;
+  double spacing_, share_ = 0;
+
+  Alarm in_space(std::size_t i, std::vector<Neighbour>& near) const {
+    Alarm best;
+    off_.within(scene_.off[i], 3 * scales.back() * spacing_, near);
+    for (const double scale : scales) {
+      const double radius = scale * spacing_;
+      std::size_t inside = 0, ring = 0;
+      for (const auto& n : near) {
+        if (n.sq_distance <= radius * radius) ++inside;
+        else if (n.sq_distance <= 9 * radius * radius) ++ring;
+        else break;
+      }
+      // Surface would put so many points into a disc of this radius. Strays line up along edges: of a line through
+      // the window's middle, the ring holds twice as much as the window.
+      const double area = pi * scale * scale;
+      const double expected = std::clamp(static_cast<double>(ring + 1) / 2, share_ * area, densest_curtain * area);
+      const double chance = poisson_tail(inside - 1, expected);  // besides the point itself
+      if (chance < best.probability) best = {chance, expected, radius, inside};
+    }
+    return best;
+  }
+
+  Alarm on_surface(std::size_t i, std::vector<Neighbour>& near, std::vector<Neighbour>& kept) const {
+    Alarm best;
+    feet_.within(scene_.feet[i], 3 * patches.back() * spacing_, near);
+    if (near.size() < 3) return best;
+    scene_.source->tree->within(scene_.feet[i], 3 * patches.back() * spacing_, kept);
+    for (const double size : patches) {
+      const double radius = size * spacing_;
+      std::size_t off = 0, off_ring = 0, on = 0, on_ring = 0;
+      for (const auto& n : near) {
+        if (n.sq_distance > 9 * radius * radius) break;
+        const double apart = (scene_.off[n.index] - scene_.off[i]).norm();
+        if (n.sq_distance > radius * radius) ++off_ring;
+        else if (apart <= 2 * radius) ++off;  // on edges and corners feet of far-off strays fall together
+      }
+      for (const auto& n : kept) {
+        if (n.sq_distance > 9 * radius * radius) break;
+        if ((*scene_.is_off)[n.index]) continue;
+        if (n.sq_distance <= radius * radius) ++on;
+        else on_ring += (*scene_.normals)[(*scene_.triangle)[n.index]].dot(scene_.foot_normals[i]) > 0.7;
+      }
+      if (off < 3 || on_ring < fewest_in_ring) continue;  // not scanned all around: nothing to miss
+      const double share = std::max(share_, static_cast<double>(off_ring + 1) / static_cast<double>(off_ring + on_ring + 2));
+      const double chance = binomial_tail(off, off + on, share);
+      if (chance < best.probability) best = {chance, share * static_cast<double>(off + on), radius, off};
+    }
+    return best;
+  }
+
+  /// Windows that overlap become one cluster.
+  std::vector<StrayCluster> grouped(const std::vector<Alarm>& alarms) const {
+    std::vector<std::uint32_t> parent(alarms.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    auto root = [&](std::uint32_t v) {
+      while (parent[v] != v) v = parent[v] = parent[parent[v]];
+      return v;
+    };
+    std::vector<char> taken(alarms.size(), 0);
+    std::vector<Neighbour> near;
+    for (std::uint32_t i = 0; i < alarms.size(); ++i) {
+      if (alarms[i].count == 0) continue;
+      off_.within(scene_.off[i], alarms[i].radius, near);
+      for (const auto& n : near) {
+        taken[n.index] = 1;
+        const auto a = root(i), b = root(n.index);
+        parent[std::max(a, b)] = std::min(a, b);
+      }
+    }
+    std::vector<StrayCluster> clusters;
+    std::vector<std::uint32_t> number(alarms.size(), 0);
+    std::vector<double> least;
+    std::vector<Box3> boxes;
+    for (std::uint32_t i = 0; i < alarms.size(); ++i) {
+      if (!taken[i]) continue;
+      const auto r = root(i);
+      if (r == i) number[r] = static_cast<std::uint32_t>(clusters.size()), clusters.emplace_back(), least.push_back(2), boxes.emplace_back();
+      StrayCluster& cluster = clusters[number[r]];
+      cluster.members.push_back(i);
+      boxes[number[r]].add(scene_.off[i]);
+      if (alarms[i].count && alarms[i].probability < least[number[r]])
+        least[number[r]] = alarms[i].probability, cluster.most = alarms[i].count, cluster.expected = alarms[i].expected;
+    }
+    for (std::size_t c = 0; c < clusters.size(); ++c) clusters[c].extent = boxes[c].diagonal();
+    std::stable_sort(clusters.begin(), clusters.end(), [](const StrayCluster& a, const StrayCluster& b) {
+      return a.members.size() > b.members.size();
+    });
+    return clusters;
+  }
+};
+
+}  // namespace
+
+std::vector<StrayCluster> clusters_beyond_chance(const StrayScene& scene, double false_alarm, int threads) {
+  if (scene.off.size() < 3 || !(scene.source->spacing > 0)) return {};
+  return Judge(scene).run(false_alarm, threads);
+}
+
+}  // namespace partscribe
