@@ -276,6 +276,37 @@ TEST_CASE("mesh distance: a ray agrees with every triangle tried in turn") {
   }
 }
 
+TEST_CASE("mesh distance: many queries at once get the answers of one by one, to the bit and for any threads") {
+  const auto mesh = bumpy_sphere(20, 40, 2);
+  const MeshDistance distance(mesh), built_by_three(mesh, 3);
+  Random random(10);
+  for (const double reach : {23.0, 200.0}) {
+    std::vector<Vec3> queries;
+    for (int i = 0; i < 5000; ++i)
+      queries.push_back({random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach)});
+    for (const auto& v : mesh.vertices) queries.push_back(v);  // ties at every corner
+    for (std::size_t t = 0; t < mesh.triangles.size(); t += 7)  // and on edges
+      queries.push_back(1.1 * 0.5 * (mesh.corner(t, 0) + mesh.corner(t, 1)));
+    queries.push_back(queries.front());
+    for (const int threads : {1, 2, 5}) {
+      const auto plain = distance.closest(queries, threads);
+      const auto signs = built_by_three.closest(queries, threads, Sign::inside_negative);
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        const MeshHit one = distance.closest(queries[i]);
+        different += plain[i].distance != one.distance || plain[i].triangle != one.triangle || plain[i].point != one.point;
+        different += signs[i].distance != distance.signed_distance(queries[i]) || signs[i].triangle != one.triangle;
+      }
+      CHECK(different == 0);
+    }
+  }
+  CHECK(distance.closest(std::vector<Vec3>{}, 2).empty());
+  // All queries at one place, and a mesh that fits into one leaf.
+  const auto one = box({0, 0, 0}, {1, 1, 1});
+  TriangleMesh few{one.vertices, {one.triangles[0], one.triangles[1]}};
+  for (const auto& hit : MeshDistance(few).closest(std::vector<Vec3>(100, Vec3(0.2, 0.2, -3)), 1)) CHECK(hit.distance == 3);
+}
+
 TEST_CASE("mesh distance: speed near the surface of 100,000 triangles", "[.speed]") {
   const auto mesh = bumpy_sphere(50, 159, 2);
   const auto start = std::chrono::steady_clock::now();

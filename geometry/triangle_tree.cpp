@@ -1,0 +1,294 @@
+#include "geometry/triangle_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "core/ensure.h"
+#include "core/parallel.h"
+
+namespace partscribe {
+namespace {
+
+constexpr int bins = 16;
+constexpr int sah_depth = 48;                // below it splits are by count, so that the stack of a search is bounded
+constexpr std::size_t least_task = 8192;     // triangles; smaller subtrees are not worth a task of their own
+
+// Four floats of which the last one is not used; compilers turn these loops into single instructions.
+struct alignas(16) Float4 {
+  float v[4];
+};
+inline Float4 least(const Float4& a, const Float4& b) {
+  Float4 r;
+  for (int k = 0; k < 4; ++k) r.v[k] = a.v[k] < b.v[k] ? a.v[k] : b.v[k];
+  return r;
+}
+inline Float4 most(const Float4& a, const Float4& b) {
+  Float4 r;
+  for (int k = 0; k < 4; ++k) r.v[k] = a.v[k] > b.v[k] ? a.v[k] : b.v[k];
+  return r;
+}
+
+struct Box {
+  Float4 low{{INFINITY, INFINITY, INFINITY, INFINITY}}, high{{-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+  void add(const Float4& l, const Float4& h) { low = least(low, l), high = most(high, h); }
+  float half_area() const {
+    const float x = high.v[0] - low.v[0], y = high.v[1] - low.v[1], z = high.v[2] - low.v[2];
+    return x >= 0 ? x * y + y * z + z * x : 0;
+  }
+};
+
+/// A triangle's box; its index rides in the unused lane.
+struct Item {
+  Float4 low, high;
+  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(low.v[3]); }
+  float twice_center(int axis) const { return low.v[axis] + high.v[axis]; }
+};
+
+// A step of more than one unit in the last place outward from the rounded value.
+float rounded_down(double v) {
+  const float f = static_cast<float>(v);
+  return f - std::abs(f) * 1.2e-7f - 1e-37f;
+}
+float rounded_up(double v) {
+  const float f = static_cast<float>(v);
+  return f + std::abs(f) * 1.2e-7f + 1e-37f;
+}
+
+bool lexicographically_less(const Vec3& a, const Vec3& b) {
+  if (a.x() != b.x()) return a.x() < b.x();
+  if (a.y() != b.y()) return a.y() < b.y();
+  return a.z() < b.z();
+}
+
+struct Range {
+  std::size_t begin = 0, end = 0;
+  Box box, centers;  // centers: twice their coordinates
+  int depth = 0;     // of binary splits
+  std::size_t size() const { return end - begin; }
+};
+
+class Builder {
+ public:
+  Builder(const TriangleMesh& mesh, int threads) : mesh_(mesh), threads_(threads) {}
+
+  TriangleTree build() {
+    const std::size_t count = mesh_.triangles.size();
+    if (count == 0) return std::move(tree_);
+    ensure(count <= TriangleTree::most_triangles, "a mesh of more than 268 million triangles");
+    make_items();
+    tree_.triangle.resize(count);
+    tree_.corners = std::make_unique_for_overwrite<double[]>(9 * count + 16);
+    std::fill_n(tree_.corners.get() + 9 * count, 16, 0.0);  // whole vectors are loaded
+    Range all = measured(0, count);
+    // The upper levels first; what hangs below them is built by tasks, whose nodes are then put in a row.
+    const std::size_t task_size = std::max(least_task, count / 64);
+    std::vector<TriangleTree::Node> top;
+    grow(all, top, task_size);
+    std::vector<std::vector<TriangleTree::Node>> parts(tasks_.size());
+    parallel_for(tasks_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) grow(tasks_[i].range, parts[i], 0);
+    }, 1);
+    std::size_t total = top.size();
+    for (const auto& part : parts) total += part.size();
+    tree_.nodes.reserve(total);
+    tree_.nodes = std::move(top);
+    tree_.nodes.reserve(total);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const auto offset = static_cast<std::uint32_t>(tree_.nodes.size());
+      tree_.nodes[tasks_[i].node].child[tasks_[i].lane] = offset;
+      for (auto& node : parts[i]) {
+        for (std::uint32_t lane = 0; lane < node.children; ++lane)
+          if (!TriangleTree::is_leaf(node.child[lane])) node.child[lane] += offset;
+        tree_.nodes.push_back(node);
+      }
+      parts[i] = {};
+    }
+    return std::move(tree_);
+  }
+
+ private:
+  struct Task {
+    Range range;
+    std::uint32_t node;
+    int lane;
+  };
+
+  const TriangleMesh& mesh_;
+  int threads_;
+  TriangleTree tree_;
+  std::vector<Item> items_;
+  std::vector<Task> tasks_;
+
+  void make_items() {
+    const Box3 bounds = mesh_.bounds();
+    tree_.origin = bounds.center();
+    // Slack for the rounding of differences: a box must never seem farther than a triangle in it.
+    const double margin = 1e-12 * (bounds.low.cwiseAbs().maxCoeff() + bounds.high.cwiseAbs().maxCoeff());
+    items_.resize(mesh_.triangles.size());
+    parallel_for(items_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) {
+        const auto& corner = mesh_.triangles[t];
+        const Vec3 &a = mesh_.vertices[corner[0]], &b = mesh_.vertices[corner[1]], &c = mesh_.vertices[corner[2]];
+        Item& item = items_[t];
+        for (int k = 0; k < 3; ++k) {
+          item.low.v[k] = rounded_down(std::min(std::min(a[k], b[k]), c[k]) - tree_.origin[k] - margin);
+          item.high.v[k] = rounded_up(std::max(std::max(a[k], b[k]), c[k]) - tree_.origin[k] + margin);
+        }
+        item.low.v[3] = std::bit_cast<float>(static_cast<std::uint32_t>(t)), item.high.v[3] = 0;
+      }
+    }, 1 << 16);
+  }
+
+  Range measured(std::size_t begin, std::size_t end) const {
+    Range range;
+    range.begin = begin, range.end = end;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Item& item = items_[i];
+      Float4 center;
+      for (int k = 0; k < 4; ++k) center.v[k] = item.low.v[k] + item.high.v[k];
+      range.box.add(item.low, item.high), range.centers.add(center, center);
+    }
+    return range;
+  }
+
+  /// Fills `nodes` with the subtree of `range`; children of at least `task_size` are grown too, smaller ones become
+  /// tasks (0: everything is grown). Returns its node.
+  std::uint32_t grow(const Range& range, std::vector<TriangleTree::Node>& nodes, std::size_t task_size) {
+    std::array<Range, TriangleTree::width> child;
+    int children = 1;
+    child[0] = range;
+    // Split the child with the largest surface until there are eight.
+    while (children < TriangleTree::width) {
+      int widest = -1;
+      float area = -1;
+      for (int i = 0; i < children; ++i)
+        if (child[i].size() > TriangleTree::width && child[i].box.half_area() > area)
+          widest = i, area = child[i].box.half_area();
+      if (widest < 0) break;
+      const Range parent = child[widest];
+      split(parent, child[widest], child[children++]);
+    }
+    const auto index = static_cast<std::uint32_t>(nodes.size());
+    nodes.emplace_back();
+    TriangleTree::Node node{};
+    node.children = static_cast<std::uint32_t>(children);
+    for (int lane = 0; lane < TriangleTree::width; ++lane)
+      for (int k = 0; k < 3; ++k) {
+        node.low[k][lane] = lane < children ? child[lane].box.low.v[k] : INFINITY;
+        node.high[k][lane] = lane < children ? child[lane].box.high.v[k] : -INFINITY;
+      }
+    for (int lane = 0; lane < children; ++lane) {
+      const Range& part = child[lane];
+      if (part.size() <= TriangleTree::width) {
+        make_leaf(part.begin, part.size());
+        node.child[lane] = TriangleTree::leaf_ref(static_cast<std::uint32_t>(part.begin), static_cast<std::uint32_t>(part.size()));
+      } else if (part.size() < task_size) {
+        tasks_.push_back({part, index, lane});
+      } else {
+        node.child[lane] = grow(part, nodes, task_size);
+      }
+    }
+    nodes[index] = node;
+    return index;
+  }
+
+  /// Cuts a range in two by the surface area heuristic on binned centres.
+  void split(const Range& range, Range& left, Range& right) {
+    std::size_t middle = range.begin;
+    Range part[2];
+    if (range.depth < sah_depth) {
+      int best_axis = -1, best_bin = 0;
+      float scale[3];
+      for (int k = 0; k < 3; ++k) {
+        const float extent = range.centers.high.v[k] - range.centers.low.v[k];
+        scale[k] = extent > 0 ? bins * (1 - 1e-6f) / extent : 0;
+        if (!std::isfinite(scale[k])) scale[k] = 0;
+      }
+      Box boxes[3][bins];
+      std::uint32_t counts[3][bins] = {};
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        const Item& item = items_[i];
+        for (int axis = 0; axis < 3; ++axis) {
+          const int b = bin_of(item, axis, range.centers.low.v[axis], scale[axis]);
+          ++counts[axis][b];
+          boxes[axis][b].add(item.low, item.high);
+        }
+      }
+      float best_cost = INFINITY;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (scale[axis] == 0) continue;
+        float right_cost[bins];
+        Box box;
+        std::uint32_t count = 0;
+        for (int b = bins - 1; b > 0; --b) {
+          box.add(boxes[axis][b].low, boxes[axis][b].high);
+          count += counts[axis][b];
+          right_cost[b] = box.half_area() * static_cast<float>(count);
+        }
+        box = {}, count = 0;
+        for (int b = 0; b + 1 < bins; ++b) {
+          box.add(boxes[axis][b].low, boxes[axis][b].high);
+          count += counts[axis][b];
+          if (count == 0 || count == range.size()) continue;
+          const float cost = box.half_area() * static_cast<float>(count) + right_cost[b + 1];
+          if (cost < best_cost) best_cost = cost, best_axis = axis, best_bin = b;
+        }
+      }
+      if (best_axis >= 0) {
+        // Partition and measure both sides in one pass.
+        std::size_t i = range.begin, j = range.end;
+        auto measure = [](Range& side, const Item& item) {
+          Float4 center;
+          for (int k = 0; k < 4; ++k) center.v[k] = item.low.v[k] + item.high.v[k];
+          side.box.add(item.low, item.high), side.centers.add(center, center);
+        };
+        while (i < j) {
+          if (bin_of(items_[i], best_axis, range.centers.low.v[best_axis], scale[best_axis]) <= best_bin) {
+            measure(part[0], items_[i++]);
+          } else {
+            std::swap(items_[i], items_[--j]);
+            measure(part[1], items_[j]);
+          }
+        }
+        middle = i;
+      }
+    }
+    if (middle == range.begin || middle == range.end) {
+      middle = range.begin + range.size() / 2;
+      part[0] = measured(range.begin, middle), part[1] = measured(middle, range.end);
+    }
+    part[0].begin = range.begin, part[0].end = part[1].begin = middle, part[1].end = range.end;
+    part[0].depth = part[1].depth = range.depth + 1;
+    left = part[0], right = part[1];
+  }
+
+  static int bin_of(const Item& item, int axis, float low, float scale) {
+    return std::clamp(static_cast<int>((item.twice_center(axis) - low) * scale), 0, bins - 1);
+  }
+
+  void make_leaf(std::size_t first, std::size_t count) {
+    double* at = tree_.corners.get() + 9 * first;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t t = items_[first + i].triangle();
+      tree_.triangle[first + i] = t;
+      const auto& corner = mesh_.triangles[t];
+      const Vec3* c[3] = {&mesh_.vertices[corner[0]], &mesh_.vertices[corner[1]], &mesh_.vertices[corner[2]]};
+      if (lexicographically_less(*c[1], *c[0])) std::swap(c[0], c[1]);
+      if (lexicographically_less(*c[2], *c[1])) std::swap(c[1], c[2]);
+      if (lexicographically_less(*c[1], *c[0])) std::swap(c[0], c[1]);
+      for (int k = 0; k < 9; ++k) at[std::size_t(k) * count + i] = (*c[k / 3])[k % 3];
+    }
+  }
+};
+
+}  // namespace
+
+std::size_t TriangleTree::bytes() const {
+  return nodes.capacity() * sizeof(Node) + triangle.size() * (9 * sizeof(double) + sizeof(std::uint32_t));
+}
+
+TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads) { return Builder(mesh, threads).build(); }
+
+}  // namespace partscribe
