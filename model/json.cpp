@@ -295,12 +295,14 @@ Json parameter_to_json(const Parameter& p) {
   j["sigma_noise"] = p.sigma_noise;
   j["sigma_systematic"] = p.sigma_systematic;
   j["points"] = p.points;
-  if (p.nominal)
+  if (p.effective_points > 0) j["effective_points"] = p.effective_points;
+  if (p.nominal) {
     j["nominal"] = {{"candidate", p.nominal->candidate},
                     {"z", p.nominal->z},
                     {"kept", p.nominal->kept},
-                    {"series", p.nominal->series},
-                    {"probability", p.nominal->probability}};
+                    {"series", p.nominal->series}};
+    if (p.nominal->probability > 0) j["nominal"]["probability"] = p.nominal->probability;
+  }
   if (!p.note.empty()) j["note"] = p.note;
   return j;
 }
@@ -319,6 +321,7 @@ Parameter read_parameter(const Json& j, const std::string& path) {
   p.sigma_noise = number_or(j, "sigma_noise", path, 0);
   p.sigma_systematic = number_or(j, "sigma_systematic", path, 0);
   p.points = count_or(j, "points", path);
+  p.effective_points = count_or(j, "effective_points", path);
   p.note = text_or(j, "note", path);
   if (j.contains("nominal")) {
     const auto& n = j["nominal"];

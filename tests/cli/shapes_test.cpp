@@ -45,6 +45,8 @@ TEST_CASE("shapes: a scanned rod is a cylinder") { expect_found("cylinder", "cyl
 TEST_CASE("shapes: a scanned frustum is a cone") { expect_found("cone", "cone", {20, 5, 35}); }
 TEST_CASE("shapes: a scanned ring is a torus") { expect_found("torus", "torus", {}); }
 TEST_CASE("shapes: a scanned superellipsoid is one") { expect_found("superellipsoid", "superellipsoid", {}); }
+TEST_CASE("shapes: a scanned rounded square ring is a supertoroid") { expect_found("supertoroid", "supertoroid", {30, 8, 5}); }
+TEST_CASE("shapes: a scanned fillet keeps its legs") { expect_found("fillet", "fillet", {14, 10, 50}); }
 TEST_CASE("shapes: a scanned polyhedron is cut from half-spaces") { expect_found("half_spaces", "half_spaces", {}); }
 TEST_CASE("shapes: a scanned pin is turned") { expect_found("pin", "revolve", {15, 9, 10}); }
 TEST_CASE("shapes: a scanned vase is turned from a free profile") { expect_found("nurbs_vase", "revolve", {}); }

@@ -156,6 +156,34 @@ Model superellipsoid() {
   return m;
 }
 
+Model supertoroid() {
+  Model m = model("supertoroid", "gasket", "a rounded square ring");
+  length(m, "ring_radius", 30, 30.004, 0.005, "radius of the ring's centre line");
+  length(m, "tube_half_width", 8, 7.997, 0.005, "half width of the tube");
+  length(m, "tube_half_height", 5, 5.002, 0.005, "half height of the tube");
+  Parameter e;
+  e.quantity = Quantity::ratio;
+  e.name = "squareness";
+  e.value = e.fitted = 0.6;
+  e.sigma = 0.003;
+  e.points = 9000;
+  e.note = "of the ring: 0.1 square, 1 round";
+  m.parameters.push_back(e);
+  finish(m, Supertoroid{p("ring_radius"), p("tube_half_width"), p("tube_half_height"), 0.8, p("squareness")});
+  place(m);
+  return m;
+}
+
+Model fillet() {
+  Model m = model("fillet", "fillet_strip", "what rounds an inner corner");
+  length(m, "width", 14, 14.003, 0.005, "first leg");
+  length(m, "height", 10, 9.998, 0.005, "second leg");
+  length(m, "length", 50, 50.01, 0.006, "length of the strip");
+  finish(m, Fillet{p("width"), p("height"), p("length")});
+  place(m);
+  return m;
+}
+
 Model half_spaces() {
   Model m = model("half_spaces", "cut_block", "a block with a cut corner");
   length(m, "half_width", 20, 20.003, 0.004, "distance of the sides from the middle");
@@ -303,8 +331,9 @@ Model lens() {
 }  // namespace
 
 std::vector<Model> golden_models() {
-  return {sphere(),      box(), wedge(),   cylinder(),    cone(),  torus(),      ellipsoid(), superellipsoid(),
-          half_spaces(), pin(), tie_bar(), tri_surface(), sheet(), nurbs_vase(), bracket(),   lens()};
+  return {sphere(),    box(),           wedge(),       cylinder(), cone(),    torus(),
+          ellipsoid(), superellipsoid(), supertoroid(), fillet(),   half_spaces(), pin(),
+          tie_bar(),   tri_surface(),   sheet(),       nurbs_vase(), bracket(), lens()};
 }
 
 }  // namespace partscribe

@@ -1,0 +1,13 @@
+/// Proposes a supertoroid for parts with one hole whose ring or tube is not round.
+#pragma once
+
+#include <vector>
+
+#include "fit/candidate.h"
+
+namespace partscribe {
+
+/// At most one candidate, if its start lies near the data. Round rings are better said as a torus or a turned part.
+std::vector<Candidate> propose_rings(const FitInput& input, const std::vector<Vec3>& axes, Context& context);
+
+}  // namespace partscribe
