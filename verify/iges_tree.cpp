@@ -292,6 +292,10 @@ IgesTree evaluate_iges_tree(IGESControl_Reader& reader, TopoDS_Shape& shape) {
     const Entity entity = model->Entity(i);
     if (entity.IsNull() || !is_tree_entity(entity->TypeNumber())) continue;
     result.present = true;
+    if (model->IsErrorEntity(i)) {  // its content was not read, and asking for it would crash
+      result.fault = "entity " + std::to_string(2 * i - 1) + " cannot be read";
+      return result;
+    }
     found.push_back(entity);
     for (const auto& child : children(entity))
       if (!child.IsNull()) referred.insert(model->Number(child));

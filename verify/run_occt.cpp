@@ -29,6 +29,7 @@
 
 #include "core/number.h"
 #include "geometry/mesh_distance.h"
+#include "verify/check_exchange.h"
 #include "verify/iges_tree.h"
 #include "verify/mesh_shape.h"
 #include "verify/solid.h"
@@ -151,7 +152,14 @@ Result<Evaluation> guarded(const char* backend, Read&& read) {
 
 Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& options, Context& context) {
   if (context.cancelled) return Error{"cancelled before '" + path.filename().string() + "' was read", ErrorKind::stopped};
+  const auto text = read_file(path);
+  if (!text.ok()) return text.error();
   return guarded("iges", [&](Evaluation& evaluation) {
+    if (const auto fault = fault_of_iges(*text)) {
+      evaluation.failed = true;
+      evaluation.complaints.push_back("the file is not whole: " + *fault);
+      return;
+    }
     IGESControl_Reader reader;
     if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) {
       evaluation.failed = true;
@@ -171,7 +179,14 @@ Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& option
 
 Result<Evaluation> evaluate_step(const Path& path, const EvaluateOptions& options, Context& context) {
   if (context.cancelled) return Error{"cancelled before '" + path.filename().string() + "' was read", ErrorKind::stopped};
+  const auto text = read_file(path);
+  if (!text.ok()) return text.error();
   return guarded("step", [&](Evaluation& evaluation) {
+    if (const auto fault = fault_of_step(*text)) {
+      evaluation.failed = true;
+      evaluation.complaints.push_back("the file is not whole: " + *fault);
+      return;
+    }
     STEPControl_Reader reader;
     if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) {
       evaluation.failed = true;
