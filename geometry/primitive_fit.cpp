@@ -92,11 +92,12 @@ struct Minimum {
 
 /// Levenberg-Marquardt from `chart`. Ends when a step would change the distances by less than `precision` of their
 /// rms, or when they are exact.
-Minimum minimized(const PointArrays& points, const PrimitiveChart& start, double reach, int most_steps,
+Minimum minimized(const ScaledPoints& points, const PrimitiveChart& start, double reach, int most_steps,
                   double precision, double lambda) {
   Minimum best{recentered(start), {}, false};
   best.sums = normal_equations(points, best.chart, reach);
   const int m = unknowns_of(start.kind);
+  double previous = 0;
   for (int step_count = 0; step_count < most_steps; ++step_count) {
     const NormalEquations& sums = best.sums;
     if (!std::isfinite(sums.cost) || !(sums.weight > 0)) return best;
@@ -115,7 +116,10 @@ Minimum minimized(const PointArrays& points, const PrimitiveChart& start, double
     const double change = std::sqrt(std::max(step.dot(sums.H * step), 0.0) / sums.weight);
     const double rms = std::sqrt(sums.squares / sums.weight);
     PrimitiveChart next = moved(best.chart, step, is_wide(best.chart, sums));
-    if (change <= precision * rms || change < 1e-14) {
+    // Steps shrink by a constant factor near the end, so the one after this is known before it is paid for.
+    const bool shrinking = lambda == 0 && previous > 0 && change < 0.01 * previous;
+    const double following = shrinking ? change * (change / previous) : change;
+    if (following <= precision * rms || change < 1e-14) {
       best.chart = next;  // too small to be worth another pass; the sums stay those of the place before
       best.converged = true;
       return best;
@@ -124,6 +128,7 @@ Minimum minimized(const PointArrays& points, const PrimitiveChart& start, double
     if (there.cost < sums.cost) {
       best.chart = next;
       best.sums = there;
+      previous = change;
       lambda = lambda > 1e-9 ? lambda * 0.1 : 0;
     } else if (change < 1e-6 * rms || change < 1e-12) {
       best.converged = true;  // rounding decides which side is lower
@@ -285,10 +290,10 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-std::vector<double> distances_to(const PointArrays& points, const Primitive& primitive) {
+std::vector<double> distances_to(const ScaledPoints& points, const Primitive& primitive) {
   std::vector<double> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
-    result[i] = std::abs(distance(primitive, Vec3(points.x[i], points.y[i], points.z[i])));
+    result[i] = std::abs(distance(primitive, points[i]));
   return result;
 }
 
@@ -306,8 +311,8 @@ struct Noise {
 
 /// Robust weights need a start that wild points did not make: fits to the nearer 60 % of the points, again and again
 /// (the concentration steps of least trimmed squares).
-Minimum trimmed(const PointArrays& points, const PrimitiveChart& start, PrimitiveKind kind, int rounds) {
-  PointArrays kept = points;
+Minimum trimmed(const ScaledPoints& points, const PrimitiveChart& start, PrimitiveKind kind, int rounds) {
+  ScaledPoints kept = points;
   Minimum at{recentered(start), {}, false};
   for (int round = 0; round < rounds; ++round) {
     const std::vector<double> away = distances_to(points, fit_of(kind, at, 0, {}).primitive);
@@ -323,13 +328,13 @@ Minimum trimmed(const PointArrays& points, const PrimitiveChart& start, Primitiv
   return at;
 }
 
-Minimum first_minimum(const PointArrays& points, const PrimitiveChart& start, PrimitiveKind kind, double robust,
+Minimum first_minimum(const ScaledPoints& points, const PrimitiveChart& start, PrimitiveKind kind, double robust,
                       int steps) {
   return robust > 0 ? trimmed(points, start, kind, 1 + steps / 4) : minimized(points, start, 0, steps, 1e-3, 1e-3);
 }
 
-/// The best of several starts on a few hundred of the points.
-Minimum best_start(PrimitiveKind kind, const PointArrays& points, const std::vector<Vec3>& normals,
+/// The best of several starts on a few hundred of the points, which are already scaled.
+Minimum best_start(PrimitiveKind kind, const ScaledPoints& points, const std::vector<Vec3>& normals,
                    const std::optional<PrimitiveChart>& given, const Noise& noise) {
   const auto worse = [](const Minimum& a, const Minimum& b) { return !(a.sums.cost <= b.sums.cost); };
   Minimum from_given;
@@ -338,10 +343,8 @@ Minimum best_start(PrimitiveKind kind, const PointArrays& points, const std::vec
     const double rms = std::sqrt(from_given.sums.squares / std::max(from_given.sums.weight, 1.0));
     if (noise.known > 0 && rms < 1.3 * noise.known) return from_given;
   }
-  std::vector<Vec3> list(points.size());
-  for (std::size_t i = 0; i < list.size(); ++i) list[i] = Vec3(points.x[i], points.y[i], points.z[i]);
   std::vector<Minimum> tries;
-  for (const PrimitiveChart& chart : start_charts(chart_kind(kind), list, normals)) {
+  for (const PrimitiveChart& chart : start_charts(chart_kind(kind), *points.points, normals)) {
     Minimum tried = first_minimum(points, chart, kind, noise.robust, 5);
     if (std::isfinite(tried.sums.cost)) tries.push_back(tried);
   }
@@ -492,18 +495,17 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
   }
   place.factor = std::exp2(-std::round(std::log2(size)));
 
-  PointArrays all = point_arrays(points, place.center, place.factor);
-  all.weight = weights.values;
+  const ScaledPoints all{&points, place.center, place.factor, weights.values};
   const double known = (weights.unit > 0 ? weights.unit : options.sigma) * place.factor;
   const Noise noise{known, options.robust};
 
-  PointArrays few;
-  std::vector<Vec3> few_normals;
+  std::vector<Vec3> few_points, few_normals;
+  ScaledPoints few{&few_points, Vec3::Zero(), 1, {}};
   const bool sampled = points.size() > enough_to_start * 3 / 2;
   const std::size_t count = sampled ? enough_to_start : points.size();
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = sampled ? k * points.size() / count : k;
-    few.x.push_back(all.x[i]), few.y.push_back(all.y[i]), few.z.push_back(all.z[i]);
+    few_points.push_back(all[i]);
     if (!all.weight.empty()) few.weight.push_back(all.weight[i]);
     if (normals.size() == points.size()) few_normals.push_back(normals[i]);
   }

@@ -84,17 +84,18 @@ PARTSCRIBE_INLINE double sum_of(const Lanes& v) {
 /// What the loops need of a chart.
 struct Coefficients {
   double r[9], o[3];
-  double kappa, sq_radius;  ///< sq_radius: 1 / kappa^2, 0 for a plane
+  double kappa, radius, sq_radius;  ///< radius: 1 / kappa, 0 for a plane
   double c, s;              ///< cos and sin of psi
   double ring, tube;
 };
 
-PARTSCRIBE_INLINE void move_block(const PointArrays& p, std::size_t begin, int n, const Coefficients& f, Block& b) {
-  const double* X = p.x.data() + begin;
-  const double* Y = p.y.data() + begin;
-  const double* Z = p.z.data() + begin;
+PARTSCRIBE_INLINE void move_block(const ScaledPoints& points, std::size_t begin, int n, const Coefficients& f, Block& b) {
+  const double* p = (*points.points)[begin].data();
+  const double cx = points.center.x(), cy = points.center.y(), cz = points.center.z(), factor = points.factor;
   for (int k = 0; k < n; ++k) {
-    const double dx = X[k] - f.o[0], dy = Y[k] - f.o[1], dz = Z[k] - f.o[2];
+    const double dx = (p[3 * k] - cx) * factor - f.o[0];
+    const double dy = (p[3 * k + 1] - cy) * factor - f.o[1];
+    const double dz = (p[3 * k + 2] - cz) * factor - f.o[2];
     b.x[k] = f.r[0] * dx + f.r[1] * dy + f.r[2] * dz;
     b.y[k] = f.r[3] * dx + f.r[4] * dy + f.r[5] * dz;
     b.z[k] = f.r[6] * dx + f.r[7] * dy + f.r[8] * dz;
@@ -103,35 +104,52 @@ PARTSCRIBE_INLINE void move_block(const PointArrays& p, std::size_t begin, int n
 
 constexpr double tiny = 1e-150;  // keeps a point on the axis from dividing by zero; its square is still a number
 
+/// rho - radius and its derivative by kappa. `Round`: the radius is near the size of the points, so that nothing cancels
+/// in the short forms; else the forms that stay exact until the surface is flat.
+template <bool Round>
+PARTSCRIBE_INLINE void excess(const Coefficients& f, double x, double across, double u, double S, double inverse,
+                              double& E, double& by_kappa) {
+  if constexpr (Round) {
+    E = (S - 1) * f.radius;
+    by_kappa = (S - u) * inverse * f.sq_radius;
+  } else {
+    E = (2 * x + f.kappa * (x * x + across)) / (1 + S);
+    const double near = across * inverse / (S + u), far = (S - u) * inverse * f.sq_radius;
+    by_kappa = u > 0 ? near : far;
+  }
+}
+
+template <bool Round>
 PARTSCRIBE_INLINE void sphere_block(int n, const Coefficients& f, Block& b) {
   for (int k = 0; k < n; ++k) {
     const double x = b.x[k], y = b.y[k], z = b.z[k];
     const double u = 1 + f.kappa * x, across = y * y + z * z;
     const double S = __builtin_sqrt(u * u + f.kappa * f.kappa * across) + tiny;
     const double inverse = 1 / S;
-    const double E = (2 * x + f.kappa * (x * x + across)) / (1 + S);
-    const double near = across * inverse / (S + u), far = (S - u) * inverse * f.sq_radius;
+    double E, by_kappa;
+    excess<Round>(f, x, across, u, S, inverse, E, by_kappa);
     b.column[0][k] = -u * inverse;
     b.column[1][k] = y * inverse;
     b.column[2][k] = z * inverse;
-    b.column[3][k] = u > 0 ? near : far;
+    b.column[3][k] = by_kappa;
     b.column[4][k] = E;
   }
 }
 
+template <bool Round>
 PARTSCRIBE_INLINE void cylinder_block(int n, const Coefficients& f, Block& b) {
   for (int k = 0; k < n; ++k) {
     const double x = b.x[k], y = b.y[k], z = b.z[k];
     const double u = 1 + f.kappa * x, v = f.kappa * y;
     const double S = __builtin_sqrt(u * u + v * v) + tiny;
     const double inverse = 1 / S;
-    const double E = (2 * x + f.kappa * (x * x + y * y)) / (1 + S);
-    const double near = y * y * inverse / (S + u), far = (S - u) * inverse * f.sq_radius;
+    double E, by_kappa;
+    excess<Round>(f, x, y * y, u, S, inverse, E, by_kappa);
     b.column[0][k] = -u * inverse;
     b.column[1][k] = y * inverse;
     b.column[2][k] = z * (v * inverse);
     b.column[3][k] = -z * (u * inverse);
-    b.column[4][k] = u > 0 ? near : far;
+    b.column[4][k] = by_kappa;
     b.column[5][k] = E;
   }
 }
@@ -162,6 +180,7 @@ void behind_apex(int k, const Coefficients& f, Block& b) {
   b.column[6][k] = d;
 }
 
+template <bool Round>
 PARTSCRIBE_INLINE void cone_block(int n, const Coefficients& f, Block& b) {
   int behind = 0;
   const double cc = f.c * f.c, ss = f.s * f.s, kcs = f.kappa * f.c * f.s;
@@ -170,13 +189,13 @@ PARTSCRIBE_INLINE void cone_block(int n, const Coefficients& f, Block& b) {
     const double u = 1 + f.kappa * x, v = f.kappa * y;
     const double S = __builtin_sqrt(u * u + v * v) + tiny;
     const double inverse = 1 / S;
-    const double E = (2 * x + f.kappa * (x * x + y * y)) / (1 + S);
-    const double near = y * y * inverse / (S + u), far = (S - u) * inverse * f.sq_radius;
+    double E, by_kappa;
+    excess<Round>(f, x, y * y, u, S, inverse, E, by_kappa);
     b.column[0][k] = -(cc * (u * inverse) + ss);
     b.column[1][k] = f.c * (y * inverse);
     b.column[2][k] = f.s * y + f.c * (z * (v * inverse));
     b.column[3][k] = -(f.s * x) - f.c * (z * (u * inverse));
-    b.column[4][k] = f.c * (u > 0 ? near : far);
+    b.column[4][k] = f.c * by_kappa;
     b.column[5][k] = -(f.s * E) - f.c * z;
     b.column[6][k] = f.c * E - f.s * z;
     b.weighted[k] = ss * S + kcs * z + cc;  // > 0 in front of the apex
@@ -208,7 +227,7 @@ PARTSCRIBE_INLINE void torus_block(int n, const Coefficients& f, Block& b) {
 }
 
 /// Fills b.weight with the robust weight times the weight of each point, and adds the scalar sums.
-void weigh(const PointArrays& points, std::size_t begin, int n, int residual, bool circle, double reach, Block& b,
+void weigh(const ScaledPoints& points, std::size_t begin, int n, int residual, bool circle, double reach, Block& b,
            NormalEquations& out) {
   const double half = reach > 0 ? 0.5 / (reach * reach) : 0;
   for (int k = 0; k < n; ++k) {
@@ -244,8 +263,8 @@ PARTSCRIBE_INLINE void clear_tail(double* column, int n) {
 }
 
 /// The sums of one chart kind over all blocks.
-template <ChartKind Kind>
-PARTSCRIBE_INLINE void sum_blocks(const PointArrays& points, const Coefficients& f, double reach, NormalEquations& out) {
+template <ChartKind Kind, bool Round>
+PARTSCRIBE_INLINE void sum_blocks(const ScaledPoints& points, const Coefficients& f, double reach, NormalEquations& out) {
   constexpr int unknowns = Kind == ChartKind::sphere     ? 4
                            : Kind == ChartKind::cylinder ? 5
                            : Kind == ChartKind::circle   ? 5
@@ -265,9 +284,9 @@ PARTSCRIBE_INLINE void sum_blocks(const PointArrays& points, const Coefficients&
     const std::size_t rest = points.size() - begin;
     const int n = rest < block_size ? static_cast<int>(rest) : block_size;
     move_block(points, begin, n, f, b);
-    if constexpr (Kind == ChartKind::sphere) sphere_block(n, f, b);
-    if constexpr (Kind == ChartKind::cylinder || circle) cylinder_block(n, f, b);
-    if constexpr (Kind == ChartKind::cone) cone_block(n, f, b);
+    if constexpr (Kind == ChartKind::sphere) sphere_block<Round>(n, f, b);
+    if constexpr (Kind == ChartKind::cylinder || circle) cylinder_block<Round>(n, f, b);
+    if constexpr (Kind == ChartKind::cone) cone_block<Round>(n, f, b);
     if constexpr (Kind == ChartKind::torus) torus_block(n, f, b);
     if constexpr (circle) height_block(n, b);
     if (weighted) weigh(points, begin, n, unknowns, circle, reach, b, out);
@@ -306,15 +325,23 @@ PARTSCRIBE_INLINE void sum_blocks(const PointArrays& points, const Coefficients&
   }
 }
 
-PARTSCRIBE_INLINE void sum_kind(ChartKind kind, const PointArrays& points, const Coefficients& f, double reach,
-                                NormalEquations& out) {
+template <bool Round>
+PARTSCRIBE_INLINE void sum_round(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach,
+                                 NormalEquations& out) {
   switch (kind) {
-    case ChartKind::sphere: sum_blocks<ChartKind::sphere>(points, f, reach, out); break;
-    case ChartKind::cylinder: sum_blocks<ChartKind::cylinder>(points, f, reach, out); break;
-    case ChartKind::cone: sum_blocks<ChartKind::cone>(points, f, reach, out); break;
-    case ChartKind::circle: sum_blocks<ChartKind::circle>(points, f, reach, out); break;
-    case ChartKind::torus: sum_blocks<ChartKind::torus>(points, f, reach, out); break;
+    case ChartKind::sphere: sum_blocks<ChartKind::sphere, Round>(points, f, reach, out); break;
+    case ChartKind::cylinder: sum_blocks<ChartKind::cylinder, Round>(points, f, reach, out); break;
+    case ChartKind::cone: sum_blocks<ChartKind::cone, Round>(points, f, reach, out); break;
+    case ChartKind::circle: sum_blocks<ChartKind::circle, Round>(points, f, reach, out); break;
+    case ChartKind::torus: break;
   }
+}
+
+PARTSCRIBE_INLINE void sum_kind(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach,
+                                NormalEquations& out) {
+  if (kind == ChartKind::torus) sum_blocks<ChartKind::torus, false>(points, f, reach, out);
+  else if (f.kappa > 0.05) sum_round<true>(kind, points, f, reach, out);
+  else sum_round<false>(kind, points, f, reach, out);
 }
 
 /// Ten lanes of sums: w, w x, w y, w z and the six products.
@@ -341,7 +368,7 @@ PARTSCRIBE_INLINE void sum_moments(const Vec3* points, std::size_t count, const 
   for (int i = 0; i < 10; ++i) out[i] = sum_of(sums[i]);
 }
 
-void kind_plain(ChartKind kind, const PointArrays& points, const Coefficients& f, double reach, NormalEquations& out) {
+void kind_plain(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach, NormalEquations& out) {
   sum_kind(kind, points, f, reach, out);
 }
 void moments_plain(const Vec3* points, std::size_t count, const double* weights, const double* o, double* out) {
@@ -349,11 +376,11 @@ void moments_plain(const Vec3* points, std::size_t count, const double* weights,
 }
 
 #if PARTSCRIBE_WIDE
-__attribute__((target("avx2"))) void kind_avx2(ChartKind kind, const PointArrays& points, const Coefficients& f,
+__attribute__((target("avx2"))) void kind_avx2(ChartKind kind, const ScaledPoints& points, const Coefficients& f,
                                                double reach, NormalEquations& out) {
   sum_kind(kind, points, f, reach, out);
 }
-__attribute__((target("avx512f,avx512vl,avx512dq"))) void kind_avx512(ChartKind kind, const PointArrays& points,
+__attribute__((target("avx512f,avx512vl,avx512dq"))) void kind_avx512(ChartKind kind, const ScaledPoints& points,
                                                                       const Coefficients& f, double reach,
                                                                       NormalEquations& out) {
   sum_kind(kind, points, f, reach, out);
@@ -396,14 +423,15 @@ int unknowns_of(ChartKind kind) {
   return 0;
 }
 
-NormalEquations normal_equations(const PointArrays& points, const PrimitiveChart& chart, double reach) {
+NormalEquations normal_equations(const ScaledPoints& points, const PrimitiveChart& chart, double reach) {
   Coefficients f;
   for (int i = 0; i < 3; ++i) {
     f.o[i] = chart.origin[i];
     for (int j = 0; j < 3; ++j) f.r[3 * i + j] = chart.frame(i, j);
   }
   f.kappa = chart.kappa;
-  f.sq_radius = chart.kappa != 0 ? 1 / (chart.kappa * chart.kappa) : 0;
+  f.radius = chart.kappa != 0 ? 1 / chart.kappa : 0;
+  f.sq_radius = f.radius * f.radius;
   f.c = std::cos(chart.psi), f.s = std::sin(chart.psi);
   f.ring = chart.ring, f.tube = chart.tube;
   NormalEquations out;
@@ -428,17 +456,6 @@ Moments moments(const std::vector<Vec3>& points, const double* weights, const Ve
   m.first = Vec3(s[1], s[2], s[3]);
   m.second << s[4], s[5], s[6], s[5], s[7], s[8], s[6], s[8], s[9];
   return m;
-}
-
-PointArrays point_arrays(const std::vector<Vec3>& points, const Vec3& center, double factor) {
-  PointArrays a;
-  a.x.resize(points.size()), a.y.resize(points.size()), a.z.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    a.x[i] = (points[i].x() - center.x()) * factor;
-    a.y[i] = (points[i].y() - center.y()) * factor;
-    a.z[i] = (points[i].z() - center.z()) * factor;
-  }
-  return a;
 }
 
 }  // namespace partscribe

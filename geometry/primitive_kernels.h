@@ -8,11 +8,14 @@
 
 namespace partscribe {
 
-/// Points by coordinate, moved to their centre and divided by a power of two near their size.
-struct PointArrays {
-  std::vector<double> x, y, z;
+/// Points seen about their centre and divided by a power of two near their size.
+struct ScaledPoints {
+  const std::vector<Vec3>* points = nullptr;  ///< kept alive by the caller
+  Vec3 center = Vec3::Zero();
+  double factor = 1;
   std::vector<double> weight;  ///< of every point; empty: all 1
-  std::size_t size() const { return x.size(); }
+  std::size_t size() const { return points->size(); }
+  Vec3 operator[](std::size_t i) const { return ((*points)[i] - center) * factor; }
 };
 
 /// Which distance a chart measures.
@@ -52,7 +55,7 @@ struct NormalEquations {
 
 /// Sums at `chart` over all points, in the same order on every processor. `reach` > 0 weighs points by Welsch's
 /// exp(-u^2 / 2) with u = sqrt(w) d / reach; 0 is plain least squares.
-NormalEquations normal_equations(const PointArrays& points, const PrimitiveChart& chart, double reach);
+NormalEquations normal_equations(const ScaledPoints& points, const PrimitiveChart& chart, double reach);
 
 /// Sums of w, w q and w q q^T with q = p - origin; one pass.
 struct Moments {
@@ -61,8 +64,5 @@ struct Moments {
   Mat3 second = Mat3::Zero();
 };
 Moments moments(const std::vector<Vec3>& points, const double* weights, const Vec3& origin);
-
-/// Points minus `center` times `factor`, by coordinate.
-PointArrays point_arrays(const std::vector<Vec3>& points, const Vec3& center, double factor);
 
 }  // namespace partscribe
