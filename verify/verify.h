@@ -20,6 +20,9 @@ enum class Outcome { verified, out_of_tolerance, cannot_decide, not_run };
 const char* name_of(Outcome outcome);  ///< "verified", ...
 int exit_code_of(Outcome outcome);     ///< 0, 1, 6, 4
 
+enum class AlignBy { none, best_fit, datums };  ///< how the scan is laid onto the artifact; see verify/align.h
+const char* name_of(AlignBy method);  ///< "best-fit", ...
+
 enum class Rule { local, max };  ///< judge the local robust mean, or the raw maximum
 
 struct VerifyOptions {
@@ -29,6 +32,7 @@ struct VerifyOptions {
   double seconds = 600;
   double memory_mb = 8192;
   double outlier_rate = 0.02; ///< expected share of outliers in the scan
+  AlignBy align = AlignBy::none;  ///< none: both are in one frame
   bool second_opinion = false; ///< ask other programs, where installed, what a script describes
 };
 
@@ -85,10 +89,22 @@ struct Finding {
 };
 const char* name_of(Finding::Kind kind);  ///< "displaced", ...
 
+/// How the scan was moved before it was compared; only on request.
+struct Alignment {
+  AlignBy method = AlignBy::best_fit;
+  Pose scan_to_artifact;               ///< scan_to_artifact * p_scan is the place on the artifact as it was written
+  double rotation = 0;                 ///< rad
+  Vec3 translation = Vec3::Zero();     ///< mm, by which it moves the middle of the scan
+  double rms = 0;                      ///< mm, of the points that count
+  std::size_t points = 0;              ///< that count
+  std::string remark;                  ///< what a person must know: "the part fits as well in 3 other positions ..."
+};
+
 struct ArtifactVerdict {
   std::string file, backend, program, version;
   Outcome verdict = Outcome::not_run;
   double seconds = 0, evaluation_error = 0;
+  std::optional<Alignment> alignment; ///< set if the scan was aligned; `mesh` and all places are in the scan's frame
   DataToModel data_to_model;
   ModelToData model_to_data;
   std::vector<FeatureVerdict> objects;
