@@ -481,8 +481,17 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
                                        const std::vector<Vec3>& normals, const Weights& weights,
                                        const PrimitiveFitOptions& options) {
   Place place;
-  place.center = points[points.size() / 2];
-  const std::optional<Flat> flat = flat_of(points, nullptr, place.center);
+  const bool sampled = points.size() > enough_to_start * 3 / 2;
+  const std::size_t count = sampled ? enough_to_start : points.size();
+  const auto sample = [&](std::size_t k) { return sampled ? k * points.size() / count : k; };
+  // Of a sphere every number is its own, and any middle of the points will do; along an axis `point` follows the middle.
+  std::optional<Flat> flat;
+  if (kind == PrimitiveKind::sphere && sampled) {
+    std::vector<Vec3> few;
+    for (std::size_t k = 0; k < count; ++k) few.push_back(points[sample(k)]);
+    flat = flat_of(few, nullptr, few[0]);
+  }
+  if (!flat || !(flat->spread.sum() > 0)) flat = flat_of(points, nullptr, points[points.size() / 2]);
   if (!flat) return {};
   const double size = std::sqrt(flat->spread.sum());
   place.center = flat->mean;
@@ -501,10 +510,8 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
 
   std::vector<Vec3> few_points, few_normals;
   ScaledPoints few{&few_points, Vec3::Zero(), 1, {}};
-  const bool sampled = points.size() > enough_to_start * 3 / 2;
-  const std::size_t count = sampled ? enough_to_start : points.size();
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = sampled ? k * points.size() / count : k;
+    const std::size_t i = sample(k);
     few_points.push_back(all[i]);
     if (!all.weight.empty()) few.weight.push_back(all.weight[i]);
     if (normals.size() == points.size()) few_normals.push_back(normals[i]);
@@ -529,6 +536,7 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
     }
   }
   best = minimized(all, best.chart, reach, 100, 1e-8, 0);
+  if (!std::isfinite(best.sums.cost)) return {};
 
   const double equations = best.sums.count * (kind == PrimitiveKind::circle ? 2 : 1);
   const double free = equations - unknowns_of(best.chart.kind);

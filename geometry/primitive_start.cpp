@@ -105,14 +105,14 @@ Ring ring_along(const Vec3& axis, const std::vector<Vec3>& points, bool quadric)
   ring.slope = quadric ? s[3] / (2 * ring.radius) : 0;
   if (quadric && sq < 1e-2 && s[4] > 0) ring.slope = std::copysign(std::sqrt(s[4]), s[3]);
   const double rest = std::max(total - s.dot(g), 0.0) / static_cast<double>(points.size());
-  ring.error = std::sqrt(rest) / (2 * ring.radius);
+  ring.error = std::sqrt(rest) / (2 * ring.radius * std::sqrt(1 + ring.slope * ring.slope));
   return ring;
 }
 
 PrimitiveChart ring_chart(ChartKind kind, const Ring& ring) {
   const Vec3 across = ring.center - ring.axis * ring.axis.dot(ring.center);
   const Vec3 n = across.norm() > 1e-6 ? Vec3(-across.normalized()) : ring.axis.unitOrthogonal();
-  const double psi = kind == ChartKind::cone ? std::clamp(std::atan(ring.slope), -1.4, 1.4) : 0;
+  const double psi = kind == ChartKind::cone ? std::clamp(std::atan(ring.slope), -1.54, 1.54) : 0;
   return surface_chart(kind, across + ring.radius * n, n, ring.axis, 1 / ring.radius, psi);
 }
 
@@ -168,7 +168,7 @@ std::vector<Vec3> plane_normals(const std::vector<Vec3>& points) {
   std::vector<Vec3> normals;
   std::vector<Neighbour> near;
   for (const Vec3& p : points) {
-    tree.nearest(p, 9, near);
+    tree.nearest(p, 10, near);
     std::vector<Vec3> local;
     for (const Neighbour& i : near) local.push_back(points[i.index]);
     normals.push_back(principal_axes(local).axes.col(0));
@@ -176,17 +176,20 @@ std::vector<Vec3> plane_normals(const std::vector<Vec3>& points) {
   return normals;
 }
 
-/// The circle of (rho, h) about an axis line: ring and tube.
-PrimitiveChart torus_about(const Vec3& place, const Vec3& axis, const std::vector<Vec3>& points) {
+/// The circle of (rho, h) about an axis line: ring and tube, and the rms error to expect.
+PrimitiveChart torus_about(const Vec3& place, const Vec3& axis, const std::vector<Vec3>& points, double* error = nullptr) {
   const Mat3 frame = frame_of(axis.unitOrthogonal(), axis);
   Mat3 H = Mat3::Identity() * 1e-12;
   Vec3 g = Vec3::Zero();
+  double total = 0;
   for (const Vec3& p : points) {
     const Vec3 q = frame * (p - place);
     const double rho = std::hypot(q.x(), q.y());
     const Vec3 row(2 * rho, 2 * q.z(), 1);
     H += row * row.transpose();
-    g += row * (rho * rho + q.z() * q.z());
+    const double sq = rho * rho + q.z() * q.z();
+    g += row * sq;
+    total += sq * sq;
   }
   const Vec3 s = H.ldlt().solve(g);
   PrimitiveChart chart;
@@ -195,6 +198,7 @@ PrimitiveChart torus_about(const Vec3& place, const Vec3& axis, const std::vecto
   chart.origin = place + axis * s[1];
   chart.ring = std::max(std::abs(s[0]), 1e-3);
   chart.tube = std::sqrt(std::max(s[2] + s[0] * s[0] + s[1] * s[1], 1e-4));
+  if (error) *error = std::sqrt(std::max(total - s.dot(g), 0.0) / static_cast<double>(points.size())) / (2 * chart.tube);
   return chart;
 }
 
@@ -216,6 +220,36 @@ void add_line_complexes(const std::vector<Vec3>& points, const std::vector<Vec3>
     const Vec3 a = axes.col(i), moment = from_a * a;
     charts.push_back(torus_about(a.cross(moment - a * a.dot(moment)), a, points));
   }
+}
+
+/// For many directions the axis that the normal lines, seen along it, pass most closely; the best few tori about them.
+void add_turned_tori(std::vector<Vec3> axes, const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
+                     std::size_t keep, Charts& charts) {
+  struct Turned {
+    PrimitiveChart chart;
+    double error;
+  };
+  std::vector<Vec3> some, some_normals;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 128)
+    some.push_back(points[i]), some_normals.push_back(normals[i]);
+  std::vector<Turned> tori;
+  for (const Vec3& axis : axes) {
+    const Mat3 frame = frame_of(axis.unitOrthogonal(), axis);
+    Eigen::Matrix2d H = Eigen::Matrix2d::Identity() * 1e-9;
+    Eigen::Vector2d g = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const Vec3 q = frame * some[i], n = frame * some_normals[i];
+      const Eigen::Vector2d row(n.y(), -n.x());
+      H += row * row.transpose();
+      g += row * row.dot(q.head<2>());
+    }
+    const Eigen::Vector2d c = H.ldlt().solve(g);
+    Turned turned;
+    turned.chart = torus_about(frame.transpose() * Vec3(c.x(), c.y(), 0), axis, some, &turned.error);
+    if (std::isfinite(turned.error)) tori.push_back(turned);
+  }
+  std::stable_sort(tori.begin(), tori.end(), [](const Turned& a, const Turned& b) { return a.error < b.error; });
+  for (std::size_t i = 0; i < tori.size() && i < keep; ++i) charts.push_back(tori[i].chart);
 }
 
 }  // namespace
@@ -289,7 +323,9 @@ std::vector<PrimitiveChart> start_charts(ChartKind kind, const std::vector<Vec3>
     return charts;
   }
   if (kind == ChartKind::torus) {
-    add_line_complexes(points, normals.empty() ? plane_normals(points) : normals, charts);
+    const std::vector<Vec3> directions = normals.empty() ? plane_normals(points) : normals;
+    add_line_complexes(points, directions, charts);
+    add_turned_tori(half_sphere(60), points, directions, 6, charts);
     for (int i = 0; i < 3; ++i) charts.push_back(torus_about(principal.mean, principal.axes.col(i), points));
     return charts;
   }
