@@ -11,7 +11,7 @@ namespace partscribe {
 namespace {
 
 constexpr std::size_t most_points = 600;
-constexpr double same = 0.99;     // cosine of 8 degrees: normals of one face
+constexpr double same = 0.998;    // cosine of 3.6 degrees: normals of one plane face
 constexpr double square = 0.09;   // sine of 5 degrees
 
 double quantile(std::vector<double> values, double share) {

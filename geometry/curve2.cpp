@@ -221,9 +221,10 @@ OutlineDistance::OutlineDistance(Outline2 outline)
   for (const auto& c : outline_.curves)
     for (const auto& p : {start_of(c.curve), end_of(c.curve)}) low = low.cwiseMin(p), high = high.cwiseMax(p);
   size = (high - low).norm();
+  chord_error_ = std::max(1e-3 * size, 1e-9);
   for (std::size_t i = 0; i < outline_.curves.size(); ++i)
     if (const auto* c = std::get_if<Nurbs2>(&outline_.curves[i].curve)) {
-      chord_u_[i] = nurbs_parameters(*c, std::max(1e-3 * size, 1e-9));
+      chord_u_[i] = nurbs_parameters(*c, chord_error_);
       for (const double u : chord_u_[i]) chords_[i].push_back(c->at(u));
     }
 }
@@ -276,7 +277,8 @@ OutlineDistance::Hit OutlineDistance::operator()(const Vec2& p) const {
       }
       c.derivatives(u, q, d1, d2);
       foot = {(p - q).squaredNorm(), q};
-      normal = Vec2(d1.y(), -d1.x());
+      // Beyond its ends a curve's normal tells no side.
+      if (u > c.knots[c.degree] && u < c.knots[c.control.size()]) normal = Vec2(d1.y(), -d1.x());
     }
     if (foot.sq_distance < best) {
       best = foot.sq_distance;
@@ -289,7 +291,7 @@ OutlineDistance::Hit OutlineDistance::operator()(const Vec2& p) const {
   hit.distance = std::sqrt(best);
   bool is_inside = inside(p);
   // Chords decide the inside only coarsely; close to a NURBS its own normal does (right of it is outside).
-  if (nurbs_normal.squaredNorm() > 0 && hit.distance > 0) {
+  if (nurbs_normal.squaredNorm() > 0 && hit.distance > 0 && hit.distance < 2 * chord_error_) {
     const double side = nurbs_normal.normalized().dot(p - hit.foot) / hit.distance;
     if (std::abs(side) > 0.9) is_inside = side < 0;
   }

@@ -74,6 +74,7 @@ class OutlineDistance {
   std::vector<char> ignored_;
   std::vector<std::vector<Vec2>> chords_;      // per curve; only NURBS have any
   std::vector<std::vector<double>> chord_u_;
+  double chord_error_ = 0;  // mm
   std::unique_ptr<Prepared> prepared_;
 };
 

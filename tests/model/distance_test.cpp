@@ -76,3 +76,18 @@ TEST_CASE("model distance: a difference is cut where its tool is") {
   const auto hit = distance({10 + 3.9, 10, 10});
   CHECK(distance.faces()[static_cast<std::size_t>(hit.face)].object == "drill");
 }
+
+TEST_CASE("model distance: the sides of a sharp-edged fillet are told far from it and close to it") {
+  for (const auto& [width, height] : {std::pair{14.0, 10.0}, {9.0, 9.0}}) {
+    const ModelDistance distance(test::model_with(Fillet{width, height, 50}));
+    Random random(3);
+    for (int i = 0; i < 3000; ++i) {
+      const double reach = i % 2 ? 3 * width : 1.2 * width;
+      const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
+      const double u = (x - width) / width, v = (y - height) / height;
+      const bool inside = x > 0 && y > 0 && x < width && y < height && u * u + v * v > 1;
+      INFO(x << ", " << y);
+      CHECK((distance({x, y, 25}).distance < 0) == inside);
+    }
+  }
+}
