@@ -159,6 +159,25 @@ std::string failing_dimensions(const ArtifactVerdict& a) {
          column("sigma", 9, true) + column("deviation", 10, true) + "\n" + text;
 }
 
+Json opinion_json(const SecondOpinion& o) {
+  return {{"program", o.program}, {"version", o.version}, {"delivered", o.delivered}, {"agrees", o.agrees},
+          {"exact_circles", o.exact_circles}, {"distance", rounded(o.distance)}, {"note", o.note}};
+}
+
+std::string opinion_lines(const ArtifactVerdict& a) {
+  std::string text;
+  for (const auto& o : a.second_opinions) {
+    std::string line = o.program + " " + o.version + " on " + a.file + ": ";
+    if (!o.delivered)
+      line += "no answer, " + o.note;
+    else
+      line += (o.agrees ? "agrees, " : "DIFFERS, ") + fixed(o.distance, 0.0001) + " mm apart" +
+              (!o.agrees && o.exact_circles ? " (it reads polygons as circles)" : "");
+    text += wrapped(line, 2);
+  }
+  return text;
+}
+
 Json alignment_json(const Alignment& alignment) {
   Json json;
   json["method"] = name_of(alignment.method);
@@ -226,6 +245,7 @@ std::string write_verdict_json(const Verdict& verdict) {
     for (const auto& o : a.objects) entry["objects"].push_back(feature_json(o));
     entry["findings"] = Json::array();
     for (const auto& f : a.findings) entry["findings"].push_back(finding_json(f));
+    for (const auto& o : a.second_opinions) entry["second_opinions"].push_back(opinion_json(o));
     json["artifacts"].push_back(std::move(entry));
   }
   json["between_backends"] = Json::array();
@@ -324,6 +344,7 @@ std::string verdict_table(const Verdict& verdict) {
   if (!verdict.between_backends.empty()) text += "\n";
   for (const auto& p : verdict.between_backends)
     text += p.first + " and " + p.second + (p.agree ? " agree: " : " DIFFER: ") + fixed(p.distance, 0.0001) + " mm apart\n";
+  for (const auto& a : verdict.artifacts) text += opinion_lines(a);
   text += "\nThe scan's local noise is " + fixed(verdict.noise, 0.0001) + " mm; it can decide tolerances from " +
           fixed(verdict.smallest_honest_tolerance, 0.0001) + " mm.\n";
   if (verdict.verdict == Outcome::verified) {
