@@ -114,6 +114,11 @@ ArtifactVerdict artifact_of(const Json& json) {
     for (const auto& row : *found) artifact.objects.push_back(feature_of(row));
   if (const auto found = json.find("findings"); found != json.end() && found->is_array())
     for (const auto& finding : *found) artifact.findings.push_back(finding_of(finding));
+  if (const auto found = json.find("second_opinions"); found != json.end() && found->is_array())
+    for (const auto& o : *found)
+      artifact.second_opinions.push_back({text(o, "program"), text(o, "version"), o.value("delivered", false),
+                                          o.value("agrees", false), o.value("exact_circles", false), number(o, "distance"),
+                                          text(o, "note")});
   if (const auto found = json.find("reasons"); found != json.end() && found->is_array())
     for (const auto& reason : *found) artifact.reasons.push_back(reason.get<std::string>());
   return artifact;
