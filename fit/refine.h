@@ -8,10 +8,10 @@
 namespace partscribe {
 
 struct RefineOptions {
-  std::size_t points = 20000;    ///< used at most; more costs time and narrows sigma_noise
+  std::size_t points = 20000;    ///< of the search, at most; the last steps take all points of the scan
   int iterations = 40;
   double welsch = 2.5;           ///< residuals beyond some 2 * welsch sigmas lose their say
-  bool uncertainty = true;       ///< false: skip the jackknife
+  bool uncertainty = true;       ///< false: skip the last steps on all points, and sigma
   std::vector<std::string> fixed;  ///< parameters that keep their value
 };
 
@@ -21,12 +21,13 @@ struct RefineReport {
   double inlier_share = 0;       ///< residuals within 4 sigmas
   int iterations = 0;
   bool converged = false;
+  double points_per_independent = 1;  ///< above 1 where neighbouring points err together
 };
 
-/// Levenberg-Marquardt on Welsch-weighted signed distances (reference equations: orthogonal distance regression,
-/// Forbes 1989, Ahn 2004) with derivatives by differences of the exact distance. Directions that the data
-/// leave free (symmetries) are cut out of the normal matrix. Fills Parameter value, fitted, sigma (noise part from
-/// the normal matrix, systematic part from a jackknife over views or regions and a floor) and points.
+/// Levenberg-Marquardt on Welsch-weighted signed distances of thinned points (reference equations: orthogonal distance
+/// regression, Forbes 1989, Ahn 2004), then Gauss-Newton on all points (all_points.h). Directions that the data leave
+/// free (symmetries) are cut out of the normal matrix. Fills Parameter value, fitted, points and sigma: the noise part,
+/// and a systematic part from what the views disagree about, facets, filters and a floor (uncertainty.h).
 RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context);
 
 /// A model with just this candidate in it, for distances; in the part's own frame.

@@ -31,6 +31,7 @@ struct Parameter {
   double sigma_noise = 0;       ///< falls with the number of points
   double sigma_systematic = 0;  ///< does not
   std::size_t points = 0;       ///< that determine it
+  std::size_t effective_points = 0;  ///< as many independent ones would tell as much; 0: not known
   std::optional<NominalEvidence> nominal;
   std::string note;             ///< what it measures, for a person: "radius of the shank"
 };

@@ -1,0 +1,232 @@
+#include "fit/all_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/parallel.h"
+#include "fit/refine.h"
+#include "model/distance.h"
+
+namespace partscribe {
+namespace {
+
+constexpr int most_groups = 24;      // views beyond are pooled
+constexpr double edge_sigmas = 3;    // nearer to an edge than this, noise decides which face a point is counted to
+constexpr double most_excluded = 0.5;
+
+struct Entry {
+  std::uint64_t cell;
+  std::uint32_t index;
+};
+
+/// The points to use, sorted by cell and, inside a cell, by coordinates.
+std::vector<Entry> entries_of(const PointCloud& cloud, const Box3& bounds, double spacing) {
+  std::vector<Entry> entries;
+  entries.reserve(cloud.size());
+  const auto& p = cloud.points;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if ((!cloud.rejected.empty() && cloud.rejected[i]) || !p[i].allFinite()) continue;
+    std::uint64_t cell = 0;
+    if (spacing > 0)
+      for (int k = 0; k < 3; ++k) {
+        const double at = std::clamp((p[i][k] - bounds.low[k]) / spacing, 0.0, 2097150.0);
+        cell = cell << 21 | static_cast<std::uint64_t>(at);
+      }
+    entries.push_back({cell, static_cast<std::uint32_t>(i)});
+  }
+  std::sort(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) {
+    if (a.cell != b.cell) return a.cell < b.cell;
+    const Vec3 &u = p[a.index], &v = p[b.index];
+    for (int k = 0; k < 3; ++k)
+      if (u[k] != v[k]) return u[k] < v[k];
+    return a.index < b.index;
+  });
+  return entries;
+}
+
+/// Eight octants about the centre: where no views are known, regions err together.
+int octant(const Vec3& d) { return (d.x() > 0) + 2 * (d.y() > 0) + 4 * (d.z() > 0); }
+
+void assign_traits(AllPoints& all, const PointCloud& cloud, const std::vector<Entry>& entries, const Vec3& center) {
+  const std::size_t n = entries.size();
+  std::map<int, int> numbers;
+  if (cloud.view.size() == cloud.size())
+    for (const auto& e : entries) numbers[cloud.view[e.index]] = 0;
+  all.by_view = numbers.size() >= 2;
+  int next = 0;
+  for (auto& [view, number] : numbers) number = next++ % most_groups;
+  all.group_count = all.by_view ? std::min<int>(static_cast<int>(numbers.size()), most_groups) : 8;
+  all.group.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+    all.group[i] = all.by_view ? numbers[cloud.view[entries[i].index]] : octant(all.points[i] - center);
+  if (cloud.rays.size() == cloud.size() && cloud.normals.size() == cloud.size())
+    for (const auto& e : entries) all.cosine.push_back(std::abs(cloud.rays[e.index].dot(cloud.normals[e.index])));
+  if (cloud.sigma.size() == cloud.size())
+    for (const auto& e : entries) all.relative.push_back(cloud.sigma[e.index]);
+}
+
+/// Cuts every cell into one run per face.
+void make_nodes(AllPoints& all, const std::vector<Entry>& entries, bool single) {
+  const std::size_t n = entries.size();
+  auto mean_place = [&](std::size_t begin, std::size_t end) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = begin; i < end; ++i) sum += all.points[i];
+    return Vec3(sum / double(end - begin));
+  };
+  if (single) {
+    for (std::size_t i = 0; i < n; ++i) all.nodes.push_back({i, i + 1, all.points[i]});
+    return;
+  }
+  std::vector<std::size_t> order(n);
+  for (std::size_t i = 0; i < n; ++i) order[i] = i;
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+    while (end < n && entries[end].cell == entries[begin].cell) ++end;
+    std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + static_cast<std::ptrdiff_t>(end),
+                     [&](std::size_t a, std::size_t b) { return all.at.face[a] < all.at.face[b]; });
+  }
+  auto permute = [&](auto& column) {
+    if (column.size() != n) return;
+    auto copy = column;
+    for (std::size_t i = 0; i < n; ++i) column[i] = copy[order[i]];
+  };
+  permute(all.points), permute(all.group), permute(all.cosine), permute(all.relative);
+  permute(all.at.value), permute(all.at.face);
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+    while (end < n && entries[end].cell == entries[begin].cell && all.at.face[end] == all.at.face[begin]) ++end;
+    all.nodes.push_back({begin, end, mean_place(begin, end)});
+  }
+}
+
+/// A place that stands for points of one face must have that face nearest itself.
+void settle_places(AllPoints& all, const ModelDistance& distance, const Pose& part_from_scan, Distances& at, int threads) {
+  parallel_for(all.nodes.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      auto& node = all.nodes[k];
+      ModelHit hit = distance(part_from_scan * node.place);
+      if (hit.face != all.at.face[node.begin]) {
+        std::size_t best = node.begin;
+        for (std::size_t i = node.begin; i < node.end; ++i)
+          if ((all.points[i] - node.place).squaredNorm() < (all.points[best] - node.place).squaredNorm()) best = i;
+        node.place = all.points[best];
+        hit = {all.at.value[best], all.at.face[best]};
+      }
+      at.value[k] = hit.distance, at.face[k] = hit.face;
+    }
+  });
+}
+
+/// Points whose own noise could have changed the face they are nearest to would bias both faces: what pushes them over
+/// the edge also makes them look closer. Their place on the surface, not their residual, decides, so that nothing is
+/// selected by its error.
+void exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& part_from_scan, double cell, int threads) {
+  all.used.assign(all.points.size(), 1);
+  auto crosses = [&](const Vec3& foot, const Vec3& normal, double reach, int face) {
+    return distance(part_from_scan * (foot + reach * normal)).face != face ||
+           distance(part_from_scan * (foot - reach * normal)).face != face;
+  };
+  parallel_for(
+      all.nodes.size(), threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          const auto& node = all.nodes[k];
+          const double length = all.jacobian.gradients[k].norm();
+          if (!(length > 0.5)) continue;
+          const Vec3 normal = all.jacobian.gradients[k] / length;
+          const int face = all.at.face[node.begin];
+          double widest = 0;
+          for (std::size_t i = node.begin; i < node.end; ++i) widest = std::max(widest, edge_sigmas * all.sigma[i]);
+          if (node.end - node.begin > 1) {
+            // The whole cell at once where it lies well inside its face.
+            const Vec3 foot = node.place - distance(part_from_scan * node.place).distance * normal;
+            if (!crosses(foot, normal, widest + cell, face)) continue;
+          }
+          for (std::size_t i = node.begin; i < node.end; ++i)
+            all.used[i] = !crosses(all.points[i] - all.at.value[i] * normal, normal, edge_sigmas * all.sigma[i], face);
+        }
+      },
+      64);
+  // A face that is all edge would be lost: it keeps its points.
+  std::map<int, std::pair<std::size_t, std::size_t>> faces;
+  for (std::size_t i = 0; i < all.points.size(); ++i)
+    ++faces[all.at.face[i]].first, faces[all.at.face[i]].second += !all.used[i];
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    const auto& [total, lost] = faces[all.at.face[i]];
+    if (double(lost) > most_excluded * double(total)) all.used[i] = 1;
+  }
+}
+
+void estimate_noise(AllPoints& all, double least) {
+  // Octants are no reason for noise to differ.
+  NoiseTraits traits;
+  if (all.by_view) traits.group = all.group, traits.group_count = all.group_count;
+  traits.face = all.at.face, traits.cosine = all.cosine, traits.relative = all.relative;
+  all.sigma = noise_of_points(all.at.value, traits, least);
+}
+
+}  // namespace
+
+AllPoints all_points(const Candidate& candidate, const FitInput& input, const Unknowns& unknowns, double least_sigma,
+                     const AllPointsOptions& options, Context& context) {
+  const bool whole = input.scan && input.scan->mesh.empty() && input.scan->cloud.size() > input.cloud.size() &&
+                     input.scan->cloud.size() <= options.points;
+  const PointCloud& cloud = whole ? input.scan->cloud : input.cloud;
+  const bool single = cloud.size() <= options.nodes;
+  // Points on a surface: their number goes with the square of the spacing.
+  const double spacing =
+      single ? 0 : input.thin_spacing * std::sqrt(double(input.cloud.size()) / double(options.nodes));
+  const auto entries = entries_of(cloud, input.bounds, spacing);
+  AllPoints all;
+  for (const auto& e : entries) all.points.push_back(cloud.points[e.index]);
+  assign_traits(all, cloud, entries, unknowns.center());
+  all.at = unknowns.distances(candidate, all.points, context.threads);
+  make_nodes(all, entries, single);
+  estimate_noise(all, least_sigma);
+
+  Values values;
+  for (const auto& p : candidate.parameters) values[p.name] = p.value;
+  const ModelDistance distance(bare_model(candidate), values);
+  const Pose part_from_scan = candidate.scan_from_part.inverse();
+  Distances at;
+  at.value.resize(all.nodes.size()), at.face.resize(all.nodes.size());
+  settle_places(all, distance, part_from_scan, at, context.threads);
+  std::vector<Vec3> places;
+  for (const auto& node : all.nodes) places.push_back(node.place);
+  all.jacobian = unknowns.jacobian(candidate, places, at, context.threads);
+  exclude_edges(all, distance, part_from_scan, spacing, context.threads);
+  return all;
+}
+
+void polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
+            const AllPointsOptions& options, Context& context) {
+  constexpr int steps = 2;
+  auto cost = [&](const std::vector<double>& d) {
+    double sum = 0;
+    for (std::size_t i = 0; i < d.size(); ++i)
+      if (all.used[i]) sum += options.kernel.loss(d[i] / all.sigma[i]);
+    return sum;
+  };
+  for (int step = 0; step < steps; ++step) {
+    std::vector<double> weight(all.nodes.size(), 0), pull(all.nodes.size(), 0);
+    parallel_for(all.nodes.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
+          if (!all.used[i]) continue;
+          const double u = all.at.value[i] / all.sigma[i], unit = 1 / all.sigma[i];
+          weight[k] += options.kernel.slope(u) * unit * unit;
+          pull[k] += options.kernel.psi(u) * unit;
+        }
+    });
+    const NormalEquations normal = normal_equations(all.jacobian.rows, weight, pull, context.threads);
+    const Candidate next = unknowns.stepped(candidate, -pseudo_inverse(normal.h) * normal.g);
+    if (!unknowns.sensible(next)) return;
+    const Distances at = unknowns.distances(next, all.points, context.threads);
+    if (cost(at.value) > cost(all.at.value) * (1 + 1e-9)) return;
+    candidate = next;
+    all.at.value = at.value;  // the nodes are made of the first faces
+    if (step == 0) estimate_noise(all, least_sigma);
+  }
+}
+
+}  // namespace partscribe

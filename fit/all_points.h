@@ -1,0 +1,49 @@
+/// The last steps of a fit: every point of the scan has its say, at the cost of a distance or two.
+#pragma once
+
+#include "core/context.h"
+#include "fit/noise_model.h"
+#include "fit/normal_equations.h"
+#include "fit/unknowns.h"
+
+namespace partscribe {
+
+/// Points in an order that their coordinates alone decide, in runs that share one row of the Jacobian.
+struct AllPoints {
+  std::vector<Vec3> points;
+  std::vector<int> group;         ///< view, or region where views are unknown; the unit of systematic error
+  int group_count = 1;
+  bool by_view = false;
+  std::vector<double> cosine;     ///< of the incidence, where rays are known
+  std::vector<double> relative;   ///< sigma that came with the data
+  Distances at;                   ///< of the points, at the present candidate
+  std::vector<double> sigma;      ///< of each point, mm
+  std::vector<char> used;         ///< 0: too near to an edge to tell which face it belongs to
+
+  /// A cell's points of one face: points[begin .. end), all with the derivatives at `place`.
+  struct Node {
+    std::size_t begin = 0, end = 0;
+    Vec3 place;
+  };
+  std::vector<Node> nodes;
+  Jacobian jacobian;              ///< one row per node
+};
+
+struct AllPointsOptions {
+  std::size_t nodes = 16000;       ///< rows of the Jacobian, about; fewer blur it at the rims of small faces
+  std::size_t points = 20000000;   ///< scans with more fall back on the thinned points
+  Welsch kernel{3};
+};
+
+/// All usable points of the scan behind `input` (of a mesh, or where there is none: the thinned ones), with distances,
+/// noise and derivatives at `candidate`.
+AllPoints all_points(const Candidate& candidate, const FitInput& input, const Unknowns& unknowns, double least_sigma,
+                     const AllPointsOptions& options, Context& context);
+
+/// Gauss-Newton on all points. The estimating equations sum psi(d_i / sigma_i) / sigma_i * J = 0 hold for the exact
+/// distance of every point; J is that of the point's node, which costs efficiency only in the second order of how much J
+/// varies inside a node, and no bias. Distances in `all` are then those at the result.
+void polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
+            const AllPointsOptions& options, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,110 @@
+#include "fit/correlation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "geometry/kd_tree.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t centres = 20000, neighbours = 200, least_points = 400;
+/// Lags in pitches; the last ring is where noise is taken to have decayed.
+constexpr std::array<double, 9> ring_ends = {1.2, 1.7, 2.2, 2.7, 3.5, 4.5, 5.5, 6.5, 8.0};
+constexpr std::size_t rings = ring_ends.size();
+constexpr double significant = 3;
+
+struct RingSums {
+  std::array<double, rings> product{}, sq_lag{};
+  std::array<double, rings> pairs{};
+};
+
+}  // namespace
+
+Correlation correlation_of(const std::vector<Vec3>& points, const std::vector<double>& residuals,
+                           const std::vector<int>& group, int group_count, int threads) {
+  Correlation result;
+  const std::size_t n = points.size();
+  if (n < least_points) return result;
+  std::vector<std::vector<std::uint32_t>> members(static_cast<std::size_t>(group_count));
+  for (std::size_t i = 0; i < n; ++i) members[static_cast<std::size_t>(group[i])].push_back(static_cast<std::uint32_t>(i));
+  const std::size_t stride = (n + centres - 1) / centres;
+
+  RingSums total;
+  double variance = 0, centre_count = 0;
+  for (const auto& member : members) {
+    if (member.size() < neighbours) continue;
+    std::vector<Vec3> own;
+    for (const auto i : member) own.push_back(points[i]);
+    const KdTree tree(own);
+    std::vector<std::uint32_t> chosen;
+    for (std::size_t k = 0; k < own.size(); k += stride) chosen.push_back(static_cast<std::uint32_t>(k));
+    // The pitch of this group: four neighbours of an even grid lie one pitch away.
+    std::vector<double> fourth(chosen.size());
+    parallel_for(chosen.size(), threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<Neighbour> near;
+      for (std::size_t c = begin; c < end; ++c) {
+        tree.nearest(own[chosen[c]], 5, near);
+        fourth[c] = std::sqrt(near.back().sq_distance);
+      }
+    });
+    std::vector<double> sorted = fourth;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    const double pitch = sorted[sorted.size() / 2];
+    if (!(pitch > 0)) continue;
+    constexpr std::size_t block = 256;
+    std::vector<RingSums> parts((chosen.size() + block - 1) / block);
+    std::vector<double> squares(parts.size(), 0);
+    parallel_for(
+        parts.size(), threads,
+        [&](std::size_t begin, std::size_t end) {
+          std::vector<Neighbour> near;
+          for (std::size_t b = begin; b < end; ++b)
+            for (std::size_t c = b * block; c < std::min(chosen.size(), (b + 1) * block); ++c) {
+              const double centre = residuals[member[chosen[c]]];
+              squares[b] += centre * centre;
+              tree.nearest(own[chosen[c]], neighbours, near);
+              for (const auto& m : near) {
+                if (m.index == chosen[c]) continue;
+                const double lag = std::sqrt(m.sq_distance) / pitch;
+                const auto ring = static_cast<std::size_t>(std::lower_bound(ring_ends.begin(), ring_ends.end(), lag) - ring_ends.begin());
+                if (ring == rings) break;
+                parts[b].product[ring] += centre * residuals[member[m.index]];
+                parts[b].sq_lag[ring] += m.sq_distance;
+                parts[b].pairs[ring] += 1;
+              }
+            }
+        },
+        1);
+    for (std::size_t b = 0; b < parts.size(); ++b) {
+      variance += squares[b];
+      for (std::size_t k = 0; k < rings; ++k) {
+        total.product[k] += parts[b].product[k];
+        total.sq_lag[k] += parts[b].sq_lag[k];
+        total.pairs[k] += parts[b].pairs[k];
+      }
+    }
+    centre_count += double(chosen.size());
+  }
+  if (!(variance > 0)) return result;
+  variance /= centre_count;
+  auto chance = [&](std::size_t k) { return std::sqrt(2 / std::max(total.pairs[k], 1.0)); };
+  auto correlation = [&](std::size_t k) { return total.product[k] / std::max(total.pairs[k], 1.0) / variance; };
+  double level = correlation(rings - 1);
+  if (level < significant * chance(rings - 1)) level = 0;
+  level = std::min(level, 0.95);
+  double sum = 1, second = 0;
+  for (std::size_t k = 0; k + 1 < rings; ++k) {
+    const double rho = (correlation(k) - level) / (1 - level);
+    if (rho < significant * chance(k) / (1 - level)) break;
+    sum += rho * total.pairs[k] / centre_count;
+    second += rho * total.sq_lag[k] / centre_count;
+  }
+  result.points_per_independent = sum;
+  result.smoothing = second / sum / 4;
+  return result;
+}
+
+}  // namespace partscribe

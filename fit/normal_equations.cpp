@@ -1,0 +1,66 @@
+#include "fit/normal_equations.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace partscribe {
+
+NormalEquations normal_equations(const Matrix& rows, const std::vector<double>& weight, const std::vector<double>& pull,
+                                 int threads) {
+  // Summed block by block in index order: the same bits for any number of threads.
+  constexpr std::size_t block = 512;
+  const std::size_t count = weight.size(), blocks = (count + block - 1) / block;
+  const Eigen::Index n = rows.cols();
+  std::vector<NormalEquations> parts(blocks);
+  parallel_for(
+      blocks, threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+          const auto first = static_cast<Eigen::Index>(b * block);
+          const auto size = static_cast<Eigen::Index>(std::min(count, (b + 1) * block)) - first;
+          const Matrix j = rows.middleRows(first, size);
+          const Eigen::Map<const Vector> w(weight.data() + first, size), p(pull.data() + first, size);
+          parts[b].h = Matrix::Zero(n, n);
+          parts[b].h.noalias() = j.transpose() * (w.asDiagonal() * j);
+          parts[b].g = j.transpose() * p;
+        }
+      },
+      1);
+  NormalEquations sum{Matrix::Zero(n, n), Vector::Zero(n)};
+  for (const auto& part : parts) sum.h += part.h, sum.g += part.g;
+  sum.h = (0.5 * (sum.h + sum.h.transpose())).eval();
+  return sum;
+}
+
+Matrix pseudo_inverse(const Matrix& h) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(h);
+  const double cut = 1e-9 * std::max(h.trace() / double(h.rows()), 1e-300);
+  Vector inverse = eigen.eigenvalues();
+  for (auto& v : inverse) v = v > cut ? 1 / v : 0;
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+double Welsch::weight(double u) const { return std::exp(-u * u / (2 * c * c)); }
+double Welsch::slope(double u) const { return (1 - u * u / (c * c)) * weight(u); }
+double Welsch::loss(double u) const { return c * c * (1 - weight(u)); }
+
+double robust_scale(std::vector<double> values) {
+  if (values.empty()) return 0;
+  for (auto& v : values) v = std::abs(v);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  double scale = 1.4826 * *middle;
+  // The median alone wastes two thirds of the data; the trimmed square does not (variance within 3 sigmas: 0.97334).
+  for (int round = 0; round < 2; ++round) {
+    double sum = 0, count = 0;
+    for (const double v : values)
+      if (v <= 3 * scale) sum += v * v, count += 1;
+    if (count > 0) scale = std::sqrt(sum / count / 0.97334);
+  }
+  return scale;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,24 @@
+/// What the data leave open about a fit's numbers: noise, and what does not average out.
+#pragma once
+
+#include "fit/all_points.h"
+
+namespace partscribe {
+
+/// Standard deviations of the free parameters, in their own units, by cause.
+struct Uncertainty {
+  std::vector<double> noise;    ///< falls with the number of independent points
+  std::vector<double> views;    ///< views, or regions where views are unknown, that disagree: registration, calibration
+  std::vector<double> facets;   ///< chords of a coarse source mesh
+  std::vector<double> filter;   ///< smoothing that flattened what curves
+  double floor = 0;             ///< mm, what no data can tell about the instrument
+  double points_per_independent = 1;
+  double rms = 0;               ///< mm, of the residuals that count
+};
+
+/// At the result of polish(). Noise: the sandwich of an M-estimator, E psi^2 / (E psi')^2 (sum J J^T / sigma^2)^-1
+/// [Huber 1967], times the points per independent one.
+Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, const FitInput& input,
+                           const Unknowns& unknowns, const Welsch& kernel, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,152 @@
+#include "fit/unknowns.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <set>
+
+#include "core/parallel.h"
+#include "fit/refine.h"
+#include "model/distance.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t asked_per_face = 64;
+
+Values values_of(const Candidate& c) {
+  Values v;
+  for (const auto& p : c.parameters) v[p.name] = p.value;
+  return v;
+}
+
+/// Up to some dozens of points of every face, evenly through the list.
+std::vector<std::size_t> samples_of_faces(const std::vector<int>& face) {
+  std::map<int, std::size_t> counts, seen;
+  for (const int f : face) ++counts[f];
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    const std::size_t stride = (counts[face[i]] + asked_per_face - 1) / asked_per_face;
+    if (seen[face[i]]++ % stride == 0) result.push_back(i);
+  }
+  return result;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, 6, 1> motion_row(const Vec3& point, const Vec3& gradient, const Vec3& center, double size) {
+  Eigen::Matrix<double, 6, 1> row;
+  row << -gradient, -(point - center).cross(gradient) / size;
+  return row;
+}
+
+Unknowns::Unknowns(const Candidate& candidate, const std::vector<std::string>& fixed, const Vec3& center, double size)
+    : model_(bare_model(candidate)), center_(center), size_(size) {
+  const std::set<std::string> kept(fixed.begin(), fixed.end());
+  for (std::size_t i = 0; i < candidate.parameters.size(); ++i)
+    if (candidate.parameters[i].quantity != Quantity::count && !kept.count(candidate.parameters[i].name))
+      free_.push_back(i);
+  find_limits(candidate);
+}
+
+/// Exponents and tapers stop at the ends of their domains: a box lies there, and the other parameters go on.
+void Unknowns::find_limits(const Candidate& candidate) {
+  visit_expressions(candidate.shape, [&](const Expr& e, Domain domain) {
+    if (!e.is_parameter()) return;
+    if (domain == Domain::exponent) limits_[e.parameter] = {0.1, 2.0};
+    if (domain == Domain::taper) limits_[e.parameter] = {-0.95, 0.95};
+  });
+}
+
+Distances Unknowns::distances(const Candidate& c, const std::vector<Vec3>& points, int threads) const {
+  const ModelDistance distance(model_, values_of(c));
+  const Pose part_from_scan = c.scan_from_part.inverse();
+  Distances d;
+  d.value.resize(points.size()), d.face.resize(points.size());
+  parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ModelHit hit = distance(part_from_scan * points[i]);
+      d.value[i] = hit.distance, d.face[i] = hit.face;
+    }
+  });
+  return d;
+}
+
+Jacobian Unknowns::jacobian(const Candidate& c, const std::vector<Vec3>& points, const Distances& at,
+                            int threads) const {
+  Jacobian j;
+  j.rows = Matrix::Zero(static_cast<Eigen::Index>(points.size()), static_cast<Eigen::Index>(count()));
+  j.gradients.resize(points.size());
+  const Values base = values_of(c);
+  const Pose part_from_scan = c.scan_from_part.inverse();
+  const double h = 1e-6 * size_;
+  const auto asked = samples_of_faces(at.face);
+  for (std::size_t k = 0; k < free_.size(); ++k) {
+    const auto& p = c.parameters[free_[k]];
+    double step = p.quantity == Quantity::length ? h : 1e-6;
+    if (const auto limit = limits_.find(p.name);
+        limit != limits_.end() && base.at(p.name) + step > limit->second.second)
+      step = -step;
+    Values shifted = base;
+    shifted[p.name] += step;
+    const ModelDistance above(model_, shifted);
+    const auto column = static_cast<Eigen::Index>(k);
+    std::set<int> answering;
+    for (const std::size_t i : asked)
+      if (!answering.count(at.face[i]) && above(part_from_scan * points[i]).distance != at.value[i])
+        answering.insert(at.face[i]);
+    std::vector<char> asks(answering.empty() ? 0 : static_cast<std::size_t>(*answering.rbegin()) + 1, 0);
+    for (const int f : answering) asks[static_cast<std::size_t>(f)] = 1;
+    parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto face = static_cast<std::size_t>(at.face[i]);
+        if (face >= asks.size() || !asks[face]) continue;
+        const double d = above(part_from_scan * points[i]).distance;
+        j.rows(static_cast<Eigen::Index>(i), column) = (d - at.value[i]) / step;
+      }
+    });
+  }
+  const ModelDistance distance(model_, base);
+  const auto first = static_cast<Eigen::Index>(free_.size());
+  // Half-spaces move with their offsets: shifting the frame as well would say the same twice.
+  const bool floats = !std::holds_alternative<HalfSpaces>(c.shape);
+  parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 q = part_from_scan * points[i];
+      Vec3 gradient;
+      for (int a = 0; a < 3; ++a) gradient[a] = (distance(q + Vec3::Unit(a) * h).distance - at.value[i]) / h;
+      j.gradients[i] = c.scan_from_part.rotation * gradient;
+      const auto row = static_cast<Eigen::Index>(i);
+      j.rows.block<1, 6>(row, first) = motion_row(points[i], j.gradients[i], center_, size_).transpose();
+      if (!floats) j.rows.block<1, 3>(row, first).setZero();
+    }
+  });
+  return j;
+}
+
+Candidate Unknowns::stepped(const Candidate& c, const Vector& step) const {
+  Candidate next = c;
+  for (std::size_t k = 0; k < free_.size(); ++k) {
+    auto& p = next.parameters[free_[k]];
+    p.value += step[static_cast<Eigen::Index>(k)];
+    if (const auto limit = limits_.find(p.name); limit != limits_.end())
+      p.value = std::clamp(p.value, limit->second.first, limit->second.second);
+  }
+  const auto first = static_cast<Eigen::Index>(free_.size());
+  const Vec3 shift = step.segment<3>(first), turn = step.segment<3>(first + 3) / size_;
+  const Mat3 r = rotation_of(turn);
+  next.scan_from_part.rotation = r * c.scan_from_part.rotation;
+  next.scan_from_part.translation = r * (c.scan_from_part.translation - center_) + center_ + shift;
+  return next;
+}
+
+bool Unknowns::sensible(const Candidate& c) const {
+  const Values v = values_of(c);
+  bool all = true;
+  visit_expressions(c.shape, [&](const Expr& e, Domain domain) {
+    if (domain == Domain::length) all = all && evaluate(e, v) > 0;
+    if (domain == Domain::length_or_zero) all = all && evaluate(e, v) >= 0;
+  });
+  return all;
+}
+
+}  // namespace partscribe

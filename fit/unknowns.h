@@ -1,0 +1,62 @@
+/// What a refinement varies (a candidate's free parameters and its place) and how distances answer to it.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit/candidate.h"
+
+namespace partscribe {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+/// Signed distances of points and the faces that are nearest to them.
+struct Distances {
+  std::vector<double> value;  ///< mm
+  std::vector<int> face;
+};
+
+/// d(distance)/d(unknown), one row per point.
+struct Jacobian {
+  Matrix rows;
+  std::vector<Vec3> gradients;  ///< of the distance by the point, in the scan's frame: the surface's normal
+};
+
+/// Unknowns are the free parameters in the candidate's order, then a shift in scan axes, then a turn about `center`
+/// times `size`, so that all columns are lengths per length. Directions that move nothing give zero columns.
+class Unknowns {
+ public:
+  Unknowns(const Candidate& candidate, const std::vector<std::string>& fixed, const Vec3& center, double size);
+
+  std::size_t count() const { return free_.size() + 6; }
+  const std::vector<std::size_t>& free_parameters() const { return free_; }
+  double size() const { return size_; }
+  const Vec3& center() const { return center_; }
+
+  Distances distances(const Candidate& c, const std::vector<Vec3>& points, int threads) const;
+  /// By differences of the exact distance. A parameter that moves none of some dozens of a face's points moves none of
+  /// the others: only faces that answer are asked in full.
+  Jacobian jacobian(const Candidate& c, const std::vector<Vec3>& points, const Distances& at, int threads) const;
+  /// Parameters stop at the ends of their domains.
+  Candidate stepped(const Candidate& c, const Vector& step) const;
+  /// False after a step that turned a size negative.
+  bool sensible(const Candidate& c) const;
+
+ private:
+  void find_limits(const Candidate& candidate);
+
+  Model model_;
+  std::vector<std::size_t> free_;
+  std::map<std::string, std::pair<double, double>> limits_;
+  Vec3 center_;
+  double size_;
+};
+
+/// The six columns of a rigid motion in a point's row: a shift and a turn about `center` times `size`.
+Eigen::Matrix<double, 6, 1> motion_row(const Vec3& point, const Vec3& gradient, const Vec3& center, double size);
+
+}  // namespace partscribe
