@@ -1,5 +1,6 @@
 /// build: from scans to a verified procedure in one go.
 #include <memory>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/describe.h"
@@ -96,11 +97,10 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   if (auto ok = write_file(folder / "verdict.json", json); !ok) return ok.error();
 
   if (auto ok = session.stage("report"); !ok) return ok.error();
-  const auto pictures = draw_report(**model, *verdict, scan->cloud);
-  const auto script = read_file(scripts->front());
-  const bool textual = scripts->front().extension() == ".scad" || scripts->front().extension() == ".scl";
-  const std::string page = report_page({**model, *verdict, scan->cloud, pictures, scripts->front().filename().string(),
-                                        script && textual ? *script : std::string(), scan->warnings});
+  const std::optional<Model> reported = **model;
+  const auto scene = report_scene(reported, *verdict, scan->cloud, session.context);
+  const auto pictures = draw_report(scene, session.context);
+  const auto page = report_page({name, reported, *verdict, scene, pictures, read_scripts(*scripts), {}, scan->warnings, session.version});
   if (auto ok = write_file(folder / "report.html", page); !ok) return ok.error();
   session.finish_stage();
 

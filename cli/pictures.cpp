@@ -3,161 +3,255 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 
+#include "cli/color_scale.h"
 #include "cli/describe.h"
+#include "cli/raster_text.h"
+#include "cli/report_words.h"
 #include "core/number.h"
+#include "core/parallel.h"
 #include "geometry/kd_tree.h"
+#include "geometry/mesh_distance.h"
 
 namespace partscribe {
 namespace {
 
-constexpr int picture_width = 560, picture_height = 420;
-constexpr Color background{250, 250, 248}, scan_color{150, 178, 205}, rejected_color{235, 120, 20},
-    model_color{214, 196, 150};
+constexpr int fine = 3;  // pixels are drawn three times finer, then averaged
+constexpr Color scan_color{150, 178, 205}, aside_color{120, 60, 160}, model_color{196, 200, 206}, line_color{40, 50, 62};
 
-struct Side {
-  std::string name, words;
-  Vec3 to_eye;  ///< in the part's frame
+struct Size {
+  int width, height;
 };
 
-Color mixed(Color a, Color b, double share) {
-  auto mix = [&](int x, int y) { return static_cast<std::uint8_t>(x + (y - x) * share + 0.5); };
-  return {mix(a.red, b.red), mix(a.green, b.green), mix(a.blue, b.blue)};
+Raster canvas_of(Size size) { return Raster(size.width * fine, size.height * fine, paper); }
+
+/// Diagonal stripes for whoever cannot tell the colours apart.
+bool striped(int column, int row) { return (column + row) / (fine * 3) % 3 == 0; }
+
+void draw_deviation(Raster& raster, const Camera& camera, const ReportScene& scene) {
+  const DeviationSurface& s = scene.surface;
+  draw_triangles(raster, camera, s.points, s.triangles, [&](std::uint32_t t, const Vec3& w, int column, int row) {
+    const auto& v = s.triangles[t];
+    double unseen = 0, refuted = 0, deviation = 0;
+    Vec3 normal = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      unseen += s.support[v[k]] == 1 ? w[k] : 0;
+      refuted += s.support[v[k]] == 2 ? w[k] : 0;
+      deviation += w[k] * s.deviation[v[k]];
+      normal += w[k] * s.normals[v[k]];
+    }
+    Color color = deviation_color(deviation, scene.tolerance);
+    if (refuted > 0.5) color = striped(column, row) ? contradicted_stripe : contradicted_color;
+    else if (unseen > 0.5) color = striped(column, row) ? not_scanned_stripe : not_scanned_color;
+    return shaded(color, camera, normal.normalized(), 0.5);
+  });
 }
 
-/// The mean of the normals: long for a surface that was seen from one side only.
-Vec3 mean_normal(const PointCloud& cloud) {
-  Vec3 sum = Vec3::Zero();
-  for (const auto& n : cloud.normals) sum += n;
-  return cloud.normals.empty() ? sum : Vec3(sum / static_cast<double>(cloud.normals.size()));
+void draw_plain(Raster& raster, const Camera& camera, const ReportScene& scene) {
+  const DeviationSurface& s = scene.surface;
+  draw_triangles(raster, camera, s.points, s.triangles, [&](std::uint32_t t, const Vec3& w, int, int) {
+    const auto& v = s.triangles[t];
+    const Vec3 normal = w[0] * s.normals[v[0]] + w[1] * s.normals[v[1]] + w[2] * s.normals[v[2]];
+    return shaded(model_color, camera, normal.normalized());
+  });
 }
 
-/// Median distance between neighbours, from some hundred points.
-double spacing_of(const PointCloud& cloud) {
-  if (cloud.size() < 2) return 0;
-  const KdTree tree(cloud.points);
-  std::vector<double> distances;
-  std::vector<Neighbour> found;
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / 400);
-  for (std::size_t i = 0; i < cloud.size(); i += step) {
-    tree.nearest(cloud.points[i], 5, found);
-    distances.push_back(std::sqrt(found.back().sq_distance));
+void draw_outlines(Raster& raster, const Camera& camera, const ReportScene& scene) {
+  const double size = scene.artifact->mesh.bounds().diagonal();
+  // A triangulated free form has creases everywhere; they would hide what is drawn on it.
+  if (scene.surface.edges.size() * 4 < scene.surface.triangles.size())
+    draw_lines(raster, camera, scene.surface.points, scene.surface.edges, 1.1 * fine, line_color);
+  draw_contour(raster, 0.01 * size, fine, line_color);
+}
+
+/// Normals of the points, or of the surface next to them where the scan has none.
+std::vector<Vec3> normals_of(const ReportScene& scene, int threads) {
+  const PointCloud& cloud = *scene.cloud;
+  if (!cloud.normals.empty() || scene.surface.empty()) return cloud.normals;
+  std::vector<Vec3> normals(cloud.size());
+  const KdTree tree(scene.surface.points);
+  parallel_for(cloud.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      normals[i] = scene.surface.normals[tree.nearest_one(cloud.points[i]).index];
+  });
+  return normals;
+}
+
+void draw_scan(Raster& raster, const Camera& camera, const ReportScene& scene, const std::vector<Vec3>& normals) {
+  const PointCloud& cloud = *scene.cloud;
+  std::vector<Color> colors(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const bool aside = scene.deviations.empty() ? !cloud.rejected.empty() && cloud.rejected[i]
+                                                : !std::isfinite(scene.deviations[i]);
+    colors[i] = aside ? aside_color : normals.empty() ? scan_color : shaded(scan_color, camera, normals[i]);
   }
-  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-  return distances[distances.size() / 2];
+  draw_points(raster, camera, cloud.points, colors,
+              std::clamp(0.75 * scene.spacing * camera.pixels_per_mm, 1.0, 7.0 * fine));
 }
 
-ReportPicture finished(const Raster& raster, std::string name, std::string title, std::string description) {
-  const Raster half = halved(raster);
-  return {std::move(name), std::move(title), std::move(description), half.width, half.height, write_png(half)};
+/// 1, 2 or 5 times a power of ten that is at most `limit`.
+double round_length(double limit) {
+  const double decade = power_of_ten_below(limit);
+  for (const double step : {5.0, 2.0})
+    if (step * decade <= limit) return step * decade;
+  return decade;
 }
 
-std::vector<Vec3> kept_points(const PointCloud& cloud) {
+/// A bar of a round length, the directions of the scan's axes, and a title.
+void annotate(Raster& raster, const Camera& camera, const std::string& title, bool axes) {
+  const double mm = round_length(0.22 * raster.width / camera.pixels_per_mm), length = mm * camera.pixels_per_mm;
+  const double y = raster.height - 12.5;
+  draw_stroke(raster, {12, y}, {12 + length, y}, 2, ink);
+  for (const double x : {12.0, 12 + length}) draw_stroke(raster, {x, y - 4}, {x, y + 4}, 1.5, ink);
+  draw_text(raster, 12 + length / 2, y - 7, 8, print_number(snapped(mm, 1e-9)) + " mm", ink, TextAlign::middle);
+  draw_text(raster, 10, 19, 9, title, ink);
+  if (!axes) return;
+  const Vec2 origin(34, raster.height - 62);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 direction = camera.view_from_world.col(axis);
+    const Vec2 tip(22 * direction.x(), -22 * direction.y());
+    if (tip.norm() < 5) continue;
+    draw_stroke(raster, origin, origin + tip, 1.4, {110, 118, 128});
+    const Vec2 letter = origin + tip * (1 + 7 / tip.norm());
+    draw_text(raster, letter.x(), letter.y() + 3, 6, std::string(1, static_cast<char>('x' + axis)), {80, 88, 98},
+              TextAlign::middle);
+  }
+}
+
+ReportPicture finished(const Raster& drawn, const Camera& drawn_by, const ReportScene& scene, bool scale,
+                       std::string name, std::string title, std::string description, int ring_px = 0) {
+  Raster raster = reduced(drawn, fine);
+  Camera camera = drawn_by;
+  camera.pixels_per_mm /= fine;
+  if (ring_px > 0)
+    for (int k = 0; k < 48; ++k) {
+      auto at = [&](int step) {
+        const double angle = 2 * pi * step / 48;
+        return Vec2(raster.width / 2.0 + ring_px * std::cos(angle), raster.height / 2.0 + ring_px * std::sin(angle));
+      };
+      draw_stroke(raster, at(k), at(k + 1), 2, {20, 20, 20});
+    }
+  annotate(raster, camera, title, true);
+  if (scale) draw_scale(raster, raster.width - 66, 34, std::min(220, raster.height - 80), scene.tolerance);
+  return {std::move(name), std::move(title), std::move(description), raster.width, raster.height, write_png(raster)};
+}
+
+std::vector<Vec3> framed_points(const ReportScene& scene) {
+  if (!scene.surface.empty()) return scene.surface.points;
   std::vector<Vec3> points;
+  const PointCloud& cloud = *scene.cloud;
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud.rejected.empty() || !cloud.rejected[i]) points.push_back(cloud.points[i]);
   return points.empty() ? cloud.points : points;
 }
 
+/// The part fills the picture left of the scale and above the bar.
+Camera camera_beside_scale(const std::vector<Vec3>& points, const ReportView& view, Size size) {
+  constexpr int right = 76, top = 28, bottom = 30;
+  Camera camera = camera_for(points, view.to_eye, view.up, (size.width - right) * fine, (size.height - top - bottom) * fine);
+  const Vec3 shift(0.5 * right * fine / camera.pixels_per_mm, 0.5 * (top - bottom) * fine / camera.pixels_per_mm, 0);
+  camera.center += camera.view_from_world.transpose() * shift;
+  return camera;
+}
+
+/// The direction from which a place on the surface can be seen best: along its normal, unless something is in the way.
+Vec3 clear_view(const MeshDistance& surface, const Vec3& place, const Vec3& normal, double size) {
+  Vec3 best = normal;
+  double best_value = -2;
+  for (int x = -2; x <= 2; ++x)
+    for (int y = -2; y <= 2; ++y)
+      for (int z = -2; z <= 2; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Vec3 direction = Vec3(x, y, z).normalized();
+        const double value = direction.dot(normal);
+        if (value <= best_value || value < 0.1) continue;
+        if (surface.first_hit(place + 1e-3 * size * normal, direction, 2 * size)) continue;
+        best = direction, best_value = value;
+      }
+  return best;
+}
+
+
 }  // namespace
 
-Color deviation_color(double deviation, double tolerance) {
-  if (!std::isfinite(deviation)) return {120, 120, 120};
-  const double share = deviation / tolerance;
-  if (std::abs(share) > 1) return {230, 0, 200};
-  constexpr Color middle{225, 225, 220};
-  return share < 0 ? mixed(middle, {20, 80, 200}, -share) : mixed(middle, {225, 95, 0}, share);
-}
-
-const ArtifactVerdict* drawn_artifact(const Verdict& verdict) {
-  for (const auto& artifact : verdict.artifacts)
-    if (!artifact.mesh.empty()) return &artifact;
-  return nullptr;
-}
-
-std::vector<float> deviations_of(const PointCloud& cloud, const ArtifactVerdict* artifact) {
-  if (!artifact) return {};
-  const auto& given = artifact->point_deviation;
-  std::vector<float> result(cloud.size(), std::numeric_limits<float>::quiet_NaN());
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
-    if (next == given.size()) return {};
-    result[i] = given[next++];
+std::vector<ReportPicture> draw_report(const ReportScene& scene, Context& context) {
+  const auto points = framed_points(scene);
+  if (points.empty()) return {};
+  const ArtifactVerdict* artifact = scene.surface.empty() ? nullptr : scene.artifact;
+  const std::string tolerance = print_number(scene.tolerance);
+  // What to draw is listed first; then the pictures are made, several at a time.
+  std::vector<std::function<ReportPicture()>> tasks;
+  const auto normals = normals_of(scene, context.threads);
+  const ReportView& first = scene.views.front();
+  auto deviation = [&](const ReportView& view, Size size, const std::string& name) {
+    tasks.push_back([&scene, &points, &view, artifact, size, name, tolerance] {
+      Raster raster = canvas_of(size);
+      const Camera camera = camera_beside_scale(points, view, size);
+      draw_deviation(raster, camera, scene);
+      draw_outlines(raster, camera, scene);
+      return finished(raster, camera, scene, true, name, "Deviation in mm, " + view.words,
+                      "The surface of " + artifact->file + " seen " + view.words +
+                          ", coloured by how far the scan lies from it; the largest local deviation is " +
+                          readable(artifact->data_to_model.local_max) + " mm, the tolerance " + tolerance +
+                          " mm. Striped: not scanned.");
+    });
+  };
+  if (artifact) deviation(first, {760, 520}, "deviation.png");
+  tasks.push_back([&] {
+    Raster raster = canvas_of({560, 400});
+    const Camera camera = camera_for(points, first.to_eye, first.up, raster.width, raster.height - 40 * fine);
+    draw_scan(raster, camera, scene, normals);
+    Box3 box;
+    for (const auto& p : points) box.add(p);
+    const Vec3 s = box.size();
+    return finished(raster, camera, scene, false, "scan.png", "Scan, " + first.words,
+                    "The " + std::to_string(scene.cloud->size()) + " scanned points, " + readable(s.x()) + " x " +
+                        readable(s.y()) + " x " + readable(s.z()) + " mm; points set aside as outliers are purple.");
+  });
+  if (artifact) {
+    tasks.push_back([&] {
+      Raster raster = canvas_of({560, 400});
+      const Camera camera = camera_for(points, first.to_eye, first.up, raster.width, raster.height - 40 * fine);
+      draw_plain(raster, camera, scene);
+      draw_outlines(raster, camera, scene);
+      return finished(raster, camera, scene, false, "model.png", "Model, " + first.words,
+                      "The geometry that " + artifact->program + " made of " + artifact->file + ".");
+    });
+    for (std::size_t k = 1; k < scene.views.size(); ++k) deviation(scene.views[k], {480, 360}, scene.views[k].name + ".png");
   }
-  return next == given.size() ? result : std::vector<float>();
-}
-
-std::vector<ReportPicture> draw_report(const Model& model, const Verdict& verdict, const PointCloud& cloud) {
-  const Pose scan_from_part = model.as_scanned ? evaluate(model.scan_from_part, values_of(model)) : Pose{};
-  Vec3 up = scan_from_part.rotation * Vec3(0, 0, 1);
-  std::vector<Side> sides = {{"front", "from the front, right and above", {0.75, -1, 0.7}},
-                             {"back", "from the back, left and below", {-0.75, 1, -0.55}}};
-  for (auto& side : sides) side.to_eye = scan_from_part.rotation * side.to_eye;
-  // A scan from one side only is looked at from that side.
-  if (const Vec3 facing = mean_normal(cloud); facing.norm() > 0.5) {
-    const Vec3 eye = facing.normalized();
-    if (std::abs(eye.dot(up)) > 0.9) up = scan_from_part.rotation * Vec3(0, 1, 0);
-    const Vec3 right = up.cross(eye).normalized();
-    sides = {{"front", "from the side of the scanner", eye},
-             {"back", "from the side of the scanner, turned by 50 degrees", 0.64 * eye + 0.77 * right}};
+  std::unique_ptr<MeshDistance> surface;
+  std::unique_ptr<KdTree> vertices;
+  if (artifact && !artifact->findings.empty()) {
+    surface = std::make_unique<MeshDistance>(artifact->mesh);
+    vertices = std::make_unique<KdTree>(scene.surface.points);
+    const double size = artifact->mesh.bounds().diagonal();
+    for (std::size_t k = 0; k < std::min(most_finding_pictures, artifact->findings.size()); ++k)
+      tasks.push_back([&, k, size] {
+        const Finding& finding = artifact->findings[k];
+        const Vec3 normal = scene.surface.normals[vertices->nearest_one(finding.place).index];
+        Raster raster = canvas_of({480, 360});
+        Vec3 up = first.up;
+        const Vec3 eye = clear_view(*surface, finding.place, normal, size);
+        if (std::abs(up.normalized().dot(eye)) > 0.95) up = first.up.unitOrthogonal();
+        const double radius = std::clamp(1.4 * finding.extent, 0.1 * size, 0.6 * size);
+        Camera camera = camera_for({finding.place, finding.place + eye}, eye, up, raster.width, raster.height);
+        camera.center = finding.place;
+        camera.pixels_per_mm = 0.5 * raster.height / radius;
+        draw_deviation(raster, camera, scene);
+        draw_outlines(raster, camera, scene);
+        const int ring = static_cast<int>(
+            std::clamp(0.6 * finding.extent * camera.pixels_per_mm / fine, 14.0, 150.0));
+        return finished(raster, camera, scene, true, "finding-" + std::to_string(k + 1) + ".png",
+                        "Finding " + std::to_string(k + 1) + ": " + title_of(finding.kind),
+                        finding.text.empty() ? title_of(finding.kind) : finding.text, ring);
+      });
   }
-
-  const auto kept = kept_points(cloud);
-  Box3 box;
-  for (const auto& point : kept) box.add(point);
-  const double spacing = spacing_of(cloud);
-  const ArtifactVerdict* artifact = drawn_artifact(verdict);
-  const auto deviations = deviations_of(cloud, artifact);
-  const std::string size =
-      readable(box.size().x()) + " x " + readable(box.size().y()) + " x " + readable(box.size().z()) + " mm";
-  std::vector<ReportPicture> scans, models, maps;
-  for (const auto& side : sides) {
-    const Camera camera = camera_for(kept, side.to_eye, up, 2 * picture_width, 2 * picture_height);
-    const double radius = std::clamp(0.75 * spacing * camera.pixels_per_mm, 1.0, 14.0);
-    const Raster empty(2 * picture_width, 2 * picture_height, background);
-    std::vector<Color> colors(cloud.size());
-
-    Raster scan = empty;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const bool rejected = !cloud.rejected.empty() && cloud.rejected[i];
-      colors[i] = rejected                ? rejected_color
-                  : cloud.normals.empty() ? scan_color
-                                          : shaded(scan_color, camera, cloud.normals[i]);
-    }
-    draw_points(scan, camera, cloud.points, colors, radius);
-    scans.push_back(finished(scan, "scan-" + side.name + ".png", "Scan, " + side.words,
-                             "The " + std::to_string(cloud.size()) + " scanned points, " + size + ", seen " +
-                                 side.words + "; points set aside as outliers are orange."));
-    if (!artifact) continue;
-
-    Raster solid = empty;
-    draw_mesh(solid, camera, artifact->mesh, model_color);
-    models.push_back(finished(
-        solid, "model-" + side.name + ".png", "Model, " + side.words,
-        "The geometry that " + artifact->program + " made of " + artifact->file + ", seen " + side.words + "."));
-    if (deviations.empty()) continue;
-
-    Raster map = empty;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const Color color = deviation_color(deviations[i], verdict.tolerance);
-      colors[i] = cloud.normals.empty() ? color : mixed(color, shaded(color, camera, cloud.normals[i]), 0.35);
-    }
-    std::vector<Vec3> judged;
-    std::vector<Color> judged_colors;
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      if (std::isfinite(deviations[i])) judged.push_back(cloud.points[i]), judged_colors.push_back(colors[i]);
-    draw_points(map, camera, judged, judged_colors, radius);
-    maps.push_back(finished(map, "deviation-" + side.name + ".png", "Deviation, " + side.words,
-                            "The points coloured by their local deviation from the model, seen " + side.words +
-                                "; the largest is " + readable(artifact->data_to_model.local_max) +
-                                " mm, the tolerance " + print_number(verdict.tolerance) + " mm."));
-  }
-  std::vector<ReportPicture> all;
-  for (auto* group : {&scans, &models, &maps})
-    for (auto& picture : *group) all.push_back(std::move(picture));
-  return all;
+  std::vector<ReportPicture> pictures(tasks.size());
+  parallel_for(tasks.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) pictures[i] = tasks[i]();
+  }, 1);
+  return pictures;
 }
 
 }  // namespace partscribe

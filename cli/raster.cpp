@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,98 +12,12 @@
 namespace partscribe {
 namespace {
 
-/// Column, row and depth of a world point.
-Vec3 projected(const Raster& raster, const Camera& camera, const Vec3& point) {
-  const Vec3 p = camera.view_from_world * (point - camera.center);
-  return {0.5 * raster.width + p.x() * camera.pixels_per_mm, 0.5 * raster.height - p.y() * camera.pixels_per_mm, p.z()};
-}
-
 void put(Raster& raster, int column, int row, double depth, Color color) {
   if (column < 0 || row < 0 || column >= raster.width || row >= raster.height) return;
   const auto k = static_cast<std::size_t>(row) * raster.width + column;
   if (static_cast<float>(depth) <= raster.depth[k]) return;
   raster.depth[k] = static_cast<float>(depth);
   raster.pixels[k] = color;
-}
-
-/// An edge of the mesh with the triangles beside it.
-struct Edge {
-  std::uint64_t key;
-  std::uint32_t triangle;
-};
-
-std::vector<Edge> sorted_edges(const TriangleMesh& mesh) {
-  std::vector<Edge> edges;
-  edges.reserve(mesh.triangles.size() * 3);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-      edges.push_back({std::min(a, b) << 32 | std::max(a, b), t});
-    }
-  std::sort(edges.begin(), edges.end(),
-            [](const Edge& a, const Edge& b) { return a.key != b.key ? a.key < b.key : a.triangle < b.triangle; });
-  return edges;
-}
-
-/// Normals at each triangle's corners: the area-weighted mean over the triangles of that vertex that bend away by
-/// less than 30 degrees.
-std::vector<std::array<Vec3, 3>> corner_normals(const TriangleMesh& mesh, const std::vector<Vec3>& normals) {
-  std::vector<std::uint32_t> first(mesh.vertices.size() + 1, 0), around;
-  for (const auto& triangle : mesh.triangles)
-    for (const auto v : triangle) ++first[v + 1];
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) first[v + 1] += first[v];
-  around.resize(first.back());
-  auto next = first;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const auto v : mesh.triangles[t]) around[next[v]++] = t;
-  constexpr double cos_smooth = 0.8660254;
-  std::vector<std::array<Vec3, 3>> result(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const auto v = mesh.triangles[t][k];
-      Vec3 sum = Vec3::Zero();
-      for (auto i = first[v]; i < first[v + 1]; ++i) {
-        const auto u = around[i];
-        if (normals[u].dot(normals[t]) < cos_smooth) continue;
-        sum += (mesh.corner(u, 1) - mesh.corner(u, 0)).cross(mesh.corner(u, 2) - mesh.corner(u, 0));
-      }
-      result[t][k] = sum.norm() > 0 ? Vec3(sum.normalized()) : normals[t];
-    }
-  return result;
-}
-
-void draw_triangle(Raster& raster, const Camera& camera, const std::array<Vec3, 3>& p, const std::array<Vec3, 3>& n,
-                   Color color) {
-  const double area = (p[1].x() - p[0].x()) * (p[2].y() - p[0].y()) - (p[2].x() - p[0].x()) * (p[1].y() - p[0].y());
-  if (area == 0) return;
-  auto bound = [](double v, int limit) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(limit))); };
-  const int left = bound(std::floor(std::min({p[0].x(), p[1].x(), p[2].x()})), raster.width - 1);
-  const int right = bound(std::ceil(std::max({p[0].x(), p[1].x(), p[2].x()})), raster.width - 1);
-  const int top = bound(std::floor(std::min({p[0].y(), p[1].y(), p[2].y()})), raster.height - 1);
-  const int bottom = bound(std::ceil(std::max({p[0].y(), p[1].y(), p[2].y()})), raster.height - 1);
-  for (int row = top; row <= bottom; ++row)
-    for (int column = left; column <= right; ++column) {
-      const double x = column + 0.5, y = row + 0.5;
-      const double w1 = ((x - p[0].x()) * (p[2].y() - p[0].y()) - (p[2].x() - p[0].x()) * (y - p[0].y())) / area;
-      const double w2 = ((p[1].x() - p[0].x()) * (y - p[0].y()) - (x - p[0].x()) * (p[1].y() - p[0].y())) / area;
-      const double w0 = 1 - w1 - w2;
-      if (w0 < 0 || w1 < 0 || w2 < 0) continue;
-      const Vec3 normal = w0 * n[0] + w1 * n[1] + w2 * n[2];
-      put(raster, column, row, w0 * p[0].z() + w1 * p[1].z() + w2 * p[2].z(),
-          shaded(color, camera, normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3(0, 0, 1)));
-    }
-}
-
-void draw_line(Raster& raster, const Vec3& from, const Vec3& to, double bias, Color color) {
-  const double length = std::max(std::abs(to.x() - from.x()), std::abs(to.y() - from.y()));
-  const int steps = static_cast<int>(std::min(length + 1, 20000.0));
-  for (int i = 0; i <= steps; ++i) {
-    const Vec3 p = from + (to - from) * (static_cast<double>(i) / std::max(steps, 1));
-    const int column = static_cast<int>(std::floor(p.x())), row = static_cast<int>(std::floor(p.y()));
-    // Two pixels wide, because the picture is halved afterwards.
-    for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}})
-      put(raster, column + dx, row + dy, p.z() + bias, color);
-  }
 }
 
 void append_number(std::string& text, std::uint32_t value) {
@@ -119,7 +32,35 @@ void append_chunk(std::string& png, const std::string& type, const std::string& 
                          ::crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))));
 }
 
+/// PNG's filter `kind` (0 none, 1 left, 2 above, 4 Paeth) of one row of RGB bytes.
+std::string filtered(int kind, const std::string& row, const std::string& above) {
+  std::string result(row.size(), '\0');
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    auto byte = [](char c) { return static_cast<int>(static_cast<unsigned char>(c)); };
+    const int a = i >= 3 ? byte(row[i - 3]) : 0, b = byte(above[i]), c = i >= 3 ? byte(above[i - 3]) : 0;
+    int guess = 0;
+    if (kind == 1) guess = a;
+    if (kind == 2) guess = b;
+    if (kind == 4) {
+      const int p = a + b - c, pa = std::abs(p - a), pb = std::abs(p - b), pc = std::abs(p - c);
+      guess = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
+    }
+    result[i] = static_cast<char>(byte(row[i]) - guess);
+  }
+  return result;
+}
+
 }  // namespace
+
+Color mixed(Color a, Color b, double share) {
+  auto mix = [&](int x, int y) { return static_cast<std::uint8_t>(x + (y - x) * share + 0.5); };
+  return {mix(a.red, b.red), mix(a.green, b.green), mix(a.blue, b.blue)};
+}
+
+Vec3 projected(const Raster& raster, const Camera& camera, const Vec3& point) {
+  const Vec3 p = camera.view_from_world * (point - camera.center);
+  return {0.5 * raster.width + p.x() * camera.pixels_per_mm, 0.5 * raster.height - p.y() * camera.pixels_per_mm, p.z()};
+}
 
 Raster::Raster(int width_px, int height_px, Color background)
     : width(width_px),
@@ -146,35 +87,80 @@ Camera camera_for(const std::vector<Vec3>& points, const Vec3& to_eye, const Vec
   return camera;
 }
 
-Color shaded(Color color, const Camera& camera, const Vec3& normal) {
+Color shaded(Color color, const Camera& camera, const Vec3& normal, double strength) {
   const Vec3 n = camera.view_from_world * normal;
-  static const Vec3 light = Vec3(-0.45, 0.65, 0.9).normalized();
+  static const Vec3 key = Vec3(-0.45, 0.65, 0.9).normalized(), fill = Vec3(0.8, -0.2, 0.5).normalized();
   const Vec3 facing = n.z() < 0 ? Vec3(-n) : n;
-  const double brightness = 0.32 + 0.68 * std::max(0.0, facing.dot(light));
-  auto lit = [&](std::uint8_t c) { return static_cast<std::uint8_t>(std::min(255.0, c * brightness + 0.5)); };
+  const double light = 0.34 + 0.6 * std::max(0.0, facing.dot(key)) + 0.16 * std::max(0.0, facing.dot(fill));
+  const double brightness = 1 + strength * (light - 1);
+  auto lit = [&](std::uint8_t c) { return static_cast<std::uint8_t>(std::clamp(c * brightness + 0.5, 0.0, 255.0)); };
   return {lit(color.red), lit(color.green), lit(color.blue)};
 }
 
-void draw_mesh(Raster& raster, const Camera& camera, const TriangleMesh& source, Color color) {
-  const TriangleMesh mesh = welded(source, 0);
-  std::vector<Vec3> normals(mesh.triangles.size()), places(mesh.vertices.size());
-  for (std::size_t t = 0; t < normals.size(); ++t) normals[t] = triangle_normal(mesh, t);
-  for (std::size_t v = 0; v < places.size(); ++v) places[v] = projected(raster, camera, mesh.vertices[v]);
-  const auto corners = corner_normals(mesh, normals);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    draw_triangle(raster, camera, {places[a], places[b], places[c]}, corners[t], color);
+void draw_triangles(Raster& raster, const Camera& camera, const std::vector<Vec3>& points,
+                    const std::vector<std::array<std::uint32_t, 3>>& triangles, const Paint& paint) {
+  std::vector<Vec3> places(points.size());
+  for (std::size_t v = 0; v < points.size(); ++v) places[v] = projected(raster, camera, points[v]);
+  auto bound = [](double v, int limit) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(limit))); };
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const Vec3 &a = places[triangles[t][0]], &b = places[triangles[t][1]], &c = places[triangles[t][2]];
+    const double area = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
+    if (area == 0) continue;
+    // Pixels whose middle lies inside.
+    const int left = bound(std::ceil(std::min({a.x(), b.x(), c.x()}) - 0.5), raster.width - 1);
+    const int right = bound(std::floor(std::max({a.x(), b.x(), c.x()}) - 0.5), raster.width - 1);
+    const int top = bound(std::ceil(std::min({a.y(), b.y(), c.y()}) - 0.5), raster.height - 1);
+    const int bottom = bound(std::floor(std::max({a.y(), b.y(), c.y()}) - 0.5), raster.height - 1);
+    for (int row = top; row <= bottom; ++row)
+      for (int column = left; column <= right; ++column) {
+        const double x = column + 0.5, y = row + 0.5;
+        const double w1 = ((x - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (y - a.y())) / area;
+        const double w2 = ((b.x() - a.x()) * (y - a.y()) - (x - a.x()) * (b.y() - a.y())) / area;
+        const double w0 = 1 - w1 - w2;
+        constexpr double edge = -1e-9;
+        if (w0 < edge || w1 < edge || w2 < edge) continue;
+        const double depth = w0 * a.z() + w1 * b.z() + w2 * c.z();
+        if (static_cast<float>(depth) <= raster.depth[static_cast<std::size_t>(row) * raster.width + column]) continue;
+        put(raster, column, row, depth, paint(t, {w0, w1, w2}, column, row));
+      }
   }
-  const auto edges = sorted_edges(mesh);
-  const double bias = 1.5 / camera.pixels_per_mm;
-  constexpr double cos_crease = 0.8660254;
-  for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
-    for (end = i; end < edges.size() && edges[end].key == edges[i].key;) ++end;
-    const bool smooth =
-        end - i == 2 && std::abs(normals[edges[i].triangle].dot(normals[edges[i + 1].triangle])) > cos_crease;
-    if (smooth) continue;
-    draw_line(raster, places[edges[i].key >> 32], places[edges[i].key & 0xffffffffu], bias, {38, 48, 60});
+}
+
+void draw_lines(Raster& raster, const Camera& camera, const std::vector<Vec3>& points,
+                const std::vector<std::array<std::uint32_t, 2>>& lines, double width_px, Color color) {
+  const double bias = 1.2 * width_px / camera.pixels_per_mm;
+  const int reach = static_cast<int>(std::ceil(width_px / 2));
+  for (const auto& line : lines) {
+    const Vec3 from = projected(raster, camera, points[line[0]]), to = projected(raster, camera, points[line[1]]);
+    const double length = std::max(std::abs(to.x() - from.x()), std::abs(to.y() - from.y()));
+    if (!(length < 1e6)) continue;
+    const int steps = static_cast<int>(length) + 1;
+    for (int i = 0; i <= steps; ++i) {
+      const Vec3 p = from + (to - from) * (static_cast<double>(i) / steps);
+      const int column = static_cast<int>(std::floor(p.x())), row = static_cast<int>(std::floor(p.y()));
+      for (int dy = -reach; dy <= reach; ++dy)
+        for (int dx = -reach; dx <= reach; ++dx) {
+          const double x = column + dx + 0.5 - p.x(), y = row + dy + 0.5 - p.y();
+          if (4 * (x * x + y * y) <= width_px * width_px) put(raster, column + dx, row + dy, p.z() + bias, color);
+        }
+    }
   }
+}
+
+void draw_contour(Raster& raster, double leap_mm, int width_px, Color color) {
+  std::vector<std::uint8_t> marked(raster.pixels.size(), 0);
+  const auto width = static_cast<std::size_t>(raster.width);
+  for (int row = width_px; row + width_px < raster.height; ++row)
+    for (int column = width_px; column + width_px < raster.width; ++column) {
+      const auto k = static_cast<std::size_t>(row) * width + column;
+      if (std::isinf(raster.depth[k])) continue;
+      const auto step = static_cast<std::size_t>(width_px);
+      // The nearer side of the leap is drawn on, so that lines do not grow over what lies behind.
+      for (const auto other : {k - step, k + step, k - step * width, k + step * width})
+        if (raster.depth[k] - raster.depth[other] > leap_mm) marked[k] = 1;
+    }
+  for (std::size_t k = 0; k < marked.size(); ++k)
+    if (marked[k]) raster.pixels[k] = color;
 }
 
 void draw_points(Raster& raster, const Camera& camera, const std::vector<Vec3>& points,
@@ -191,35 +177,46 @@ void draw_points(Raster& raster, const Camera& camera, const std::vector<Vec3>& 
   }
 }
 
-Raster halved(const Raster& raster) {
-  Raster half(raster.width / 2, raster.height / 2, {});
-  for (int row = 0; row < half.height; ++row)
-    for (int column = 0; column < half.width; ++column) {
-      int red = 2, green = 2, blue = 2;
-      for (int k = 0; k < 4; ++k) {
-        const auto& c = raster.pixels[static_cast<std::size_t>(2 * row + k / 2) * raster.width + 2 * column + k % 2];
+Raster reduced(const Raster& raster, int factor) {
+  Raster small(raster.width / factor, raster.height / factor, {});
+  const int count = factor * factor;
+  for (int row = 0; row < small.height; ++row)
+    for (int column = 0; column < small.width; ++column) {
+      int red = count / 2, green = count / 2, blue = count / 2;
+      for (int k = 0; k < count; ++k) {
+        const auto& c = raster.pixels[static_cast<std::size_t>(factor * row + k / factor) * raster.width +
+                                      factor * column + k % factor];
         red += c.red, green += c.green, blue += c.blue;
       }
-      half.pixels[static_cast<std::size_t>(row) * half.width + column] = {static_cast<std::uint8_t>(red / 4),
-                                                                          static_cast<std::uint8_t>(green / 4),
-                                                                          static_cast<std::uint8_t>(blue / 4)};
+      small.pixels[static_cast<std::size_t>(row) * small.width + column] = {static_cast<std::uint8_t>(red / count),
+                                                                            static_cast<std::uint8_t>(green / count),
+                                                                            static_cast<std::uint8_t>(blue / count)};
     }
-  return half;
+  return small;
 }
 
 std::string write_png(const Raster& raster) {
-  std::string rows;
+  std::string rows, above(static_cast<std::size_t>(raster.width) * 3, '\0'), row = above;
   rows.reserve(raster.pixels.size() * 3 + raster.height);
-  for (int row = 0; row < raster.height; ++row) {
-    rows += '\1';  // filter "Sub": the difference to the pixel on the left
-    Color left{0, 0, 0};
+  for (int r = 0; r < raster.height; ++r) {
     for (int column = 0; column < raster.width; ++column) {
-      const Color& c = raster.pixels[static_cast<std::size_t>(row) * raster.width + column];
-      rows += static_cast<char>(c.red - left.red);
-      rows += static_cast<char>(c.green - left.green);
-      rows += static_cast<char>(c.blue - left.blue);
-      left = c;
+      const Color& c = raster.pixels[static_cast<std::size_t>(r) * raster.width + column];
+      const auto at = static_cast<std::size_t>(column) * 3;
+      row[at] = static_cast<char>(c.red), row[at + 1] = static_cast<char>(c.green), row[at + 2] = static_cast<char>(c.blue);
     }
+    // The filter that leaves the smallest bytes usually packs best.
+    long least = std::numeric_limits<long>::max();
+    std::string best;
+    char best_kind = 0;
+    for (const int kind : {0, 1, 2, 4}) {
+      std::string tried = filtered(kind, row, above);
+      long sum = 0;
+      for (const char c : tried) sum += std::abs(static_cast<int>(static_cast<signed char>(c)));
+      if (sum < least) least = sum, best = std::move(tried), best_kind = static_cast<char>(kind);
+    }
+    rows += best_kind;
+    rows += best;
+    above.swap(row);
   }
   uLongf size = ::compressBound(static_cast<uLong>(rows.size()));
   std::string packed(size, '\0');

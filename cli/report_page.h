@@ -1,30 +1,30 @@
 /// One self-contained HTML page that says what was found, how well it fits and why.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cli/pictures.h"
+#include "cli/report_html.h"
+#include "cli/report_scene.h"
+#include "cli/report_sections.h"
 
 namespace partscribe {
 
 struct ReportInput {
-  const Model& model;
+  std::string name;                    ///< of the part
+  const std::optional<Model>& model;   ///< none: an artifact of unknown origin
   const Verdict& verdict;
-  const PointCloud& cloud;
+  const ReportScene& scene;
   const std::vector<ReportPicture>& pictures;
-  std::string script_name;  ///< of the procedure shown at the end; empty: none
-  std::string script;
-  std::vector<std::string> warnings;  ///< of the reader
+  std::vector<ReportScript> scripts;   ///< shown at the end, in this order
+  std::vector<SourceFile> sources;     ///< of the scan, where no model tells them
+  std::vector<std::string> warnings;   ///< of the reader
+  std::string version;                 ///< of the program
 };
 
-/// Needs no network, prints well, stays readable without pictures. The same input gives the same bytes.
+/// Needs no network, prints well, stays readable without pictures and scripts. The same input gives the same bytes.
 std::string report_page(const ReportInput& input);
-
-/// `text` with the characters that HTML reserves replaced.
-std::string escaped(const std::string& text);
-
-/// RFC 4648, with padding.
-std::string base64(const std::string& bytes);
 
 }  // namespace partscribe

@@ -155,9 +155,9 @@ TEST_CASE("corpus: the single stages write what build writes") {
   step({"emit", out + "/model.json", "--to", "openscad,step"});
   step({"verify", out + "/part.scad", out + "/part.step", out + "/cloud.ply", "--json", out + "/verdict.json", "--csv",
         out + "/verdict.csv", "--junit", out + "/verdict.xml"});
-  step({"report", out, "--png"});
+  step({"report", out, "--pictures", out});
   for (const char* file : {"cloud.ply", "poses.json", "model.json", "part.scad", "part.step", "verdict.json",
-                           "verdict.csv", "verdict.xml", "report.html", "deviation-front.png"})
+                           "verdict.csv", "verdict.xml", "report.html", "deviation.png", "front.png"})
     CHECK(std::filesystem::is_regular_file(Path(out) / file));
 }
 

@@ -1,8 +1,11 @@
 #include "cli/raster.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
-#include "cli/pictures.h"
+#include "cli/color_scale.h"
+#include "cli/raster_text.h"
 
 namespace partscribe {
 namespace {
@@ -46,16 +49,46 @@ TEST_CASE("raster: the camera shows the whole box and keeps up upward") {
   CHECK(red_rows > blue_rows);  // y = -1 lies lower in the picture
 }
 
-TEST_CASE("raster: a mesh covers its silhouette and nothing else") {
-  TriangleMesh square;
-  square.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+TEST_CASE("raster: triangles cover their silhouette once, and nothing else") {
+  const std::vector<Vec3> corners = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   Raster raster(100, 100, white);
-  draw_mesh(raster, from_above(), square, red);
-  CHECK_FALSE(middle_of(raster) == white);
+  std::size_t painted = 0;
+  draw_triangles(raster, from_above(), corners, {{0, 1, 2}, {0, 2, 3}}, [&](std::uint32_t, const Vec3& w, int, int) {
+    CHECK(w.sum() == Approx(1));
+    ++painted;
+    return red;
+  });
+  std::size_t covered = 0;
+  for (const auto& pixel : raster.pixels) covered += pixel == red;
+  CHECK(middle_of(raster) == red);
   CHECK(raster.pixels.front() == white);
-  // The diagonal is no edge of the shape: no line may run along it.
-  CHECK(raster.pixels[40 * 100 + 40] == raster.pixels[45 * 100 + 55]);
+  CHECK(covered == painted);  // the shared diagonal leaves neither gap nor double
+  CHECK(std::abs(static_cast<double>(covered) - 92 * 92) < 2 * 92);
+}
+
+TEST_CASE("raster: lines lie on the surface they edge, not on what is nearer") {
+  const std::vector<Vec3> corners = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-1, 0, 0}, {1, 0, 0}};
+  for (const bool hidden : {false, true}) {
+    Raster raster(100, 100, white);
+    const std::vector<Vec3> lid = {{-1, -1, 5}, {1, -1, 5}, {1, 1, 5}, {-1, 1, 5}};
+    draw_triangles(raster, from_above(), hidden ? lid : corners, {{0, 1, 2}, {0, 2, 3}},
+                   [](std::uint32_t, const Vec3&, int, int) { return red; });
+    draw_lines(raster, from_above(), corners, {{4, 5}}, 3, blue);
+    CHECK(middle_of(raster) == (hidden ? red : blue));
+  }
+}
+
+TEST_CASE("raster: every character of numbers and words leaves ink, and different ones different ink") {
+  std::vector<std::vector<Color>> seen;
+  for (const char c : std::string("0123456789+-ABCDEFGHIJKLMNPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz")) {
+    Raster raster(40, 40, white);
+    draw_text(raster, 5, 28, 18, std::string(1, c), Color{0, 0, 0});
+    INFO(c);
+    CHECK(std::count(raster.pixels.begin(), raster.pixels.end(), white) < 40 * 40 - 10);
+    CHECK(std::find(seen.begin(), seen.end(), raster.pixels) == seen.end());
+    seen.push_back(raster.pixels);
+  }
+  CHECK(text_width("12", 10) > text_width("1", 10));
 }
 
 TEST_CASE("raster: a PNG has the signature, its size and an end") {
@@ -67,11 +100,20 @@ TEST_CASE("raster: a PNG has the signature, its size and an end") {
   CHECK(png.substr(png.size() - 8, 4) == "IEND");
 }
 
-TEST_CASE("pictures: a deviation beyond the tolerance looks like none within it") {
-  const Color outside = deviation_color(0.11, 0.1);
-  CHECK(outside == deviation_color(-5, 0.1));
-  for (int k = -10; k <= 10; ++k) CHECK_FALSE(deviation_color(k * 0.01, 0.1) == outside);
-  CHECK_FALSE(deviation_color(0.05, 0.1) == deviation_color(-0.05, 0.1));
+TEST_CASE("scale: lightness alone tells a deviation beyond the tolerance from one within it") {
+  auto lightness = [](Color c) { return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue; };
+  double darkest_within = 255, lightest_beyond = 0;
+  for (int k = -100; k <= 100; ++k) darkest_within = std::min(darkest_within, lightness(deviation_color(k * 0.001, 0.1)));
+  for (int k = 101; k <= 500; ++k)
+    for (const int side : {-1, 1}) lightest_beyond = std::max(lightest_beyond, lightness(deviation_color(side * k * 0.001, 0.1)));
+  CHECK(darkest_within > 2 * lightest_beyond);
+  CHECK_FALSE(deviation_color(0.09, 0.1) == deviation_color(-0.09, 0.1));
+  CHECK_FALSE(deviation_color(0.3, 0.1) == deviation_color(-0.3, 0.1));
+}
+
+TEST_CASE("scale: the histogram counts every judged point once") {
+  const auto counts = scale_histogram({0.0f, 0.05f, -0.05f, 9.0f, std::nanf("")}, 0.1, 4);
+  CHECK(counts == std::vector<std::size_t>{0, 1, 2, 1});
 }
 
 }  // namespace partscribe

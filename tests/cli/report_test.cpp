@@ -1,9 +1,14 @@
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
 
 #include "cli/describe.h"
 #include "cli/inputs.h"
+#include "cli/report_code.h"
 #include "cli/report_page.h"
+#include "cli/report_words.h"
 #include "cli/verdict_file.h"
+#include "core/files.h"
 
 namespace partscribe {
 namespace {
@@ -38,12 +43,59 @@ Verdict verdict_with_mesh() {
   artifact.backend = artifact.program = "openscad";
   artifact.verdict = Outcome::out_of_tolerance;
   artifact.reasons = {"largest local deviation 0.2 mm > 0.1 mm"};
-  artifact.objects = {{"ball", 3, 0.1, 0.2, 0.8, Outcome::out_of_tolerance}};
+  FeatureVerdict row;
+  row.name = "ball </script>";
+  row.kind = "sphere";
+  row.points = 3, row.rms = 0.1, row.max = 0.2, row.covered = 0.8;
+  row.verdict = Outcome::out_of_tolerance;
+  row.dimensions = {{"diameter", Quantity::length, 10, 10.21, 0.004, 0.21, false}};
+  artifact.objects = {row};
+  Finding finding;
+  finding.feature = "ball </script>";
+  finding.place = Vec3(1, 1, 1);
+  finding.direction = Vec3(1, 0, 0);
+  finding.deviation = 0.2, finding.area = 14, finding.extent = 4;
+  finding.text = "ball: 0.2 mm too far in +x over 14 mm2 at (1, 1, 1)";
+  Finding unseen;
+  unseen.kind = Finding::Kind::not_scanned;
+  unseen.reason = "no view faces it";
+  artifact.findings = {finding, unseen};
+  artifact.data_to_model.points = 3;
+  artifact.data_to_model.local_max = 0.2;
+  artifact.model_to_data = {50, 40, 8, 2};
   artifact.mesh.vertices = {{0, 0, 0}, {5, 0, 0}, {0, 5, 0}, {0, 0, 5}};
   artifact.mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   artifact.point_deviation = {0.0f, 0.2f, -0.05f};
+  artifact.point_object = {0, 0, -1};
+  artifact.triangle_object = {0, 0, 0, -1};
+  artifact.sample_support = {0, 0, 1, 0, 2, 0, 0, 1};
   verdict.artifacts = {artifact};
   return verdict;
+}
+
+PointCloud four_points() {
+  PointCloud cloud;
+  cloud.points = {{0, 0, 1}, {1, 0, 0}, {9, 9, 9}, {0, 1, 0}};
+  cloud.rejected = {0, 0, 1, 0};
+  return cloud;
+}
+
+std::string page_of(const std::optional<Model>& model, const Verdict& verdict, const PointCloud& cloud) {
+  Context context;
+  const auto scene = report_scene(model, verdict, cloud, context);
+  const auto pictures = draw_report(scene, context);
+  return report_page({"ball <1>", model, verdict, scene, pictures, {{"part.scad", "if (a < b) cube(1.5); // <why>"}},
+                      {{"ball.ply", "abc"}}, {"unit guessed"}, "1.2.3"});
+}
+
+/// What stands between `before` and `after`, every time.
+std::vector<std::string> all_between(const std::string& text, const std::string& before, const std::string& after) {
+  std::vector<std::string> found;
+  for (auto at = text.find(before); at != std::string::npos; at = text.find(before, at + 1)) {
+    const auto begin = at + before.size();
+    found.push_back(text.substr(begin, text.find(after, begin) - begin));
+  }
+  return found;
 }
 
 }  // namespace
@@ -85,43 +137,125 @@ TEST_CASE("report: base64 agrees with RFC 4648") {
 }
 
 TEST_CASE("report: the page is self-contained, escaped and says the verdict") {
-  const Model model = ball();
-  const Verdict verdict = verdict_with_mesh();
-  PointCloud cloud;
-  cloud.points = {{0, 0, 1}, {1, 0, 0}, {9, 9, 9}, {0, 1, 0}};
-  cloud.rejected = {0, 0, 1, 0};
-  const auto pictures = draw_report(model, verdict, cloud);
-  REQUIRE(pictures.size() == 6);
-  const std::string page =
-      report_page({model, verdict, cloud, pictures, "part.scad", "if (a < b) cube();", {"unit guessed"}});
+  const std::string page = page_of(ball(), verdict_with_mesh(), four_points());
   CHECK(page.find("Out of tolerance") != std::string::npos);
   CHECK(page.find("ball &lt;1&gt;") != std::string::npos);
-  CHECK(page.find("if (a &lt; b) cube();") != std::string::npos);
+  CHECK(page.find("(a &lt; b)") != std::string::npos);
   CHECK(page.find("4.9973 ± 0.0042") != std::string::npos);
   CHECK(page.find("needs two numbers more") != std::string::npos);
   CHECK(page.find("unit guessed") != std::string::npos);
-  CHECK(page.find("http") == std::string::npos);  // no network
-  CHECK(page.find("scope=\"col\"") != std::string::npos);
-  std::size_t images = 0, described = 0;
-  for (auto at = page.find("<img "); at != std::string::npos; at = page.find("<img ", at + 1)) {
-    ++images;
-    described += page.find("alt=\"", at) < page.find('>', at);
-  }
-  CHECK(images == 6);
-  CHECK(described == 6);
-  CHECK(page == report_page({model, verdict, cloud, pictures, "part.scad", "if (a < b) cube();", {"unit guessed"}}));
+  CHECK(page.find("no view faces it") != std::string::npos);
+  CHECK(page.find("10.2100 ± 0.0040") == std::string::npos);  // numbers carry no more digits than they deserve
+  CHECK(page.find("10.21 ± 0.004") != std::string::npos);
+  CHECK(page.find("http") == page.find("http-equiv"));  // no network
+  CHECK(page.find("http", page.find("http-equiv") + 1) == std::string::npos);
+  CHECK(page == page_of(ball(), verdict_with_mesh(), four_points()));
 }
 
-TEST_CASE("report: deviations belong to kept points, and a wrong number of them is not drawn") {
-  const Verdict verdict = verdict_with_mesh();
-  PointCloud cloud;
-  cloud.points = {{0, 0, 1}, {9, 9, 9}, {1, 0, 0}, {0, 1, 0}};
-  cloud.rejected = {0, 1, 0, 0};
+TEST_CASE("report: only the page's own program may run, and no name can end its data") {
+  const std::string page = page_of(ball(), verdict_with_mesh(), four_points());
+  const auto programs = all_between(page, "<script>", "</script>");
+  REQUIRE(programs.size() == 1);
+  std::string digest;
+  const std::string hex = sha256(programs.front());
+  for (std::size_t i = 0; i < hex.size(); i += 2) digest += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  CHECK(page.find("script-src 'sha256-" + base64(digest) + "'") != std::string::npos);
+  CHECK(page.find("default-src 'none'") != std::string::npos);
+  CHECK(all_between(page, "<script", "</script>").size() == 2);
+  CHECK(all_between(page, "</script", ">").size() == 2);
+}
+
+TEST_CASE("report: every picture has a text, every label a control, headings follow one another") {
+  const std::string page = page_of(ball(), verdict_with_mesh(), four_points());
+  const auto images = all_between(page, "<img ", ">");
+  CHECK(images.size() == 3 + 6 + 2);  // overview, scan, model; six sides; two findings
+  for (const auto& image : images) {
+    const auto texts = all_between(image, "alt=\"", "\"");
+    REQUIRE(texts.size() == 1);
+    CHECK(texts.front().size() > 5);
+  }
+  const auto ids = all_between(page, " id=\"", "\"");
+  const std::set<std::string> unique(ids.begin(), ids.end());
+  CHECK(unique.size() == ids.size());
+  for (const char* reference : {" for=\"", "aria-labelledby=\"", "aria-describedby=\"", "href=\"#"})
+    for (const auto& id : all_between(page, reference, "\"")) CHECK(unique.count(id) == 1);
+  int last = 0;
+  for (auto at = page.find("<h"); at != std::string::npos; at = page.find("<h", at + 1)) {
+    const int level = page[at + 2] - '0';
+    if (level < 1 || level > 6) continue;
+    CHECK(level <= last + 1);
+    last = level;
+  }
+  CHECK(all_between(page, "<h1", "</h1>").size() == 1);
+  CHECK(page.find("<html lang=\"en\">") != std::string::npos);
+  CHECK(page.find("scope=\"col\"") != std::string::npos);
+}
+
+TEST_CASE("report: an artifact without a model or without geometry is reported too") {
+  Verdict verdict = verdict_with_mesh();
+  const std::string foreign = page_of(std::nullopt, verdict, four_points());
+  CHECK(foreign.find("ball.ply") != std::string::npos);
+  CHECK(foreign.find("id=\"map\"") != std::string::npos);
+  CHECK(foreign.find("id=\"dimensions\"") == std::string::npos);
+  ArtifactVerdict missing;
+  missing.file = "part.scad";
+  missing.reasons = {"openscad is not installed"};
+  verdict.verdict = Outcome::not_run;
+  verdict.artifacts = {missing};
+  const std::string page = page_of(ball(), verdict, four_points());
+  CHECK(page.find("openscad is not installed") != std::string::npos);
+  CHECK(page.find("id=\"map\"") == std::string::npos);
+  CHECK(all_between(page, "<script", ">").empty());
+}
+
+TEST_CASE("report: the sentence names the worst place, or says what the scan can decide") {
+  Verdict verdict = verdict_with_mesh();
+  CHECK(verdict_sentence(verdict).find("ball: 0.2 mm too far in +x") != std::string::npos);
+  verdict.verdict = verdict.artifacts[0].verdict = Outcome::verified;
+  verdict.artifacts[0].data_to_model.local_max = 0.05;
+  CHECK(verdict_sentence(verdict).find("agree within 0.05 mm, and 0.1 mm is allowed") != std::string::npos);
+  verdict.verdict = verdict.artifacts[0].verdict = Outcome::cannot_decide;
+  verdict.smallest_honest_tolerance = 0.25;
+  CHECK(verdict_sentence(verdict).find("It can decide from 0.25 mm upward") != std::string::npos);
+  CHECK(honesty_sentences(verdict).find("cannot decide") != std::string::npos);
+}
+
+TEST_CASE("report: a share that is not nothing never reads as nothing") {
+  CHECK(percent(0, 5) == "0 %");
+  CHECK(percent(1e-9, 5) == "under 0.1 %");
+  CHECK(percent(5, 5) == "100 %");
+  CHECK(percent(4.9999, 5) == "over 99.9 %");
+  CHECK(percent(1, 0) == "-");
+  CHECK(grouped(0) == "0");
+  CHECK(grouped(1035921) == "1,035,921");
+}
+
+TEST_CASE("report: highlighting changes no character of the script") {
+  const std::string scad = "// a < b\nr = 1.5e-3; /* two\nlines */ module m(x) { cube(\"q\\\"\", 3); }\n";
+  const std::string html = highlighted(scad, CodeLanguage::openscad);
+  std::string text;
+  for (std::size_t i = 0; i < html.size(); ++i) {
+    if (html[i] == '<') i = html.find('>', i);
+    else text += html[i];
+  }
+  CHECK(text == escaped(scad));
+  CHECK(html.find("<span class=\"c\">// a &lt; b</span>") != std::string::npos);
+  CHECK(html.find("<span class=\"n\">1.5e-3</span>") != std::string::npos);
+  CHECK(html.find("<span class=\"k\">module</span>") != std::string::npos);
+  CHECK(html.find("<span class=\"f\">cube</span>") != std::string::npos);
+  CHECK(highlighted("# n\nA : 1;", CodeLanguage::scl).find("<span class=\"c\"># n</span>") == 0);
+}
+
+TEST_CASE("report: deviations belong to kept points, strays have none, and a wrong number of them is not drawn") {
+  Verdict verdict = verdict_with_mesh();
+  PointCloud cloud = four_points();
   const auto deviations = deviations_of(cloud, &verdict.artifacts.front());
   REQUIRE(deviations.size() == 4);
   CHECK(deviations[0] == 0.0f);
-  CHECK(std::isnan(deviations[1]));
-  CHECK(deviations[2] == 0.2f);
+  CHECK(deviations[1] == 0.2f);
+  CHECK(std::isnan(deviations[2]));
+  verdict.artifacts[0].data_to_model.local_max = 0.1;  // the point 0.2 off was not judged
+  CHECK(std::isnan(deviations_of(cloud, &verdict.artifacts.front())[1]));
   cloud.rejected.assign(4, 0);
   CHECK(deviations_of(cloud, &verdict.artifacts.front()).empty());
 }
