@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "verify/features.h"
 #include "verify/model_to_data.h"
 
 namespace partscribe {
@@ -12,18 +13,24 @@ namespace partscribe {
 struct Compared {
   const ScanSource& source;
   const TriangleMesh& mesh;
-  const std::vector<Vec3>& normals;               ///< unit, of its facets
+  const std::vector<Vec3>& normals;               ///< unit, of its triangles
   const MeshDistance& surface;                    ///< of the mesh
   const PointField& points;
   const SurfaceField& field;
+  const MeshFeatures& features;
   const std::vector<FeatureVerdict>& rows;
-  const std::vector<std::int32_t>& place_row;     ///< of each place, index into rows or -1
-  const std::vector<std::int32_t>& sample_row;    ///< of each surface sample
-  std::vector<std::uint8_t> explained;            ///< per place: 1 if a finding about a whole feature speaks of it; may be empty
+  const std::vector<std::int32_t>& feature_of_row;  ///< index into features or -1
+  const std::vector<std::int32_t>& place_row;       ///< of each place, index into rows or -1
+  const std::vector<std::int32_t>& sample_row;      ///< of each surface sample
+  std::vector<std::uint8_t> explained_place;        ///< 1: a finding about a whole feature speaks of it
+  std::vector<std::uint8_t> explained_row;
 };
 
-/// Faults, the worst first (deviation times area); then what was not scanned, the largest first.
-std::vector<Finding> find_places(const Compared& compared, const VerifyOptions& options, int threads);
+/// `whole`, the findings about displaced features, and all others: features that the scan lacks, features that the
+/// artifact lacks, patches. Faults first, the worst first (by deviation and area); then what was not scanned, the
+/// largest first.
+std::vector<Finding> all_findings(const Compared& compared, const std::vector<Finding>& whole,
+                                  const VerifyOptions& options, int threads);
 
 /// The unit normal of the scanned surface at a point, of unknown sign: the scan's own, or of the plane through the
 /// nearest points; zero if they form no plane.

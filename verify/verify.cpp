@@ -178,7 +178,7 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
           return face_of(pose * p, t);
         };
     }
-    compare(source, named ? rows_of : smooth_faces(result.mesh), options, result, context);
+    compare(source, named ? &rows_of : nullptr, options, result, context);
     if (options.align == AlignBy::none && result.verdict == Outcome::out_of_tolerance && (evaluation.solid || sheet))
       if (const auto hint = hint_at_frame(source, options, result, context)) result.reasons.push_back(*hint);
     if (evaluation.failed) continue;

@@ -280,7 +280,7 @@ TEST_CASE("verdict: JSON, CSV, JUnit and the table say the same") {
   const auto json = write_verdict_json(verdict);
   CHECK(json.find("\"verdict\": \"out_of_tolerance\"") != std::string::npos);
   CHECK(json.find("\"between_backends\"") != std::string::npos);
-  CHECK(json.find("\"face 1\"") != std::string::npos);
+  CHECK(json.find("\"hole 1\"") != std::string::npos);
   const auto csv = write_verdict_csv(verdict);
   CHECK(csv.rfind("file,backend,feature,kind,dimension,unit,nominal,measured,sigma,deviation,within,points,", 0) == 0);
   std::size_t lines = 2;  // heading and the whole artifact
@@ -290,7 +290,7 @@ TEST_CASE("verdict: JSON, CSV, JUnit and the table say the same") {
   CHECK(junit.find("<failure") != std::string::npos);
   CHECK(junit.find("failures=\"2\"") != std::string::npos);  // the artifact and the hole
   const auto table = verdict_table(verdict);
-  CHECK(table.find("NOT VERIFIED: the scanned surface is") != std::string::npos);
+  CHECK(table.find("NOT VERIFIED: hole 1 (diameter 12): centre") != std::string::npos);
   for (std::size_t at_line = 0; at_line < table.size();) {
     const auto end = table.find('\n', at_line);
     if (table.compare(at_line, 2, "  ") != 0 && table.compare(at_line, 3, "NOT") != 0) CHECK(end - at_line <= 100);

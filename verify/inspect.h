@@ -1,0 +1,28 @@
+/// The inspection table: what each feature of the artifact should measure, and what the scan of that feature says.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "verify/features.h"
+#include "verify/findings.h"
+
+namespace partscribe {
+
+/// One feature measured by its own points.
+struct Inspection {
+  std::vector<FeatureDimension> dimensions;
+  std::optional<Finding> finding;      ///< if the whole feature is displaced, has the wrong size or is tilted
+  std::vector<std::uint32_t> places;   ///< that the measured surface passes through
+};
+
+/// `points`: of the source, whose nearest place on the artifact is on the feature. Nothing is measured if they are too few
+/// or leave it open. `name`: of its row.
+Inspection inspect(const Compared& compared, const MeshFeature& feature, const std::string& name,
+                   const std::vector<std::uint32_t>& points, const VerifyOptions& options);
+
+/// How a person calls it: "hole 3 (diameter 6.6)", "face +z at 10".
+std::string with_size(const std::string& name, const MeshFeature& feature, double tolerance);
+
+}  // namespace partscribe
