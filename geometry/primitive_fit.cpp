@@ -30,8 +30,10 @@ PrimitiveChart moved(const PrimitiveChart& chart, const Unknowns& step, bool wid
   Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();
   const double radius = wide ? 1 / chart.kappa : 0;
   const auto bend = [&](double change) {
-    if (wide) next.kappa = 1 / std::max(radius - change * radius * radius, 0.2 * radius);
-    else next.kappa += change;
+    if (wide)
+      next.kappa = 1 / std::max(radius - change * radius * radius, 0.2 * radius);
+    else
+      next.kappa += change;
   };
   switch (chart.kind) {
     case ChartKind::sphere:
@@ -67,11 +69,15 @@ PrimitiveChart moved(const PrimitiveChart& chart, const Unknowns& step, bool wid
 /// Largest turn of a step, rad; what is bounded, because the distance is far from linear in it.
 double turn_of(ChartKind kind, const Unknowns& step) {
   switch (kind) {
-    case ChartKind::sphere: return 0;
+    case ChartKind::sphere:
+      return 0;
     case ChartKind::cylinder:
-    case ChartKind::circle: return std::hypot(step[2], step[3]);
-    case ChartKind::cone: return std::max(std::hypot(step[2], step[3]), std::abs(step[5]));
-    case ChartKind::torus: return std::hypot(step[3], step[4]);
+    case ChartKind::circle:
+      return std::hypot(step[2], step[3]);
+    case ChartKind::cone:
+      return std::max(std::hypot(step[2], step[3]), std::abs(step[5]));
+    case ChartKind::torus:
+      return std::hypot(step[3], step[4]);
   }
   return 0;
 }
@@ -145,11 +151,16 @@ Minimum minimized(const ScaledPoints& points, const PrimitiveChart& start, doubl
 
 ChartKind chart_kind(PrimitiveKind kind) {
   switch (kind) {
-    case PrimitiveKind::circle: return ChartKind::circle;
-    case PrimitiveKind::cylinder: return ChartKind::cylinder;
-    case PrimitiveKind::cone: return ChartKind::cone;
-    case PrimitiveKind::torus: return ChartKind::torus;
-    default: return ChartKind::sphere;
+    case PrimitiveKind::circle:
+      return ChartKind::circle;
+    case PrimitiveKind::cylinder:
+      return ChartKind::cylinder;
+    case PrimitiveKind::cone:
+      return ChartKind::cone;
+    case PrimitiveKind::torus:
+      return ChartKind::torus;
+    default:
+      return ChartKind::sphere;
   }
 }
 
@@ -199,7 +210,8 @@ Vec3 oriented(const Vec3& axis) {
 
 double largest_sigma(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& covariance) {
   const Eigen::MatrixXd c = rows * covariance * rows.transpose();
-  return std::sqrt(std::max(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(c, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff(), 0.0));
+  return std::sqrt(std::max(
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(c, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff(), 0.0));
 }
 
 /// The inverse of H; directions that the points say nothing about get a huge variance instead of an infinite one.
@@ -228,7 +240,8 @@ PrimitiveFit fit_of(PrimitiveKind kind, const Minimum& minimum, double variance,
   bool full_rank = true;
   const Eigen::MatrixXd covariance = variance * inverse_of(minimum.sums, m, full_rank);
 
-  Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(chart.kind == ChartKind::cylinder || chart.kind == ChartKind::cone ? 2 : 3, m);
+  Eigen::MatrixXd middle =
+      Eigen::MatrixXd::Zero(chart.kind == ChartKind::cylinder || chart.kind == ChartKind::cone ? 2 : 3, m);
   Eigen::MatrixXd tilt = Eigen::MatrixXd::Zero(2, m), size = Eigen::MatrixXd::Zero(1, m), tube = size;
   Vec3 center = chart.origin;
   double radius = 0;
@@ -246,8 +259,10 @@ PrimitiveFit fit_of(PrimitiveKind kind, const Minimum& minimum, double variance,
     size(0, bend) = -radius * radius;
     middle(0, 0) = 1, middle(0, bend) = radius * radius;
     middle(1, 1) = -radius;
-    if (chart.kind == ChartKind::sphere) middle(2, 2) = -radius;
-    else tilt(0, 2) = tilt(1, 3) = 1;
+    if (chart.kind == ChartKind::sphere)
+      middle(2, 2) = -radius;
+    else
+      tilt(0, 2) = tilt(1, 3) = 1;
     if (chart.kind == ChartKind::circle) middle(2, 3) = radius, middle(2, 5) = 1;
     if (chart.kind == ChartKind::cone) {
       // The radius is that of the place on the axis nearest to `point`, whatever else moves.
@@ -275,12 +290,13 @@ PrimitiveFit fit_of(PrimitiveKind kind, const Minimum& minimum, double variance,
 
 // ---------------------------------------------------------------- robust weights
 
-/// What Welsch weights of constant c do to normal noise: the rms of weighted residuals shrinks, the covariance grows.
+/// What Welsch weights of constant c do to normal noise, for points with one residual or two (curves): the mean
+/// weighted square shrinks, and the inverse of the weighted normal matrix is not quite the covariance.
 double welsch_shrink(double c) { return c > 0 ? 1 / (1 + 1 / (c * c)) : 1; }
-double welsch_growth(double c) {
+double welsch_growth(double c, bool two_residuals) {
   if (c <= 0) return 1;
-  const double k = 1 / (c * c);
-  return std::pow(1 + k, 2.5) / std::pow(1 + 2 * k, 1.5);
+  const double k = 1 / (c * c), e = two_residuals ? 1 : 0.5;
+  return std::pow(1 + k, 2 + e) / std::pow(1 + 2 * k, 1 + e);
 }
 
 double median(std::vector<double> values) {
@@ -292,8 +308,7 @@ double median(std::vector<double> values) {
 
 std::vector<double> distances_to(const ScaledPoints& points, const Primitive& primitive) {
   std::vector<double> result(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    result[i] = std::abs(distance(primitive, points[i]));
+  for (std::size_t i = 0; i < points.size(); ++i) result[i] = std::abs(distance(primitive, points[i]));
   return result;
 }
 
@@ -348,7 +363,8 @@ Minimum best_start(PrimitiveKind kind, const ScaledPoints& points, const std::ve
     Minimum tried = first_minimum(points, chart, kind, noise.robust, 5);
     if (std::isfinite(tried.sums.cost)) tries.push_back(tried);
   }
-  std::stable_sort(tries.begin(), tries.end(), [&](const Minimum& a, const Minimum& b) { return a.sums.cost < b.sums.cost; });
+  std::stable_sort(tries.begin(), tries.end(),
+                   [&](const Minimum& a, const Minimum& b) { return a.sums.cost < b.sums.cost; });
   Minimum best;
   for (std::size_t i = 0; i < tries.size() && i < 3; ++i) {
     const Minimum tried = first_minimum(points, tries[i].chart, kind, noise.robust, 40);
@@ -417,7 +433,7 @@ PrimitiveFit flat_fit(PrimitiveKind kind, const Flat& flat, double count, double
   const double variance = known_sigma > 0 ? known_sigma * known_sigma
                           : free > 0      ? residual * count / free / welsch_shrink(robust)
                                           : 0;
-  const double each = std::sqrt(variance * welsch_growth(robust) / flat.weight);
+  const double each = std::sqrt(variance * welsch_growth(robust, !plane) / flat.weight);
   fit.sigma_point = each;
   // Not 1 / sqrt(spread) alone: where noise is as wide as the points, the direction is lost.
   const double near = plane ? flat.spread[0] : flat.spread[1], far = plane ? flat.spread[1] : flat.spread[2];
@@ -484,7 +500,8 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
   const bool sampled = points.size() > enough_to_start * 3 / 2;
   const std::size_t count = sampled ? enough_to_start : points.size();
   const auto sample = [&](std::size_t k) { return sampled ? k * points.size() / count : k; };
-  // Of a sphere every number is its own, and any middle of the points will do; along an axis `point` follows the middle.
+  // Of a sphere every number is its own, and any middle of the points will do; along an axis `point` follows the
+  // middle.
   std::optional<Flat> flat;
   if (kind == PrimitiveKind::sphere && sampled) {
     std::vector<Vec3> few;
@@ -541,12 +558,10 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
   const double equations = best.sums.count * (kind == PrimitiveKind::circle ? 2 : 1);
   const double free = equations - unknowns_of(best.chart.kind);
   const double mean_square = best.sums.squares / std::max(best.sums.weight, 1e-300);
-  double variance = known > 0 ? known * known
-                    : free > 0 ? best.sums.squares / free / welsch_shrink(options.robust)
-                               : 0;
+  double variance = known > 0 ? known * known : free > 0 ? best.sums.squares / free / welsch_shrink(options.robust) : 0;
   // No point is better known than the last bit of its coordinates.
   const double rounding = 2e-16 * (1 + place.center.cwiseAbs().maxCoeff() * place.factor);
-  variance = std::max(variance, rounding * rounding) * welsch_growth(options.robust);
+  variance = std::max(variance, rounding * rounding) * welsch_growth(options.robust, kind == PrimitiveKind::circle);
   PrimitiveFit fit = fit_of(kind, best, variance, place);
   fit.rms = std::sqrt(mean_square) / place.factor;
   if (options.start && options.start->kind == kind && kind != PrimitiveKind::cone &&
@@ -559,13 +574,20 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
 /// Points below which a kind is open whatever they say; lines and circles get two equations from each.
 std::size_t fewest_points(PrimitiveKind kind) {
   switch (kind) {
-    case PrimitiveKind::plane: return 3;
-    case PrimitiveKind::line: return 2;
-    case PrimitiveKind::circle: return 3;
-    case PrimitiveKind::sphere: return 4;
-    case PrimitiveKind::cylinder: return 5;
-    case PrimitiveKind::cone: return 6;
-    case PrimitiveKind::torus: return 7;
+    case PrimitiveKind::plane:
+      return 3;
+    case PrimitiveKind::line:
+      return 2;
+    case PrimitiveKind::circle:
+      return 3;
+    case PrimitiveKind::sphere:
+      return 4;
+    case PrimitiveKind::cylinder:
+      return 5;
+    case PrimitiveKind::cone:
+      return 6;
+    case PrimitiveKind::torus:
+      return 7;
   }
   return 0;
 }
@@ -574,13 +596,20 @@ std::size_t fewest_points(PrimitiveKind kind) {
 
 const char* name_of(PrimitiveKind kind) {
   switch (kind) {
-    case PrimitiveKind::plane: return "plane";
-    case PrimitiveKind::line: return "line";
-    case PrimitiveKind::circle: return "circle";
-    case PrimitiveKind::sphere: return "sphere";
-    case PrimitiveKind::cylinder: return "cylinder";
-    case PrimitiveKind::cone: return "cone";
-    case PrimitiveKind::torus: return "torus";
+    case PrimitiveKind::plane:
+      return "plane";
+    case PrimitiveKind::line:
+      return "line";
+    case PrimitiveKind::circle:
+      return "circle";
+    case PrimitiveKind::sphere:
+      return "sphere";
+    case PrimitiveKind::cylinder:
+      return "cylinder";
+    case PrimitiveKind::cone:
+      return "cone";
+    case PrimitiveKind::torus:
+      return "torus";
   }
   return "";
 }
@@ -592,8 +621,10 @@ double distance(const Primitive& primitive, const Vec3& point) {
   if (primitive.kind == PrimitiveKind::sphere) return q.norm() - primitive.radius;
   const double rho = (q - h * primitive.axis).norm();
   switch (primitive.kind) {
-    case PrimitiveKind::line: return rho;
-    case PrimitiveKind::circle: return std::hypot(rho - primitive.radius, h);
+    case PrimitiveKind::line:
+      return rho;
+    case PrimitiveKind::circle:
+      return std::hypot(rho - primitive.radius, h);
     case PrimitiveKind::cone: {
       const double c = std::cos(primitive.half_angle), s = std::sin(primitive.half_angle);
       // Behind the apex the apex itself is nearest.
@@ -601,8 +632,10 @@ double distance(const Primitive& primitive, const Vec3& point) {
         return std::hypot(rho, h + primitive.radius * c / s);
       return (rho - primitive.radius) * c - h * s;
     }
-    case PrimitiveKind::torus: return std::hypot(rho - primitive.radius, h) - primitive.tube;
-    default: return rho - primitive.radius;
+    case PrimitiveKind::torus:
+      return std::hypot(rho - primitive.radius, h) - primitive.tube;
+    default:
+      return rho - primitive.radius;
   }
 }
 
@@ -624,8 +657,8 @@ std::optional<PrimitiveFit> fit_primitive(PrimitiveKind kind, const std::vector<
     weights.unit = 1 / std::sqrt(mean);
   }
   const bool flat = kind == PrimitiveKind::plane || kind == PrimitiveKind::line;
-  std::optional<PrimitiveFit> fit = flat ? fit_flat(kind, points, weights, options)
-                                         : fit_curved(kind, points, normals, weights, options);
+  std::optional<PrimitiveFit> fit =
+      flat ? fit_flat(kind, points, weights, options) : fit_curved(kind, points, normals, weights, options);
   if (!fit) return {};
   if (kind == PrimitiveKind::plane && !normals.empty()) {
     Vec3 mean = Vec3::Zero();

@@ -85,11 +85,12 @@ PARTSCRIBE_INLINE double sum_of(const Lanes& v) {
 struct Coefficients {
   double r[9], o[3];
   double kappa, radius, sq_radius;  ///< radius: 1 / kappa, 0 for a plane
-  double c, s;              ///< cos and sin of psi
+  double c, s;                      ///< cos and sin of psi
   double ring, tube;
 };
 
-PARTSCRIBE_INLINE void move_block(const ScaledPoints& points, std::size_t begin, int n, const Coefficients& f, Block& b) {
+PARTSCRIBE_INLINE void move_block(const ScaledPoints& points, std::size_t begin, int n, const Coefficients& f,
+                                  Block& b) {
   const double* p = (*points.points)[begin].data();
   const double cx = points.center.x(), cy = points.center.y(), cz = points.center.z(), factor = points.factor;
   for (int k = 0; k < n; ++k) {
@@ -104,8 +105,8 @@ PARTSCRIBE_INLINE void move_block(const ScaledPoints& points, std::size_t begin,
 
 constexpr double tiny = 1e-150;  // keeps a point on the axis from dividing by zero; its square is still a number
 
-/// rho - radius and its derivative by kappa. `Round`: the radius is near the size of the points, so that nothing cancels
-/// in the short forms; else the forms that stay exact until the surface is flat.
+/// rho - radius and its derivative by kappa. `Round`: the radius is near the size of the points, so that nothing
+/// cancels in the short forms; else the forms that stay exact until the surface is flat.
 template <bool Round>
 PARTSCRIBE_INLINE void excess(const Coefficients& f, double x, double across, double u, double S, double inverse,
                               double& E, double& by_kappa) {
@@ -264,7 +265,8 @@ PARTSCRIBE_INLINE void clear_tail(double* column, int n) {
 
 /// The sums of one chart kind over all blocks.
 template <ChartKind Kind, bool Round>
-PARTSCRIBE_INLINE void sum_blocks(const ScaledPoints& points, const Coefficients& f, double reach, NormalEquations& out) {
+PARTSCRIBE_INLINE void sum_blocks(const ScaledPoints& points, const Coefficients& f, double reach,
+                                  NormalEquations& out) {
   constexpr int unknowns = Kind == ChartKind::sphere     ? 4
                            : Kind == ChartKind::cylinder ? 5
                            : Kind == ChartKind::circle   ? 5
@@ -303,9 +305,12 @@ PARTSCRIBE_INLINE void sum_blocks(const ScaledPoints& points, const Coefficients
   for (int i = 0; i < columns; ++i)
     for (int j = i; j < columns; ++j, ++offset) {
       const double sum = sum_of(sums[offset]);
-      if (j < unknowns) out.H(i, j) = out.H(j, i) = sum;
-      else if (i < unknowns) out.g[i] = sum;
-      else if (!weighted) out.cost = sum;
+      if (j < unknowns)
+        out.H(i, j) = out.H(j, i) = sum;
+      else if (i < unknowns)
+        out.g[i] = sum;
+      else if (!weighted)
+        out.cost = sum;
     }
   if constexpr (circle) {
     const int place[3] = {2, 3, 5};
@@ -313,9 +318,12 @@ PARTSCRIBE_INLINE void sum_blocks(const ScaledPoints& points, const Coefficients
     for (int i = 0; i < 4; ++i)
       for (int j = i; j < 4; ++j, ++offset) {
         const double sum = sum_of(second[offset]);
-        if (j < 3) out.H(place[i], place[j]) += sum;
-        else if (i < 3) out.g[place[i]] += sum;
-        else if (!weighted) out.cost += sum;
+        if (j < 3)
+          out.H(place[i], place[j]) += sum;
+        else if (i < 3)
+          out.g[place[i]] += sum;
+        else if (!weighted)
+          out.cost += sum;
         if (j < 3 && i != j) out.H(place[j], place[i]) = out.H(place[i], place[j]);
       }
   }
@@ -329,19 +337,31 @@ template <bool Round>
 PARTSCRIBE_INLINE void sum_round(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach,
                                  NormalEquations& out) {
   switch (kind) {
-    case ChartKind::sphere: sum_blocks<ChartKind::sphere, Round>(points, f, reach, out); break;
-    case ChartKind::cylinder: sum_blocks<ChartKind::cylinder, Round>(points, f, reach, out); break;
-    case ChartKind::cone: sum_blocks<ChartKind::cone, Round>(points, f, reach, out); break;
-    case ChartKind::circle: sum_blocks<ChartKind::circle, Round>(points, f, reach, out); break;
-    case ChartKind::torus: break;
+    case ChartKind::sphere:
+      sum_blocks<ChartKind::sphere, Round>(points, f, reach, out);
+      break;
+    case ChartKind::cylinder:
+      sum_blocks<ChartKind::cylinder, Round>(points, f, reach, out);
+      break;
+    case ChartKind::cone:
+      sum_blocks<ChartKind::cone, Round>(points, f, reach, out);
+      break;
+    case ChartKind::circle:
+      sum_blocks<ChartKind::circle, Round>(points, f, reach, out);
+      break;
+    case ChartKind::torus:
+      break;
   }
 }
 
 PARTSCRIBE_INLINE void sum_kind(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach,
                                 NormalEquations& out) {
-  if (kind == ChartKind::torus) sum_blocks<ChartKind::torus, false>(points, f, reach, out);
-  else if (f.kappa > 0.05) sum_round<true>(kind, points, f, reach, out);
-  else sum_round<false>(kind, points, f, reach, out);
+  if (kind == ChartKind::torus)
+    sum_blocks<ChartKind::torus, false>(points, f, reach, out);
+  else if (f.kappa > 0.05)
+    sum_round<true>(kind, points, f, reach, out);
+  else
+    sum_round<false>(kind, points, f, reach, out);
 }
 
 /// Ten lanes of sums: w, w x, w y, w z and the six products.
@@ -399,11 +419,10 @@ __attribute__((target("avx512f,avx512vl,avx512dq"))) void moments_avx512(const V
 /// 0 plain, 1 AVX2, 2 AVX-512.
 int width() {
 #if PARTSCRIBE_WIDE
-  static const int found = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                                   __builtin_cpu_supports("avx512dq")
-                               ? 2
-                           : __builtin_cpu_supports("avx2") ? 1
-                                                            : 0;
+  static const int found =
+      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") ? 2
+      : __builtin_cpu_supports("avx2")                                                                              ? 1
+                                                                                                                    : 0;
   return found;
 #else
   return 0;
@@ -414,11 +433,15 @@ int width() {
 
 int unknowns_of(ChartKind kind) {
   switch (kind) {
-    case ChartKind::sphere: return 4;
-    case ChartKind::cylinder: return 5;
+    case ChartKind::sphere:
+      return 4;
+    case ChartKind::cylinder:
+      return 5;
     case ChartKind::cone:
-    case ChartKind::circle: return 6;
-    case ChartKind::torus: return 7;
+    case ChartKind::circle:
+      return 6;
+    case ChartKind::torus:
+      return 7;
   }
   return 0;
 }
@@ -446,8 +469,10 @@ NormalEquations normal_equations(const ScaledPoints& points, const PrimitiveChar
 Moments moments(const std::vector<Vec3>& points, const double* weights, const Vec3& origin) {
   double s[10];
 #if PARTSCRIBE_WIDE
-  if (width() == 2) moments_avx512(points.data(), points.size(), weights, origin.data(), s);
-  else if (width() == 1) moments_avx2(points.data(), points.size(), weights, origin.data(), s);
+  if (width() == 2)
+    moments_avx512(points.data(), points.size(), weights, origin.data(), s);
+  else if (width() == 1)
+    moments_avx2(points.data(), points.size(), weights, origin.data(), s);
   else
 #endif
     moments_plain(points.data(), points.size(), weights, origin.data(), s);

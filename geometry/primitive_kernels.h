@@ -29,9 +29,9 @@ struct PrimitiveChart {
   ChartKind kind = ChartKind::sphere;
   Vec3 origin = Vec3::Zero();
   Mat3 frame = Mat3::Identity();
-  double kappa = 0;              ///< 1 / radius at the origin
-  double psi = 0;                ///< half angle of a cone, negative where it narrows along the axis
-  double ring = 0, tube = 0;     ///< torus
+  double kappa = 0;           ///< 1 / radius at the origin
+  double psi = 0;             ///< half angle of a cone, negative where it narrows along the axis
+  double ring = 0, tube = 0;  ///< torus
 };
 
 /// Unknowns of a chart, in the order of its columns:
@@ -47,10 +47,10 @@ int unknowns_of(ChartKind kind);
 struct NormalEquations {
   Eigen::Matrix<double, max_unknowns, max_unknowns> H = Eigen::Matrix<double, max_unknowns, max_unknowns>::Zero();
   Eigen::Matrix<double, max_unknowns, 1> g = Eigen::Matrix<double, max_unknowns, 1>::Zero();
-  double cost = 0;       ///< sum w d^2, or of the robust loss in the same units
-  double squares = 0;    ///< sum of w d^2 with robust weights
-  double weight = 0;     ///< sum of weights, robust ones included
-  double count = 0;      ///< sum of the robust weights alone; the number of points for plain least squares
+  double cost = 0;     ///< sum w d^2, or of the robust loss in the same units
+  double squares = 0;  ///< sum of w d^2 with robust weights
+  double weight = 0;   ///< sum of weights, robust ones included
+  double count = 0;    ///< sum of the robust weights alone; the number of points for plain least squares
 };
 
 /// Sums at `chart` over all points, in the same order on every processor. `reach` > 0 weighs points by Welsch's

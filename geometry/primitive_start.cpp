@@ -76,7 +76,7 @@ struct Ring {
   Vec3 center = Vec3::Zero();
   Vec3 axis = Vec3::UnitZ();
   double radius = 0;
-  double slope = 0;   ///< of the radius along the axis
+  double slope = 0;  ///< of the radius along the axis
   double error = 0;
 };
 
@@ -117,7 +117,8 @@ PrimitiveChart ring_chart(ChartKind kind, const Ring& ring) {
 }
 
 /// The best of many axes, none of them near a better one.
-void add_rings(ChartKind kind, std::vector<Vec3> axes, const std::vector<Vec3>& points, std::size_t keep, Charts& charts) {
+void add_rings(ChartKind kind, std::vector<Vec3> axes, const std::vector<Vec3>& points, std::size_t keep,
+               Charts& charts) {
   std::vector<Ring> rings;
   std::vector<Vec3> some;  // enough to rank axes
   for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 256) some.push_back(points[i]);
@@ -127,7 +128,8 @@ void add_rings(ChartKind kind, std::vector<Vec3> axes, const std::vector<Vec3>& 
   for (const Ring& ring : rings) {
     if (kept.size() >= keep) break;
     if (!std::isfinite(ring.error)) continue;
-    const bool close = std::any_of(kept.begin(), kept.end(), [&](const Vec3& a) { return std::abs(a.dot(ring.axis)) > 0.95; });
+    const bool close =
+        std::any_of(kept.begin(), kept.end(), [&](const Vec3& a) { return std::abs(a.dot(ring.axis)) > 0.95; });
     if (close) continue;
     kept.push_back(ring.axis);
     charts.push_back(ring_chart(kind, ring));
@@ -177,7 +179,8 @@ std::vector<Vec3> plane_normals(const std::vector<Vec3>& points) {
 }
 
 /// The circle of (rho, h) about an axis line: ring and tube, and the rms error to expect.
-PrimitiveChart torus_about(const Vec3& place, const Vec3& axis, const std::vector<Vec3>& points, double* error = nullptr) {
+PrimitiveChart torus_about(const Vec3& place, const Vec3& axis, const std::vector<Vec3>& points,
+                           double* error = nullptr) {
   const Mat3 frame = frame_of(axis.unitOrthogonal(), axis);
   Mat3 H = Mat3::Identity() * 1e-12;
   Vec3 g = Vec3::Zero();
@@ -198,7 +201,8 @@ PrimitiveChart torus_about(const Vec3& place, const Vec3& axis, const std::vecto
   chart.origin = place + axis * s[1];
   chart.ring = std::max(std::abs(s[0]), 1e-3);
   chart.tube = std::sqrt(std::max(s[2] + s[0] * s[0] + s[1] * s[1], 1e-4));
-  if (error) *error = std::sqrt(std::max(total - s.dot(g), 0.0) / static_cast<double>(points.size())) / (2 * chart.tube);
+  if (error)
+    *error = std::sqrt(std::max(total - s.dot(g), 0.0) / static_cast<double>(points.size())) / (2 * chart.tube);
   return chart;
 }
 
@@ -276,8 +280,10 @@ PrimitiveChart recentered(PrimitiveChart chart) {
   Vec3 n(1 + k * q.x(), k * q.y(), sphere ? k * q.z() : 0);
   const double S = n.norm();
   double E = (2 * q.x() + k * (q.x() * q.x() + across)) / (1 + S);
-  if (S > 1e-6) n /= S;
-  else n = Vec3::UnitX(), E = q.x();  // the middle of the points is on the axis: any normal is as near
+  if (S > 1e-6)
+    n /= S;
+  else
+    n = Vec3::UnitX(), E = q.x();  // the middle of the points is on the axis: any normal is as near
   // n points from the axis to the middle of the points; the foot is E back along it.
   Vec3 foot = q - E * n;
   if (S <= 1e-6) foot = Vec3(0, 0, q.z());

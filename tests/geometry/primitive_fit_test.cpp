@@ -12,8 +12,9 @@ using namespace partscribe;
 
 namespace {
 
-const PrimitiveKind kinds[] = {PrimitiveKind::plane,    PrimitiveKind::line, PrimitiveKind::circle, PrimitiveKind::sphere,
-                               PrimitiveKind::cylinder, PrimitiveKind::cone, PrimitiveKind::torus};
+const PrimitiveKind kinds[] = {PrimitiveKind::plane,  PrimitiveKind::line,     PrimitiveKind::circle,
+                               PrimitiveKind::sphere, PrimitiveKind::cylinder, PrimitiveKind::cone,
+                               PrimitiveKind::torus};
 
 Vec3 direction(Random& random) { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); }
 
@@ -33,15 +34,21 @@ Scan scan_of(const Primitive& p, std::size_t count, double arc, double sigma, Ra
       case PrimitiveKind::plane:
         q = Vec3(random.uniform(-30, 30), random.uniform(-30, 30), 0), n = up;
         break;
-      case PrimitiveKind::line: q = random.uniform(-30, 30) * up; break;
-      case PrimitiveKind::circle: q = p.radius * across; break;
+      case PrimitiveKind::line:
+        q = random.uniform(-30, 30) * up;
+        break;
+      case PrimitiveKind::circle:
+        q = p.radius * across;
+        break;
       case PrimitiveKind::sphere: {
         const double z = std::sin(std::min(arc, pi) / 2) * random.uniform(-1, 1);
         n = std::sqrt(1 - z * z) * across + z * up;
         q = p.radius * n;
         break;
       }
-      case PrimitiveKind::cylinder: q = p.radius * across + random.uniform(-20, 20) * up, n = across; break;
+      case PrimitiveKind::cylinder:
+        q = p.radius * across + random.uniform(-20, 20) * up, n = across;
+        break;
       case PrimitiveKind::cone: {
         const double h = random.uniform(-15, 15);
         q = (p.radius + h * std::tan(p.half_angle)) * across + h * up;
@@ -49,7 +56,8 @@ Scan scan_of(const Primitive& p, std::size_t count, double arc, double sigma, Ra
         break;
       }
       case PrimitiveKind::torus: {
-        const double b = random.uniform(-pi, pi);
+        // Of a tube wider than its ring only the outside is there.
+        const double b = (p.radius < p.tube ? std::acos(-p.radius / p.tube) : pi) * random.uniform(-1, 1);
         n = std::cos(b) * across + std::sin(b) * up;
         q = p.radius * across + p.tube * n;
         break;
@@ -84,15 +92,22 @@ std::vector<double> scores(const PrimitiveFit& fit, const Primitive& truth) {
   const double along = away.dot(truth.axis);
   const Vec3 side = truth.axis.unitOrthogonal(), axis = p.axis.dot(truth.axis) < 0 ? Vec3(-p.axis) : p.axis;
   switch (p.kind) {
-    case PrimitiveKind::plane: add(along, fit.sigma_point); break;
-    case PrimitiveKind::line: add(away.dot(side), fit.sigma_point); break;
+    case PrimitiveKind::plane:
+      add(along, fit.sigma_point);
+      break;
+    case PrimitiveKind::line:
+      add(away.dot(side), fit.sigma_point);
+      break;
     case PrimitiveKind::cone:
       // The radius is that of the true cone beside the fitted point.
       add(p.radius - truth.radius - along * std::tan(truth.half_angle), fit.sigma_radius);
       add(p.half_angle - truth.half_angle, fit.sigma_half_angle);
       break;
-    case PrimitiveKind::torus: add(p.tube - truth.tube, fit.sigma_tube); [[fallthrough]];
-    default: add(p.radius - truth.radius, fit.sigma_radius);
+    case PrimitiveKind::torus:
+      add(p.tube - truth.tube, fit.sigma_tube);
+      [[fallthrough]];
+    default:
+      add(p.radius - truth.radius, fit.sigma_radius);
   }
   if (p.kind != PrimitiveKind::sphere) add((axis - truth.axis).dot(side), fit.sigma_axis);
   return z;
@@ -172,8 +187,10 @@ TEST_CASE("primitive fit: a hundred metres from the origin exact points give exa
     const Scan scan = scan_of(truth, 1000, 2 * pi, 0, random);
     const PrimitiveFit fit = fitted(kind, scan);
     INFO(name_of(kind));
-    CHECK(std::abs(fit.primitive.radius - truth.radius - (kind == PrimitiveKind::cone
-              ? (fit.primitive.point - truth.point).dot(truth.axis) * std::tan(truth.half_angle) : 0)) < 1e-9);
+    CHECK(std::abs(fit.primitive.radius - truth.radius -
+                   (kind == PrimitiveKind::cone
+                        ? (fit.primitive.point - truth.point).dot(truth.axis) * std::tan(truth.half_angle)
+                        : 0)) < 1e-9);
     CHECK(std::abs(fit.primitive.tube - truth.tube) < 1e-9);
     CHECK(std::abs(fit.primitive.half_angle - truth.half_angle) < 1e-10);
     CHECK(largest_distance(fit.primitive, scan.points) < 1e-9);
@@ -204,7 +221,8 @@ TEST_CASE("primitive fit: the order of the points moves only the last bits") {
     const Primitive truth = example(kind, 100, random);
     Scan scan = scan_of(truth, 3000, pi, 0.02, random);
     const Primitive a = fitted(kind, scan).primitive;
-    for (std::size_t i = scan.points.size() - 1; i > 0; --i) std::swap(scan.points[i], scan.points[random.below(i + 1)]);
+    for (std::size_t i = scan.points.size() - 1; i > 0; --i)
+      std::swap(scan.points[i], scan.points[random.below(i + 1)]);
     const Primitive b = fitted(kind, scan).primitive;
     INFO(name_of(kind));
     CHECK(std::abs(a.radius - b.radius) < 1e-8);
@@ -246,5 +264,120 @@ TEST_CASE("primitive fit: data that leave a number open are called undetermined"
     CHECK(open(kind, same));
     if (kind != PrimitiveKind::line) CHECK(open(kind, straight));
     if (kind == PrimitiveKind::sphere || kind == PrimitiveKind::cylinder) CHECK(open(kind, flat));
+  }
+}
+
+TEST_CASE("primitive fit: a stated noise of half the true one is found out by the coverage") {
+  Random random(9);
+  int inside = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Primitive truth = example(PrimitiveKind::cylinder, 100, random);
+    PrimitiveFitOptions options;
+    options.sigma = 0.01;
+    options.start = truth;
+    inside += std::abs(scores(fitted(truth.kind, scan_of(truth, 200, pi, 0.02, random), options), truth)[0]) < 1.96;
+  }
+  CHECK(inside < 160);
+}
+
+TEST_CASE("primitive fit: nearly flat, nearly straight and nearly round data keep their numbers") {
+  struct Case {
+    const char* name;
+    PrimitiveKind kind;
+    double radius, tube, half_angle, arc;
+  };
+  const Case cases[] = {
+      {"sphere of a metre, 40 mm of it", PrimitiveKind::sphere, 1000, 0, 0, 0.04},
+      {"10 degrees of a cylinder", PrimitiveKind::cylinder, 20, 0, 0, radians(10)},
+      {"5 degrees of a circle", PrimitiveKind::circle, 100, 0, 0, radians(5)},
+      {"cone of 1 degree", PrimitiveKind::cone, 20, 0, radians(1), 2 * pi},
+      {"a third of a cone of 1 degree", PrimitiveKind::cone, 20, 0, radians(1), 2 * pi / 3},
+      {"cone of 80 degrees", PrimitiveKind::cone, 100, 0, radians(80), 2 * pi},
+      {"torus that is nearly a sphere", PrimitiveKind::torus, 0.5, 10, 0, 2 * pi},
+      {"torus with hardly a hole", PrimitiveKind::torus, 10.1, 10, 0, 2 * pi},
+  };
+  Random random(10);
+  for (const Case& c : cases)
+    for (int trial = 0; trial < 8; ++trial) {
+      Primitive truth = example(c.kind, 100, random);
+      truth.radius = c.radius, truth.tube = c.tube, truth.half_angle = c.half_angle;
+      const PrimitiveFit fit = fitted(c.kind, scan_of(truth, 2000, c.arc, 0.01, random));
+      INFO(c.name);
+      CHECK(fit.converged);
+      CHECK(fit.determined);
+      CHECK(fit.rms < 0.016);
+      for (const double z : scores(fit, truth)) CHECK(std::abs(z) < 4.5);
+    }
+}
+
+TEST_CASE("primitive fit: robust weights see through one wild point in five") {
+  Random random(11);
+  for (const PrimitiveKind kind : kinds)
+    for (int trial = 0; trial < 12; ++trial) {
+      const Primitive truth = example(kind, 100, random);
+      Scan scan = scan_of(truth, 500, trial % 2 ? pi / 2 : 2 * pi, 0.02, random);
+      for (std::size_t i = 0; i < scan.points.size(); i += 5)
+        scan.points[i] += Vec3(random.uniform(-10, 10), random.uniform(-10, 10), random.uniform(-10, 10));
+      PrimitiveFitOptions options;
+      options.robust = 2.5;
+      options.sigma = trial % 3 ? 0 : 0.02;
+      INFO(name_of(kind) << " " << trial);
+      const PrimitiveFit fit = fitted(kind, scan, options);
+      CHECK(fit.converged);
+      for (const double z : scores(fit, truth)) CHECK(std::abs(z) < 4.5);
+      // Plain least squares is far off here: what the weights are for.
+      options.robust = 0;
+      CHECK(fitted(kind, scan, options).rms > 0.5);
+    }
+}
+
+TEST_CASE("primitive fit: points with a sigma of their own count by it") {
+  Random random(12);
+  for (const PrimitiveKind kind : kinds) {
+    const Primitive truth = example(kind, 100, random);
+    Scan scan = scan_of(truth, 400, 2 * pi, 0.02, random);
+    const Scan rough = scan_of(truth, 400, 2 * pi, 0.5, random);
+    const PrimitiveFit good = fitted(kind, scan);
+    scan.points.insert(scan.points.end(), rough.points.begin(), rough.points.end());
+    std::vector<double> sigmas(800, 0.02);
+    std::fill(sigmas.begin() + 400, sigmas.end(), 0.5);
+    PrimitiveFitOptions options;
+    options.sigmas = &sigmas;
+    const PrimitiveFit both = fitted(kind, scan, options);
+    INFO(name_of(kind));
+    for (const double z : scores(both, truth)) CHECK(std::abs(z) < 4.2);
+    CHECK(both.sigma_point == Approx(good.sigma_point).epsilon(0.15));
+    CHECK(both.sigma_radius == Approx(good.sigma_radius).epsilon(0.15));
+    options.sigmas = nullptr;
+    CHECK(fitted(kind, scan, options).sigma_point > 5 * both.sigma_point);
+  }
+}
+
+TEST_CASE("primitive fit: a point behind a cone's apex is as far as the apex") {
+  Primitive cone;
+  cone.kind = PrimitiveKind::cone;
+  cone.half_angle = pi / 4;
+  cone.radius = 5;
+  CHECK(distance(cone, Vec3(0, 0, -8)) == Approx(3));
+  CHECK(distance(cone, Vec3(5, 0, 0)) == Approx(0).margin(1e-12));
+  CHECK(distance(cone, Vec3(0, 0, 0)) == Approx(-5 / std::sqrt(2.0)));
+}
+
+TEST_CASE("primitive fit: planes look along the normals, and starts keep their sense") {
+  Random random(13);
+  for (const double sense : {1.0, -1.0}) {
+    Primitive truth = example(PrimitiveKind::plane, 10, random);
+    Scan scan = scan_of(truth, 100, 2 * pi, 0.02, random);
+    for (Vec3& n : scan.normals) n *= sense;
+    const auto fit = fit_primitive(PrimitiveKind::plane, scan.points, scan.normals, {});
+    REQUIRE(fit);
+    CHECK(fit->primitive.axis.dot(sense * truth.axis) > 0.999);
+    truth = example(PrimitiveKind::cylinder, 10, random);
+    PrimitiveFitOptions options;
+    options.start = truth;
+    options.start->axis *= sense;
+    CHECK(
+        fitted(truth.kind, scan_of(truth, 100, 2 * pi, 0.02, random), options).primitive.axis.dot(sense * truth.axis) >
+        0.999);
   }
 }

@@ -1,0 +1,35 @@
+/// Other programs' fits behind one interface; a program that was not installed at build time returns nothing.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "geometry/primitive_fit.h"
+
+namespace peers {
+
+using Fit = std::function<std::optional<partscribe::Primitive>()>;
+
+/// One question to all contestants.
+struct Question {
+  partscribe::PrimitiveKind kind;
+  const std::vector<partscribe::Vec3>& points;
+  partscribe::Primitive start;
+};
+
+/// Prepares a question in a program's own structures; calling the answer fits. Empty: the program has no such fit.
+using Prepare = std::function<Fit(const Question&)>;
+
+struct Peer {
+  const char* name;
+  Prepare prepare;  ///< empty: not installed
+};
+
+Prepare ceres_fits();
+Prepare pcl_fits();
+Prepare cgal_fits();
+Prepare gte_fits();
+Prepare gte_minimizer_fits();  ///< GeometricTools with its Gauss-Newton or Levenberg-Marquardt minimizers
+
+}  // namespace peers
