@@ -74,7 +74,7 @@ std::string scale_svg(const std::vector<float>& deviations, double tolerance) {
   for (const double share : {2.0, 1.0, 0.5, 0.0, -0.5, -1.0, -2.0}) {
     const bool limit = std::abs(share) == 1;
     svg += std::string("<path class=\"") + (limit ? "limit" : "tick") + "\" d=\"M" + (limit ? "4 " : "92 ") + number(y_of(share)) +
-           (limit ? "h96" : "h5") + "\"/><text " + (limit ? "class=\"limit\" " : "") + "x=\"104\" y=\"" + number(y_of(share) + 4) + "\">" +
+           (limit ? "h96" : "h5") + "\"/><text " + (limit ? "class=\"limit\" " : "") + "data-share=\"" + number(share) + "\" x=\"104\" y=\"" + number(y_of(share) + 4) + "\">" +
            tick_text(share * tolerance, tolerance) + (limit ? " T" : "") + "</text>\n";
   }
   return svg + "<text x=\"0\" y=\"352\">points \xc2\xb7 deviation in mm</text></svg>\n";

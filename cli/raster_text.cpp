@@ -101,7 +101,8 @@ const std::map<char32_t, std::string_view>& glyphs() {
 }
 
 bool narrow(char32_t c) { return std::u32string_view(U"il.,:;'()I·j").find(c) != std::u32string_view::npos; }
-double advance(char32_t c) { return c == U' ' ? 3.2 : narrow(c) ? 3.4 : 5.6; }
+constexpr double slim = 0.84;  // width of a grid unit to its height
+double advance(char32_t c) { return slim * (c == U' ' ? 3.4 : narrow(c) ? 3.4 : 5.8); }
 
 /// UTF-8 of one to three bytes; anything broken becomes a gap.
 std::u32string decoded(std::string_view text) {
@@ -171,12 +172,12 @@ void draw_text(Raster& raster, double x, double y, double height_px, std::string
         } else if (held == 0) {
           held = d;
         } else {
-          const Vec2 place(x + unit * (held - '0' + shift), y - height_px + unit * (d - '0'));
+          const Vec2 place(x + unit * slim * (held - '0' + shift), y - height_px + unit * (d - '0'));
           if (points++) segments.push_back({last, place});
           last = place, held = 0;
         }
       }
-      draw_segments(raster, segments, std::max(1.1, 0.13 * height_px), color);
+      draw_segments(raster, segments, std::max(1.2, 0.15 * height_px), color);
     }
     x += advance(c) * unit;
   }

@@ -9,6 +9,7 @@
 #include "cli/report_html.h"
 #include "cli/report_points.h"
 #include "core/number.h"
+#include "geometry/kd_tree.h"
 
 namespace partscribe {
 namespace {
@@ -24,6 +25,11 @@ void append(std::string& bytes, long value) {  // 16 bits, the low byte first
 void append_index(std::string& bytes, std::uint32_t index) {
   bytes += static_cast<char>(index & 0xff);
   bytes += static_cast<char>(index >> 8 & 0xff);
+}
+
+void append_normal(std::string& bytes, const Vec3& normal) {
+  for (int axis = 0; axis < 3; ++axis)
+    bytes += static_cast<char>(static_cast<std::int8_t>(std::lround(127 * std::clamp(normal[axis], -1.0, 1.0))));
 }
 
 /// Places and deviations as 16-bit numbers.
@@ -45,8 +51,7 @@ Json packed_surface(const DeviationSurface& surface, const Quantiser& q) {
   for (std::size_t v = 0; v < surface.points.size(); ++v) {
     q.place(places, surface.points[v]);
     q.deviation(places, surface.deviation[v]);
-    for (int axis = 0; axis < 3; ++axis)
-      normals += static_cast<char>(static_cast<std::int8_t>(std::lround(127 * std::clamp(surface.normals[v][axis], -1.0, 1.0))));
+    append_normal(normals, surface.normals[v]);
     normals += static_cast<char>(surface.support[v]);
     append_index(features, static_cast<std::uint32_t>(surface.feature[v] + 1));
   }
@@ -86,9 +91,13 @@ MapData map_data(const ReportScene& scene, const MapOptions& options) {
   q.step = std::max(0.5 * box.size().maxCoeff(), 1e-9) / 32000;
   q.deviation_step = largest / 32000;
 
-  std::string places, features, aside;
+  std::string places, normals, features, aside;
+  // Points are lit as the surface beside them: a scan need not know its normals.
+  const KdTree vertices(scene.surface.points);
   for (const auto i : shown.index) {
     q.place(places, cloud.points[i]);
+    append_normal(normals, scene.surface.normals[vertices.nearest_one(cloud.points[i]).index]);
+    normals += '\0';
     q.deviation(places, scene.deviations[i]);
     append_index(features, static_cast<std::uint32_t>(scene.features[i] + 1));
   }
@@ -126,7 +135,7 @@ MapData map_data(const ReportScene& scene, const MapOptions& options) {
     json["findings"].push_back({{"place", numbers(finding.place, 1e-4)}, {"direction", numbers(finding.direction, 1e-4)},
                                 {"extent", snapped(finding.extent, 1e-3)}, {"kind", name_of(finding.kind)}, {"text", finding.text}});
   json["surface"] = packed_surface(scene.surface, q);
-  json["points"] = {{"places", base64(places)}, {"features", base64(features)}};
+  json["points"] = {{"places", base64(places)}, {"normals", base64(normals)}, {"features", base64(features)}};
   json["aside"] = base64(aside);
   map.json = json.dump();
   // Inside a script element nothing may look like its end.

@@ -98,6 +98,20 @@ void split_creases(const TriangleMesh& mesh, DeviationSurface& surface) {
   }
 }
 
+/// Leaves loops and what connects them: stray creases on a free form end in the middle of nowhere.
+void drop_loose_ends(std::vector<std::array<std::uint32_t, 2>>& edges, std::size_t vertices) {
+  std::vector<std::uint32_t> uses(vertices, 0);
+  for (const auto& edge : edges) ++uses[edge[0]], ++uses[edge[1]];
+  for (std::size_t before = edges.size() + 1; edges.size() < before;) {
+    before = edges.size();
+    std::erase_if(edges, [&](const auto& edge) {
+      if (uses[edge[0]] > 1 && uses[edge[1]] > 1) return false;
+      --uses[edge[0]], --uses[edge[1]];
+      return true;
+    });
+  }
+}
+
 /// Creases and borders of `mesh`; indices of its vertices.
 std::vector<std::array<std::uint32_t, 2>> drawn_edges(const TriangleMesh& mesh) {
   std::vector<std::array<std::uint32_t, 2>> edges;
@@ -109,6 +123,7 @@ std::vector<std::array<std::uint32_t, 2>> drawn_edges(const TriangleMesh& mesh) 
       continue;
     edges.push_back({static_cast<std::uint32_t>(uses[i].key >> 32), static_cast<std::uint32_t>(uses[i].key & 0xffffffffu)});
   }
+  drop_loose_ends(edges, mesh.vertices.size());
   return edges;
 }
 

@@ -29,11 +29,24 @@ class Camera {
   constructor(map) {
     this.map = map;
     this.up = unit(map.views[0].up);
-    this.reset();
+    this.reset(1.5);
   }
-  reset() { Object.assign(this, this.goal(this.map.views[0], this.map.ball)); }
-  goal(view, ball) {
-    return { turn: turnTo(view.eye, view.up), target: ball.center.slice(), half: 0.96 * ball.radius };
+  reset(aspect) { Object.assign(this, this.goal(turnTo(this.map.views[0].eye, this.map.views[0].up), -1, aspect)); }
+  // So that the part, or one feature of it, fills a window of this width to height.
+  goal(turn, feature, aspect) {
+    const { places, features, count } = this.map.surface, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < count; i++) {
+      if (feature >= 0 && features[i] - 1 !== feature) continue;
+      for (let k = 0; k < 3; k++) {
+        const v = turn[k][0] * places[4 * i] + turn[k][1] * places[4 * i + 1] + turn[k][2] * places[4 * i + 2];
+        low[k] = Math.min(low[k], v);
+        high[k] = Math.max(high[k], v);
+      }
+    }
+    if (low[0] > high[0]) return { turn, target: this.map.ball.center.slice(), half: this.map.radius };
+    const middle = [0, 1, 2].map(k => (low[k] + high[k]) / 2), wide = (high[0] - low[0]) / 2, tall = (high[1] - low[1]) / 2;
+    const half = Math.max(tall, wide / Math.max(aspect, 1), aspect < 1 ? tall * aspect : 0, 0.15 * this.map.radius);
+    return { turn, target: [0, 1, 2].map(k => turn[0][k] * middle[0] + turn[1][k] * middle[1] + turn[2][k] * middle[2]), half: 1.1 * half };
   }
   // The part's upright stays upright: sideways about it, up and down about the screen's horizontal.
   orbit(dx, dy) {

@@ -18,43 +18,28 @@ function readMap(text) {
       places: signedOf(json.surface.places), normals: new Int8Array(bytesOf(json.surface.normals).buffer),
       features: wordsOf(json.surface.features), triangles: wordsOf(json.surface.triangles), edges: wordsOf(json.surface.edges),
     },
-    points: { places: signedOf(json.points.places), features: wordsOf(json.points.features) },
+    points: { places: signedOf(json.points.places), normals: new Int8Array(bytesOf(json.points.normals).buffer), features: wordsOf(json.points.features) },
     aside: signedOf(json.aside),
   };
   map.surface.count = map.surface.places.length / 4;
   map.points.count = map.points.places.length / 4;
   // Edges of a free form of many facets would hide what is drawn on them.
   map.drawEdges = map.surface.edges.length * 6 < map.surface.triangles.length * 4;
-  map.radius = 1;
-  map.featureBalls = map.features.map(() => null);
-  measureExtents(map);
+  measureExtent(map);
   return map;
 }
 
-// The ball around everything, and one around each feature.
-function measureExtents(map) {
-  const places = map.surface.places, boxes = map.features.map(() => null);
-  const all = [Infinity, Infinity, Infinity, -Infinity, -Infinity, -Infinity];
-  const add = (box, i) => {
+// The ball around everything.
+function measureExtent(map) {
+  const places = map.surface.places, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < map.surface.count; i++)
     for (let k = 0; k < 3; k++) {
-      box[k] = Math.min(box[k], places[4 * i + k]);
-      box[k + 3] = Math.max(box[k + 3], places[4 * i + k]);
+      low[k] = Math.min(low[k], places[4 * i + k]);
+      high[k] = Math.max(high[k], places[4 * i + k]);
     }
-  };
-  for (let i = 0; i < map.surface.count; i++) {
-    add(all, i);
-    const feature = map.surface.features[i] - 1;
-    if (feature < 0) continue;
-    if (!boxes[feature]) boxes[feature] = [Infinity, Infinity, Infinity, -Infinity, -Infinity, -Infinity];
-    add(boxes[feature], i);
-  }
-  const ball = box => ({
-    center: [0, 1, 2].map(k => (box[k] + box[k + 3]) / 2),
-    radius: Math.max(1, Math.hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]) / 2),
-  });
-  map.ball = ball(all);
-  map.radius = map.ball.radius;
-  map.featureBalls = boxes.map(box => box && ball(box));
+  const radius = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2;
+  map.ball = { center: [0, 1, 2].map(k => (low[k] + high[k]) / 2), radius };
+  map.radius = Math.max(1, radius);
 }
 
 const toMm = (map, p) => p.map((v, k) => map.center[k] + v * map.step);

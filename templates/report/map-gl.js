@@ -26,8 +26,16 @@ void main() {
 }
 `;
 
-const surfaceFragmentShader = `
+const lightShader = `
 precision highp float;
+float light(vec3 facing) {
+  vec3 n = normalize(facing);
+  if (n.z < 0.0) n = -n;
+  return 0.62 + 0.32 * max(0.0, dot(n, normalize(vec3(-0.45, 0.65, 0.9)))) + 0.10 * max(0.0, dot(n, normalize(vec3(0.8, -0.2, 0.5))));
+}
+`;
+
+const surfaceFragmentShader = lightShader + `
 uniform sampler2D ramp;
 uniform float plain, only, grain;
 varying float deviation, mine;
@@ -41,38 +49,37 @@ void main() {
   if (state.y > 0.5) color = stripe ? vec3(0.59, 0.0, 0.43) : vec3(1.0, 0.84, 0.94);
   else if (state.x > 0.5) color = stripe ? vec3(0.69, 0.69, 0.67) : vec3(0.97, 0.965, 0.94);
   if (mine < 0.5) color = mix(color, vec3(0.93, 0.94, 0.95), 0.88);
-  vec3 n = normalize(facing);
-  if (n.z < 0.0) n = -n;
-  float light = 0.62 + 0.32 * max(0.0, dot(n, normalize(vec3(-0.45, 0.65, 0.9)))) + 0.10 * max(0.0, dot(n, normalize(vec3(0.8, -0.2, 0.5))));
-  gl_FragColor = vec4(color * light, 1.0);
+  gl_FragColor = vec4(color * light(facing), 1.0);
 }
 `;
 
 const pointVertexShader = commonShader + `
-attribute vec4 place;
+attribute vec4 place, normal;
 attribute float feature;
 uniform float perTolerance, chosen, size, nearer, one;
 varying float deviation, mine;
+varying vec3 facing;
 void main() {
   gl_Position = seen(place.xyz, nearer);
+  facing = one > 0.5 ? vec3(0.0, 0.0, 1.0) : turn * normal.xyz;
   deviation = place.w * perTolerance;
   mine = chosen < 0.0 || abs(feature - 1.0 - chosen) < 0.5 ? 1.0 : 0.0;
   gl_PointSize = mine > 0.5 || one > 0.5 ? size : max(1.5, 0.5 * size);
 }
 `;
 
-const pointFragmentShader = `
-precision highp float;
+const pointFragmentShader = lightShader + `
 uniform sampler2D ramp;
 uniform float only, one;
 varying float deviation, mine;
+varying vec3 facing;
 void main() {
   vec2 d = gl_PointCoord - 0.5;
   if (dot(d, d) > 0.25 || (only > 0.5 && mine < 0.5 && one < 0.5)) discard;
   vec3 color = texture2D(ramp, vec2(clamp(0.5 + 0.25 * deviation, 0.002, 0.998), 0.5)).rgb;
   if (mine < 0.5) color = vec3(0.86, 0.87, 0.88);
   if (one > 0.5) color = vec3(0.47, 0.235, 0.63);
-  gl_FragColor = vec4(color * 0.97, 1.0);
+  gl_FragColor = vec4(color * light(facing), 1.0);
 }
 `;
 
@@ -117,7 +124,7 @@ function makeGlRenderer(canvas, map) {
   };
   const buffers = {
     places: buffer(map.surface.places), normals: buffer(map.surface.normals), features: buffer(map.surface.features),
-    points: buffer(map.points.places), pointFeatures: buffer(map.points.features), aside: buffer(map.aside),
+    points: buffer(map.points.places), pointNormals: buffer(map.points.normals), pointFeatures: buffer(map.points.features), aside: buffer(map.aside),
     triangles: buffer(map.surface.triangles, gl.ELEMENT_ARRAY_BUFFER), edges: buffer(map.surface.edges, gl.ELEMENT_ARRAY_BUFFER),
   };
   const texture = gl.createTexture();
@@ -152,7 +159,7 @@ function makeGlRenderer(canvas, map) {
     draw(state, camera, ratio) {
       gl.viewport(0, 0, canvas.width, canvas.height);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-      const perTolerance = map.deviationStep / map.tolerance, only = state.only && state.feature >= 0 ? 1 : 0;
+      const perTolerance = state.magnify * map.deviationStep / map.tolerance, only = state.only && state.feature >= 0 ? 1 : 0;
       const shared = { perTolerance, only, chosen: state.feature };
       if (state.mode !== "points") {
         use(programs.surface, camera, { ...shared, plain: state.mode === "both" ? 1 : 0, grain: ratio });
@@ -176,7 +183,8 @@ function makeGlRenderer(canvas, map) {
         const size = Math.min(14 * ratio, Math.max(2 * ratio, factor * map.spacing * pixels));
         use(programs.point, camera, { ...shared, size, one, nearer: state.mode === "both" || one ? 0.004 : 0 });
         attribute(programs.point, "place", places, 4, gl.SHORT, false);
-        if (features) attribute(programs.point, "feature", features, 1, gl.UNSIGNED_SHORT, false);
+        if (!one) attribute(programs.point, "normal", buffers.pointNormals, 4, gl.BYTE, true);
+        if (!one) attribute(programs.point, "feature", features, 1, gl.UNSIGNED_SHORT, false);
         gl.drawArrays(gl.POINTS, 0, count);
       };
       if (state.mode !== "surface") points(buffers.points, buffers.pointFeatures, map.points.count, 0, state.mode === "both" ? 1.1 : 2);

@@ -11,19 +11,23 @@ function makeSoftRenderer(canvas, map) {
     colors[at] = 0xff000000 | b << 16 | g << 8 | r;
   }
 
+  function lightOf(normals, i, camera) {
+    const n = [normals[4 * i] / 127, normals[4 * i + 1] / 127, normals[4 * i + 2] / 127];
+    const side = dot(camera.turn[2], n) < 0 ? -1 : 1, f = camera.turn.map(row => side * dot(row, n));
+    return 0.62 + 0.32 * Math.max(0, dot(f, key)) + 0.1 * Math.max(0, dot(f, fill));
+  }
+
   function projectSurface(camera, width, height) {
     const places = map.surface.places, normals = map.surface.normals;
     for (let i = 0; i < map.surface.count; i++) {
       const p = camera.project([places[4 * i], places[4 * i + 1], places[4 * i + 2]], width, height);
       screen.set(p, 3 * i);
-      const n = [normals[4 * i] / 127, normals[4 * i + 1] / 127, normals[4 * i + 2] / 127];
-      const side = dot(camera.turn[2], n) < 0 ? -1 : 1, f = camera.turn.map(row => side * dot(row, n));
-      light[i] = 0.62 + 0.32 * Math.max(0, dot(f, key)) + 0.1 * Math.max(0, dot(f, fill));
+      light[i] = lightOf(normals, i, camera);
     }
   }
 
   function drawSurface(state, width, height) {
-    const { triangles, places, normals, features } = map.surface, perTolerance = map.deviationStep / map.tolerance;
+    const { triangles, places, normals, features } = map.surface, perTolerance = state.magnify * map.deviationStep / map.tolerance;
     for (let t = 0; t < triangles.length; t += 3) {
       const a = triangles[t], b = triangles[t + 1], c = triangles[t + 2];
       const mine = state.feature < 0 || features[a] - 1 === state.feature;
@@ -69,13 +73,14 @@ function makeSoftRenderer(canvas, map) {
   }
 
   function drawPoints(places, features, count, camera, state, radius, bias, color, width, height) {
-    const perTolerance = map.deviationStep / map.tolerance;
+    const perTolerance = state.magnify * map.deviationStep / map.tolerance;
     for (let i = 0; i < count; i++) {
       const mine = state.feature < 0 || !features || features[i] - 1 === state.feature;
       if (!mine && state.only) continue;
       const p = camera.project([places[4 * i], places[4 * i + 1], places[4 * i + 2]], width, height), depth = p[2] + bias;
       const k = 3 * Math.min(255, Math.max(0, Math.floor((0.5 + 0.25 * places[4 * i + 3] * perTolerance) * 256)));
-      const [r, g, b] = color || (mine ? [map.ramp[k], map.ramp[k + 1], map.ramp[k + 2]] : [220, 222, 225]);
+      const l = color ? 1 : lightOf(map.points.normals, i, camera);
+      const [r, g, b] = (color || (mine ? [map.ramp[k], map.ramp[k + 1], map.ramp[k + 2]] : [220, 222, 225])).map(v => v * l);
       for (let y = Math.round(p[1]) - radius; y <= Math.round(p[1]) + radius; y++)
         for (let x = Math.round(p[0]) - radius; x <= Math.round(p[0]) + radius; x++)
           if (x >= 0 && y >= 0 && x < width && y < height && depth > depths[y * width + x]) put(y * width + x, depth, r, g, b);

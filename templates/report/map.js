@@ -3,7 +3,7 @@ const byId = id => document.getElementById(id);
 const viewer = byId("viewer"), stage = byId("stage"), readout = byId("readout"), hint = byId("hint"), marks = byId("marks");
 let canvas = byId("canvas");
 const map = readMap(byId("map-data").textContent), camera = new Camera(map);
-const state = { mode: "surface", feature: -1, only: false, aside: false, pins: true, finding: -1 };
+const state = { mode: "surface", feature: -1, only: false, aside: false, pins: true, finding: -1, magnify: 1 };
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 let renderer = null, waiting = false, flight = 0, frames = 0, projection = null;
 
@@ -109,7 +109,7 @@ function pick(x, y) {
   return pickPoint(x, y, surface ? surface.depth - 0.03 * map.radius : -Infinity) || surface;
 }
 
-const digits = Math.max(0, Math.min(6, 3 - Math.floor(Math.log10(map.tolerance))));
+const digits = Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(map.tolerance))));
 const signed = mm => (Math.abs(mm) < 0.5 * 10 ** -digits ? "" : mm < 0 ? "\u2212" : "+") + Math.abs(mm).toFixed(digits);
 
 function wordsOfHit(hit) {
@@ -141,8 +141,11 @@ function showHit(hit, x, y) {
 
 // ---- Moving
 
+const aspect = () => stage.clientWidth / Math.max(1, stage.clientHeight);
+
 function fly(goal) {
   cancelAnimationFrame(flight);
+  hint.hidden = true;
   const from = { turn: camera.turn, target: camera.target.slice(), half: camera.half }, begin = performance.now();
   const step = now => {
     const share = still.matches ? 1 : Math.min(1, (now - begin) / 450);
@@ -154,7 +157,7 @@ function fly(goal) {
 }
 
 function showView(index) {
-  fly({ ...camera.goal(map.views[index], state.feature >= 0 && map.featureBalls[state.feature] ? map.featureBalls[state.feature] : map.ball) });
+  fly(camera.goal(turnTo(map.views[index].eye, map.views[index].up), state.feature, aspect()));
   tell("View " + map.views[index].words + ".");
 }
 
@@ -167,8 +170,9 @@ function choose(feature, moves) {
     button.closest("tr").classList.toggle("selected", mine);
   }
   if (moves) {
-    const ball = feature >= 0 && map.featureBalls[feature] ? map.featureBalls[feature] : map.ball;
-    fly({ turn: camera.turn, target: ball.center.slice(), half: Math.max(1.3 * ball.radius, feature >= 0 ? 0.25 * map.radius : 0) });
+    const goal = camera.goal(camera.turn, feature, aspect());
+    goal.half = Math.max(goal.half * (feature >= 0 ? 1.3 : 1), 0.3 * map.radius);
+    fly(goal);
   }
   tell(feature >= 0 ? "Feature " + map.features[feature] + " is shown alone." : "All features are shown.");
   redraw();
@@ -277,7 +281,7 @@ stage.addEventListener("keydown", event => {
   else if (step) camera.orbit(step[0] * 0.12, step[1] * 0.12);
   else if (event.key === "+" || event.key === "=") camera.zoom(1.15);
   else if (event.key === "-") camera.zoom(1 / 1.15);
-  else if (event.key === "0" || event.key === "Home") choose(-1, false), camera.reset();
+  else if (event.key === "0" || event.key === "Home") choose(-1, false), camera.reset(aspect());
   else if (event.key === "Escape") state.finding = -1, choose(-1, true);
   else if (event.key === "Enter" || event.key === " ") {
     const x = stage.clientWidth / 2, y = stage.clientHeight / 2;
@@ -293,6 +297,19 @@ for (const input of document.querySelectorAll("input[name=mode]"))
 byId("feature").addEventListener("change", event => choose(Number(event.target.value), true));
 for (const name of ["only", "aside", "pins"])
   byId(name).addEventListener("change", event => { state[name] = event.target.checked; redraw(); });
+byId("magnify").addEventListener("change", event => {
+  state.magnify = Number(event.target.value);
+  // The scale says what its colours mean now; its histogram belongs to the plain one.
+  const places = Math.max(0, Math.min(8, 3 - Math.floor(Math.log10(map.tolerance / state.magnify))));
+  for (const tick of document.querySelectorAll(".scale [data-share]")) {
+    const share = Number(tick.dataset.share), mm = share * map.tolerance / state.magnify;
+    tick.textContent = share === 0 ? "0" : (share < 0 ? "\u2212" : "+") + Number(Math.abs(mm).toFixed(places)) +
+      (Math.abs(share) === 1 ? state.magnify === 1 ? " T" : " T/" + state.magnify : "");
+  }
+  document.querySelector(".scale .bars").style.visibility = state.magnify === 1 ? "" : "hidden";
+  tell("Colours for " + (state.magnify === 1 ? "the tolerance." : "a " + state.magnify + "th of the tolerance."));
+  redraw();
+});
 byId("closer").addEventListener("click", () => { camera.zoom(1.25); redraw(); });
 byId("farther").addEventListener("click", () => { camera.zoom(0.8); redraw(); });
 map.views.forEach((view, index) => {
@@ -311,5 +328,6 @@ for (const button of document.querySelectorAll(".pick"))
   });
 
 makeRenderer();
+camera.reset(aspect());
 new ResizeObserver(redraw).observe(stage);
 redraw();
