@@ -29,6 +29,7 @@
 
 #include "core/number.h"
 #include "geometry/mesh_distance.h"
+#include "verify/brep_distance.h"
 #include "verify/check_exchange.h"
 #include "verify/iges_tree.h"
 #include "verify/mesh_shape.h"
@@ -105,6 +106,18 @@ void take_shape(Evaluation& evaluation, const TopoDS_Shape& shape, double tolera
   evaluation.error = meshed.error;
   evaluation.solid = check.solid;
   for (auto& fault : check.faults) evaluation.complaints.push_back(std::move(fault));
+  // Flat faces are their mesh; and without a solid the shape's own orientation says nothing.
+  if (evaluation.solid && evaluation.error > 1e-6 * tolerance && count(body, TopAbs_SOLID) > 0)
+    evaluation.exact = BrepDistance::make(body);
+  // A shell with a gap is not made whole by a loose face that happens to lie in it.
+  if (check.solid)
+    for (TopExp_Explorer shells(shape, TopAbs_SHELL); shells.More(); shells.Next())
+      if (!BRep_Tool::IsClosed(TopoDS::Shell(shells.Current()))) {
+        evaluation.failed = true;
+        evaluation.complaints.push_back("a shell of the file is open: " + std::to_string(count(shells.Current(), TopAbs_FACE)) +
+                                        " faces that do not close, with loose faces beside it");
+        break;
+      }
 }
 
 void compare_with_tree(Evaluation& evaluation, IGESControl_Reader& reader, bool has_body, double tolerance) {

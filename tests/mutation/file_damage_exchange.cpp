@@ -75,8 +75,9 @@ void in_step(const FileSubject& s, std::vector<FileDamage>& damages) {
     return m[1].str() + m[2].str() + "," + m[2].str() + ")";
   }), {"twice", "edges", "facets", "same place", "overlap", "duplicate"}});
   static const std::regex face("(ADVANCED_FACE\\([^;]*,)\\.([TF])\\.\\);");
-  for (const std::size_t n : {0u, 1u, 2u})
-    damages.push_back({"inverted facets", "face " + print_number(double(n + 1)), nth_changed(text, face, n, [](const std::smatch& m) { return m[1].str() + (m[2].str() == "T" ? ".F.);" : ".T.);"); }), {"opposite", "same direction", "orient", "inverted", "edges", "inside", "invalid"}});
+  // The reader turns such a face over again: what it delivers is the part.
+  for (const std::size_t n : {0u, 1u})
+    damages.push_back({"harmless edits", "sense of face " + print_number(double(n + 1)) + " flipped, which the reader repairs", nth_changed(text, face, n, [](const std::smatch& m) { return m[1].str() + (m[2].str() == "T" ? ".F.);" : ".T.);"); }), {}, true});
   static const std::regex point("CARTESIAN_POINT\\('[^']*',\\(([-0-9.E+]+),([-0-9.E+]+),([-0-9.E+]+)\\)\\)");
   auto point_with = [&](std::size_t n, const std::string& x) {
     return nth_changed(text, point, n, [&](const std::smatch& m) { return "CARTESIAN_POINT('',(" + x + "," + m[2].str() + "," + m[3].str() + "))"; });
@@ -203,7 +204,7 @@ void in_iges(const FileSubject& s, std::vector<FileDamage>& damages) {
     f.insert(f.begin() + 2 + 2 * n, {face, sense});
     return true;
   }), {"twice", "edges", "facets", "same place", "overlap", "duplicate", "invalid", "open"}});
-  damages.push_back({"inverted facets", "face 1", changed(shell, [](auto& f) { return f[3] = f[3] == "0" ? "1" : "0", true; }), {"opposite", "same direction", "orient", "inverted", "edges", "inside", "invalid"}});
+  damages.push_back({"harmless edits", "sense of face 1 flipped, which the reader repairs", changed(shell, [](auto& f) { return f[3] = f[3] == "0" ? "1" : "0", true; }), {}, true});
   damages.push_back({"reference to nothing", "in the shell", changed(shell, [](auto& f) { return f[2] = "99999", true; }), invalid});
   damages.push_back({"endless loop", "a shell that refers to itself", changed(shell, [&](auto& f) { return f[2] = std::to_string(std::stoi(lines[shell->first].substr(64, 8))), true; }), invalid, false, 20});
   for (const auto& [kind, at] : {std::pair<std::string, std::size_t>{"110", 1}, {"116", 1}, {"502", 2}}) {

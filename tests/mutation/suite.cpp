@@ -135,12 +135,6 @@ void judge(DamageCase& c, const Subject& subject) {
   }
 }
 
-std::vector<std::string> words_for(Mutation::Kind kind) {
-  if (kind == Mutation::Kind::mirrored) return {"mirror"};
-  if (kind == Mutation::Kind::scaled) return {"scale", "too large", "times too", "larger than", "smaller than"};
-  return {"whole part"};
-}
-
 }  // namespace
 
 Harm harm_between(const TriangleMesh& truth, const TriangleMesh& damaged, double beyond) {
@@ -205,7 +199,7 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
           c.moved = m.moved;
           c.harm = harm;
           c.whole = of_whole_part(kind);
-          if (c.whole) c.says = words_for(kind);
+          if (c.whole) c.says = {"whole part"};
         }
         turn += options.in_turn;
       }
