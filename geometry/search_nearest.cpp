@@ -68,13 +68,16 @@ struct Versions {
   decltype(&baseline::search) search = baseline::search;
   decltype(&baseline::search_leaf) search_leaf = baseline::search_leaf;
   decltype(&baseline::boxes_within) boxes_within = baseline::boxes_within;
+  decltype(&baseline::collect) collect = baseline::collect;
   Versions() {
 #if PARTSCRIBE_VECTOR_VERSIONS
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-      search = avx512::search, search_leaf = avx512::search_leaf, boxes_within = avx512::boxes_within;
+      search = avx512::search, search_leaf = avx512::search_leaf, boxes_within = avx512::boxes_within,
+      collect = avx512::collect;
     else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
-      search = avx2::search, search_leaf = avx2::search_leaf, boxes_within = avx2::boxes_within;
+      search = avx2::search, search_leaf = avx2::search_leaf, boxes_within = avx2::boxes_within,
+      collect = avx2::collect;
 #endif
   }
 };
@@ -92,6 +95,10 @@ void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& be
 
 void search_nearest(const TriangleTree& tree, const Frontier& frontier, const Vec3& query, NearestSlot& best) {
   versions().search(tree, frontier.blocks.data(), frontier.used, query, best);
+}
+
+void triangles_within(const TriangleTree& tree, const Vec3& query, double distance, std::vector<NearSlot>& found) {
+  if (!tree.nodes.empty()) versions().collect(tree, query, distance * distance, found);
 }
 
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint) {

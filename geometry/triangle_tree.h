@@ -60,6 +60,13 @@ TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads);
 /// on the mesh and the query alone: not on the tree, on what `best` held, or on the machine's instructions.
 void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best);
 
+struct NearSlot {
+  double sq_distance = 0;
+  std::uint32_t triangle = 0;
+};
+/// Appends every triangle no farther than `distance`, in any order.
+void triangles_within(const TriangleTree& tree, const Vec3& query, double distance, std::vector<NearSlot>& found);
+
 /// The parts of a tree that matter to queries that lie close together.
 struct Frontier {
   static constexpr int most = 32;

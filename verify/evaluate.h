@@ -1,6 +1,7 @@
 /// Runs an artifact by its own program and returns the geometry that really came out.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "geometry/triangle_mesh.h"
 
 namespace partscribe {
+
+class BrepDistance;
 
 struct EvaluateOptions {
   double tolerance = 0.1;     ///< mm; surfaces are meshed to a tenth of it
@@ -24,6 +27,7 @@ struct Evaluation {
   TriangleMesh mesh;                    ///< mm, outward
   bool solid = false;                   ///< closed and oriented, positive volume
   double error = 0;                     ///< mm, measured bound between `mesh` and the exact geometry
+  std::shared_ptr<const BrepDistance> exact;  ///< of a STEP or IGES solid whose surfaces the mesh only approaches
   double seconds = 0;
   bool failed = false;                  ///< the program ran and refused or warned: out of tolerance, never passed
   std::vector<std::string> complaints;  ///< what it said, one line each
