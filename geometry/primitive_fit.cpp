@@ -8,6 +8,7 @@
 
 #include "core/ensure.h"
 #include "core/number.h"
+#include "core/random.h"
 #include "geometry/primitive_kernels.h"
 #include "geometry/primitive_start.h"
 
@@ -15,7 +16,6 @@ namespace partscribe {
 namespace {
 
 using Unknowns = Eigen::Matrix<double, max_unknowns, 1>;
-using Square = Eigen::Matrix<double, max_unknowns, max_unknowns>;
 
 constexpr std::size_t enough_to_start = 512;  // points that choose the basin; all points then settle the digits
 constexpr double loosest_axis = 0.2;          // rad, 1 sigma: beyond it a direction is not known
@@ -499,13 +499,19 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
   Place place;
   const bool sampled = points.size() > enough_to_start * 3 / 2;
   const std::size_t count = sampled ? enough_to_start : points.size();
-  const auto sample = [&](std::size_t k) { return sampled ? k * points.size() / count : k; };
+  // One point of every stretch, at a place within it that no grid of scan lines can follow.
+  Random random(1);
+  std::vector<std::size_t> sample(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t begin = k * points.size() / count, end = (k + 1) * points.size() / count;
+    sample[k] = begin + (sampled ? random.below(end - begin) : 0);
+  }
   // Of a sphere every number is its own, and any middle of the points will do; along an axis `point` follows the
   // middle.
   std::optional<Flat> flat;
   if (kind == PrimitiveKind::sphere && sampled) {
     std::vector<Vec3> few;
-    for (std::size_t k = 0; k < count; ++k) few.push_back(points[sample(k)]);
+    for (std::size_t k = 0; k < count; ++k) few.push_back(points[sample[k]]);
     flat = flat_of(few, nullptr, few[0]);
   }
   if (!flat || !(flat->spread.sum() > 0)) flat = flat_of(points, nullptr, points[points.size() / 2]);
@@ -528,7 +534,7 @@ std::optional<PrimitiveFit> fit_curved(PrimitiveKind kind, const std::vector<Vec
   std::vector<Vec3> few_points, few_normals;
   ScaledPoints few{&few_points, Vec3::Zero(), 1, {}};
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = sample(k);
+    const std::size_t i = sample[k];
     few_points.push_back(all[i]);
     if (!all.weight.empty()) few.weight.push_back(all.weight[i]);
     if (normals.size() == points.size()) few_normals.push_back(normals[i]);

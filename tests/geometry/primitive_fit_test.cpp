@@ -381,3 +381,46 @@ TEST_CASE("primitive fit: planes look along the normals, and starts keep their s
         0.999);
   }
 }
+
+TEST_CASE("primitive fit: a grid of scan lines is sampled across its lines") {
+  // 512 lines of 512 points: every 512th point alone would be one line along the axis.
+  Random random(14);
+  std::vector<Vec3> grid;
+  for (int line = 0; line < 512; ++line)
+    for (int i = 0; i < 512; ++i) {
+      const double a = 0.004 * (i - 256);
+      const double r = 20 + 0.02 * random.normal();
+      grid.emplace_back(r * std::cos(a), r * std::sin(a), 0.1 * (line - 256));
+    }
+  const auto fit = fit_primitive(PrimitiveKind::cylinder, grid, {}, {});
+  REQUIRE(fit);
+  CHECK(fit->converged);
+  CHECK(fit->primitive.radius == Approx(20).margin(0.001));
+}
+
+TEST_CASE("primitive fit: whatever the points, the numbers are finite") {
+  Random random(15);
+  for (int trial = 0; trial < 400; ++trial) {
+    const PrimitiveKind kind = kinds[random.below(7)];
+    Primitive truth = example(kinds[random.below(7)], std::pow(10, random.uniform(-3, 6)), random);
+    const double arc = std::pow(10, random.uniform(-4, 0.8)), size = std::pow(10, random.uniform(-6, 6));
+    std::vector<Vec3> points = scan_of(truth, random.below(60), arc, random.below(2) ? 0.02 : 0, random).points;
+    const auto squash = random.below(4);
+    for (Vec3& q : points) {
+      if (squash < 2) q.z() = 0;
+      if (squash < 1) q.y() = 0;
+      q *= size;
+    }
+    PrimitiveFitOptions options;
+    options.robust = random.below(2) ? 2.5 : 0;
+    const auto fit = fit_primitive(kind, points, {}, options);
+    if (!fit) continue;
+    INFO(name_of(kind) << " " << trial);
+    CHECK(fit->primitive.point.allFinite());
+    CHECK(fit->primitive.axis.norm() == Approx(1));
+    for (const double value :
+         {fit->primitive.radius, fit->primitive.tube, fit->primitive.half_angle, fit->rms, fit->sigma_radius,
+          fit->sigma_tube, fit->sigma_half_angle, fit->sigma_point, fit->sigma_axis})
+      CHECK((std::isfinite(value) && value >= 0));
+  }
+}
