@@ -239,9 +239,11 @@ void rounded_edges(const Model& model, std::vector<SizedEdit>& edits) {
         const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
         if (std::abs(turn) < radians(30)) continue;
         const SketchPoint point = *corner;
+        // Large enough that the strip beyond T is wider than the neighbourhoods by which a sparse scan is judged.
+        const double radius_wanted = std::min(20 * model.tolerance, 0.95 * room / std::tan(std::abs(turn) / 2));
         edits.push_back(
             {Kind::rounded, model.objects[o].name + ": corner " + print_number(double(e + 1)) + " of " + loops[l].name,
-             8 * model.tolerance, false,
+             radius_wanted, true,
              [&model, o, l, e, shape = *shape, point, at, in, out, room, turn](double size) -> std::optional<Model> {
                const double radius = std::abs(size), tangent = radius * std::tan(std::abs(turn) / 2);
                if (tangent > room) return {};

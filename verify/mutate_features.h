@@ -24,7 +24,7 @@ struct SizedEdit {
 /// of a few thousand points on the part.
 std::vector<Edit> additions(const Model& model, const Gauge& gauge);
 
-/// Damages that are to move the surface by 2 T: rounded edges, tapered walls, a hole of its own diameter, the part
+/// Damages that are to move the surface by 2 T or, where only an edge changes, by more: rounded edges, tapered walls, a hole of its own diameter, the part
 /// together with its shifted copy.
 std::vector<SizedEdit> sized_edits(const Model& model);
 

@@ -228,10 +228,10 @@ std::optional<std::string> whole_part_fault(const ScanSource& source, const Tria
   if (mesh.empty() || source.points.size() < 100) return std::nullopt;
   const Seeker seeker(source, mesh, surface, options);
   const double now = seeker.share({});
-  // What is said must be worth saying: nearly all points come to lie on it, and clearly more than before.
+  // What is said must be worth saying: all points but stray ones come to lie on it, and clearly more than before.
   auto said = [&](const Similarity& to) -> std::optional<std::string> {
     const double then = seeker.share(to);
-    if (then < 0.97 || then < now + clear_gain || seeker.effect(to) < seeker.tolerance()) return std::nullopt;
+    if (then < 1 - options.outlier_rate || then < now + clear_gain || seeker.effect(to) < seeker.tolerance()) return std::nullopt;
     return "the whole part is " + described(to, seeker.center()) + ": put right, " + percent(then) +
            " of the points lie on it, now " + percent(now);
   };
