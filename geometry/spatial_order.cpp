@@ -70,7 +70,7 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3> points, int threa
   }
   const double extent = box.empty() ? 0 : box.size().maxCoeff();
   const double scale = extent > 0 && extent <= huge ? (1 << bits) * (1 - 1e-9) / extent : 0;
-  std::vector<std::uint64_t> keyed(points.size()), other(points.size());
+  std::vector<std::uint64_t> keyed(points.size()), other;
   parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::uint32_t cell[3];
@@ -81,7 +81,14 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3> points, int threa
       keyed[i] = std::uint64_t(hilbert_key(cell[0], cell[1], cell[2])) << 32 | static_cast<std::uint32_t>(i);
     }
   }, 1 << 14);
+  std::vector<std::uint32_t> order(points.size());
+  auto finish = [&] {
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint32_t>(keyed[i]);
+    return std::move(order);
+  };
+  if (std::is_sorted(keyed.begin(), keyed.end())) return finish();
   // Stable by digits of ten bits.
+  other.resize(points.size());
   std::array<std::array<std::uint32_t, 1 << bits>, 3> start{};
   for (const auto item : keyed)
     for (unsigned digit = 0; digit < 3; ++digit) ++start[digit][(item >> (32 + digit * bits)) & ((1 << bits) - 1)];
@@ -91,9 +98,7 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3> points, int threa
     for (const auto item : keyed) other[start[digit][(item >> (32 + digit * bits)) & ((1 << bits) - 1)]++] = item;
     keyed.swap(other);
   }
-  std::vector<std::uint32_t> order(points.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint32_t>(keyed[i]);
-  return order;
+  return finish();
 }
 
 }  // namespace partscribe

@@ -11,7 +11,7 @@
 namespace partscribe {
 namespace {
 
-constexpr int bins = 16;
+constexpr std::size_t few = 48;              // triangles that are sorted into fewer bins
 constexpr int sah_depth = 48;                // below it splits are by count, so that the stack of a search is bounded
 constexpr std::size_t least_task = 8192;     // triangles; smaller subtrees are not worth a task of their own
 
@@ -168,7 +168,8 @@ class Builder {
           widest = i, area = child[i].box.half_area();
       if (widest < 0) break;
       const Range parent = child[widest];
-      split(parent, child[widest], child[children++]);
+      if (parent.size() < few) split<6>(parent, child[widest], child[children++]);
+      else split<16>(parent, child[widest], child[children++]);
     }
     const auto index = static_cast<std::uint32_t>(nodes.size());
     nodes.emplace_back();
@@ -195,30 +196,36 @@ class Builder {
   }
 
   /// Cuts a range in two by the surface area heuristic on binned centres.
+  template <int bins>
   void split(const Range& range, Range& left, Range& right) {
     std::size_t middle = range.begin;
     Range part[2];
     if (range.depth < sah_depth) {
       int best_axis = -1, best_bin = 0;
-      float scale[3];
+      float scale[3], extent[3];
+      for (int k = 0; k < 3; ++k) extent[k] = range.centers.high.v[k] - range.centers.low.v[k];
+      const float widest = std::max({extent[0], extent[1], extent[2]});
+      // Across a patch's thin side a cut gains nothing.
+      int axes[3], axis_count = 0;
       for (int k = 0; k < 3; ++k) {
-        const float extent = range.centers.high.v[k] - range.centers.low.v[k];
-        scale[k] = extent > 0 ? bins * (1 - 1e-6f) / extent : 0;
+        scale[k] = extent[k] > 0 && extent[k] >= 0.3f * widest ? bins * (1 - 1e-6f) / extent[k] : 0;
         if (!std::isfinite(scale[k])) scale[k] = 0;
+        if (scale[k] > 0) axes[axis_count++] = k;
       }
       Box boxes[3][bins];
       std::uint32_t counts[3][bins] = {};
       for (std::size_t i = range.begin; i < range.end; ++i) {
         const Item& item = items_[i];
-        for (int axis = 0; axis < 3; ++axis) {
-          const int b = bin_of(item, axis, range.centers.low.v[axis], scale[axis]);
+        for (int n = 0; n < axis_count; ++n) {
+          const int axis = axes[n];
+          const int b = bin_of<bins>(item, axis, range.centers.low.v[axis], scale[axis]);
           ++counts[axis][b];
           boxes[axis][b].add(item.low, item.high);
         }
       }
       float best_cost = INFINITY;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (scale[axis] == 0) continue;
+      for (int n = 0; n < axis_count; ++n) {
+        const int axis = axes[n];
         float right_cost[bins];
         Box box;
         std::uint32_t count = 0;
@@ -245,7 +252,7 @@ class Builder {
           side.box.add(item.low, item.high), side.centers.add(center, center);
         };
         while (i < j) {
-          if (bin_of(items_[i], best_axis, range.centers.low.v[best_axis], scale[best_axis]) <= best_bin) {
+          if (bin_of<bins>(items_[i], best_axis, range.centers.low.v[best_axis], scale[best_axis]) <= best_bin) {
             measure(part[0], items_[i++]);
           } else {
             std::swap(items_[i], items_[--j]);
@@ -264,6 +271,7 @@ class Builder {
     left = part[0], right = part[1];
   }
 
+  template <int bins>
   static int bin_of(const Item& item, int axis, float low, float scale) {
     return std::clamp(static_cast<int>((item.twice_center(axis) - low) * scale), 0, bins - 1);
   }

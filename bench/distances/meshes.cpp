@@ -173,6 +173,9 @@ void compare_on(const std::string& name, const TriangleMesh& mesh, std::size_t c
       rows.push_back({"ours, batch, signed" + suffix, [&, threads] {
         ours->for_each_closest(queries, threads, Sign::inside_negative, [&](std::size_t i, const MeshHit& hit) { other[i] = hit.distance; });
       }, all, {}, {}});
+      rows.push_back({"ours, batch, sorted (not counted)" + suffix, [&, threads] {
+        ours->for_each_closest(sorted, threads, Sign::none, [&](std::size_t i, const MeshHit& hit) { other[i] = hit.distance; });
+      }, all, {}, {}});
       if (embree)
         rows.push_back({"Embree, sorted (not counted), warm" + suffix, [&, threads] {
           shared_out(count, threads, [&](std::size_t b, std::size_t e) { embree->distances(sorted, b, e, true, other.data()); });
