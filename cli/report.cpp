@@ -106,14 +106,14 @@ Result<Material> verified_material(const std::vector<Path>& files, Session& sess
     return usage_error("report needs a folder that build filled, or an artifact and at least one scan, found only " +
                        files.front().string());
   material.name = part_name(material.artifacts.front());
-  material.folder = material.name + "-report";
   auto scan = read_scans(scans, session);
   if (!scan) return scan.error();
   material.scan = std::move(*scan);
   VerifyOptions options;
   const Path beside = material.artifacts.front().parent_path() / "model.json";
   if (std::filesystem::is_regular_file(beside))
-    if (auto model = read_model(beside)) material.model = **model;
+    if (auto model = read_model(beside)) material.model = **model, material.name = material.model->name;
+  material.folder = material.name + "-report";
   if (material.model && !session.options.tolerance) {
     options.tolerance = material.model->tolerance;
   } else {

@@ -1,6 +1,7 @@
 #include "cli/report_html.h"
 
 #include <cstdint>
+#include <utility>
 
 #include "core/number.h"
 
@@ -18,6 +19,12 @@ std::string escaped(std::string_view text) {
       default: result += c;
     }
   return result;
+}
+
+std::string typeset(std::string text) {
+  for (const auto& [plain, fine] : {std::pair{"+-", "\xc2\xb1"}, {"+/-", "\xc2\xb1"}, {"mm^2", "mm\xc2\xb2"}, {"mm2", "mm\xc2\xb2"}})
+    for (std::size_t at = 0; (at = text.find(plain, at)) != std::string::npos;) text.replace(at, std::string(plain).size(), fine);
+  return escaped(text);
 }
 
 std::string base64(std::string_view bytes) {

@@ -10,6 +10,9 @@ namespace partscribe {
 /// `text` with the characters that HTML reserves replaced.
 std::string escaped(std::string_view text);
 
+/// The same for a sentence, with a real plus-minus and a raised 2 where plain text has "+-" and "mm2".
+std::string typeset(std::string text);
+
 /// RFC 4648, with padding.
 std::string base64(std::string_view bytes);
 

@@ -70,7 +70,7 @@ std::string report_page(const ReportInput& input) {
   data["name"] = escaped(spoken(input.name));
   data["outcome"] = escaped(title_of(verdict.verdict));
   data["outcome_class"] = name_of(verdict.verdict);
-  data["sentence"] = escaped(verdict_sentence(verdict));
+  data["sentence"] = typeset(verdict_sentence(verdict));
   data["fallback"] = input.model && input.model->fallback
                          ? "The model is a triangulation, because no procedure with named dimensions met the tolerance."
                          : "";

@@ -36,10 +36,12 @@ std::string place(const Vec3& p) {
 
 double in_unit(double value, Quantity quantity) { return quantity == Quantity::angle ? degrees(value) : value; }
 
-std::string signed_number(double value) {
-  const std::string text = readable(std::abs(value));
-  return text == "0" ? text : (value < 0 ? "\xe2\x88\x92" : "+") + text;
+/// With a sign, and no more digits than a thousandth of the tolerance deserves.
+std::string signed_number(double value, double step) {
+  const double size = snapped(std::abs(value), step);
+  return size == 0 ? "0" : (value < 0 ? "\xe2\x88\x92" : "+") + print_number(size);
 }
+
 
 std::string figure(const std::string& name, const std::string& value, const std::string& more) {
   return "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + (more.empty() ? "" : "<small>" + escaped(more) + "</small>") +
@@ -47,12 +49,13 @@ std::string figure(const std::string& name, const std::string& value, const std:
 }
 
 /// A row of the table that measures: nominal, measured, deviation.
-void dimension_row(HtmlTable& table, const FeatureVerdict& feature, std::size_t row, const FeatureDimension& d) {
+void dimension_row(HtmlTable& table, const FeatureVerdict& feature, std::size_t row, const FeatureDimension& d, double tolerance) {
   const std::string unit = unit_of(d.quantity);
+  const double step = d.quantity == Quantity::angle ? 0.001 : power_of_ten_below(tolerance) / 1000;
   table.html_row({"<button type=\"button\" class=\"pick\" data-feature=\"" + std::to_string(row) + "\">" + escaped(feature.name) + "</button>",
-                  escaped(d.name), escaped(print_number(snapped(in_unit(d.nominal, d.quantity), 1e-6))),
+                  escaped(d.name), escaped(print_number(snapped(in_unit(d.nominal, d.quantity), step))),
                   escaped(with_sigma(in_unit(d.measured, d.quantity), in_unit(d.sigma, d.quantity))),
-                  escaped(signed_number(in_unit(d.deviation, d.quantity))), escaped(unit),
+                  escaped(signed_number(in_unit(d.deviation, d.quantity), step)), escaped(unit),
                   d.within ? chip(true, "in") : chip(false, "out")},
                  d.within ? "" : " class=\"fault\"");
 }
@@ -80,7 +83,8 @@ std::string key_figures(const Verdict& verdict, const std::optional<Model>& mode
     const auto& d = artifact->data_to_model;
     const auto& m = artifact->model_to_data;
     text += figure("Worst deviation", readable(d.local_max) + " mm",
-                   percent(d.local_max, verdict.tolerance) + " of the tolerance; rms " + readable(d.rms) + " mm");
+                   (d.local_max > 1.5 * verdict.tolerance ? readable(snapped(d.local_max / verdict.tolerance, 0.1)) + " times" : percent(d.local_max, verdict.tolerance) + " of") +
+                       " the tolerance; rms " + readable(d.rms) + " mm");
     text += figure("Surface not scanned", percent(m.not_scanned, m.area), readable(m.not_scanned) + " of " + readable(m.area) + " mm\xc2\xb2");
     if (m.contradicted > 0)
       text += figure("Surface contradicted", percent(m.contradicted, m.area), readable(m.contradicted) + " mm\xc2\xb2 that the scan denies");
@@ -105,7 +109,7 @@ std::string findings_section(const Verdict& verdict, const std::vector<ReportPic
       std::size_t count = 0;
       for (const auto& f : artifact.findings) count += f.kind != Finding::Kind::not_scanned;
       if (count) elsewhere += "<li>" + escaped(artifact.file) + ": " + std::to_string(count) + (count == 1 ? " finding" : " findings") +
-                              ", the worst: " + escaped(artifact.findings.front().text) + "</li>\n";
+                              ", the worst: " + typeset(artifact.findings.front().text) + "</li>\n";
       continue;
     }
     for (std::size_t k = 0; k < artifact.findings.size(); ++k) {
@@ -124,7 +128,7 @@ std::string findings_section(const Verdict& verdict, const std::vector<ReportPic
       for (const auto& picture : pictures)
         if (picture.name == "finding-" + number + ".png") faults += figure_of(picture);
       faults += "<div><h3>" + number + ". " + title_of(f.kind) + (f.feature.empty() ? "" : ": " + escaped(f.feature)) + "</h3>\n<p>" +
-                escaped(f.text) + "</p>\n<p class=\"facts\">" + (f.reason.empty() ? "" : escaped(f.reason) + "; ") + "area " +
+                typeset(f.text) + "</p>\n<p class=\"facts\">" + (f.reason.empty() ? "" : escaped(f.reason) + "; ") + "area " +
                 readable(f.area) + " mm\xc2\xb2, width " + readable(f.extent) + " mm, " + grouped(f.points) + " scanned points, at " +
                 place(f.place) + " mm</p>\n<p class=\"onscreen\">" + button + "</p></div></li>\n";
     }
@@ -133,7 +137,11 @@ std::string findings_section(const Verdict& verdict, const std::vector<ReportPic
   for (const auto& a : verdict.artifacts)
     for (const auto& reason : a.reasons) reasons.push_back(a.file + ": " + reason);
   std::string text;
-  if (!reasons.empty()) text += "<h3>Why the verdict is what it is</h3>\n" + html_list(reasons);
+  if (!reasons.empty()) {
+    text += "<h3>Why the verdict is what it is</h3>\n<ul>\n";
+    for (const auto& reason : reasons) text += "<li>" + typeset(reason) + "</li>\n";
+    text += "</ul>\n";
+  }
   if (!faults.empty()) text += "<ol class=\"findings\">\n" + faults + "</ol>\n";
   else if (verdict.verdict == Outcome::verified) text += "<p>None: no place was found where the model and the scan disagree.</p>\n";
   if (!elsewhere.empty()) text += "<h3>In the other files</h3>\n<ul>\n" + elsewhere + "</ul>\n";
@@ -158,26 +166,27 @@ std::string features_section(const Verdict& verdict) {
                        escaped(f.kind), grouped(f.points), escaped(readable(f.rms)), bar(f.max, verdict.tolerance), escaped(percent(f.covered, 1)),
                        chip(f.verdict)},
                       f.verdict == Outcome::out_of_tolerance ? " class=\"fault\"" : "");
-    for (const auto& d : f.dimensions) dimension_row(dimensions, f, k, d);
+    for (const auto& d : f.dimensions) dimension_row(dimensions, f, k, d, verdict.tolerance);
   }
   return features.done() + (dimensions.rows() ? dimensions.done() : std::string());
 }
 
 std::string artifacts_section(const Verdict& verdict) {
-  HtmlTable table("Each file, evaluated by its own program and compared with the scan in both directions (mm)",
-                  {"file", "verdict", "evaluated by", "evaluation error#", "largest local deviation#", "rms#", "50 %#", "95 %#", "99 %#",
-                   "largest raw#", "points#", "set aside#", "supported#", "not scanned#", "contradicted#"});
+  HtmlTable table("Each file, evaluated by its own program and compared with the scan in both directions",
+                  {"file", "verdict", "evaluated by", "largest local deviation mm#", "surface supported#", "not scanned#", "contradicted#"});
+  HtmlTable statistics("Distances of the scanned points to what each file describes (mm)",
+                       {"file", "points#", "set aside#", "rms#", "50 %#", "95 %#", "99 %#", "largest single#", "error of the evaluation#"});
   for (const auto& a : verdict.artifacts) {
     const auto& d = a.data_to_model;
     const auto& m = a.model_to_data;
     const bool compared = m.area > 0;
-    auto number = [&](double v) { return compared ? readable(v) : std::string("-"); };
-    table.html_row({escaped(a.file), chip(a.verdict), escaped(a.program + " " + a.version), escaped(number(a.evaluation_error)),
-                    compared ? bar(d.local_max, verdict.tolerance) : "-", number(d.rms), number(d.p50), number(d.p95), number(d.p99), number(d.max),
-                    grouped(d.points), grouped(d.rejected), percent(m.supported, m.area), percent(m.not_scanned, m.area),
-                    percent(m.contradicted, m.area)});
+    table.html_row({escaped(a.file), chip(a.verdict), escaped(a.program + " " + a.version), compared ? bar(d.local_max, verdict.tolerance) : "-",
+                    percent(m.supported, m.area), percent(m.not_scanned, m.area), percent(m.contradicted, m.area)});
+    if (compared)
+      statistics.row({a.file, grouped(d.points), grouped(d.rejected), readable(d.rms), readable(d.p50), readable(d.p95), readable(d.p99),
+                      readable(d.max), readable(a.evaluation_error)});
   }
-  std::string text = table.done() + "<p>" + escaped(honesty_sentences(verdict)) + "</p>\n";
+  std::string text = table.done() + "<p>" + escaped(honesty_sentences(verdict)) + "</p>\n" + (statistics.rows() ? statistics.done() : "");
   if (!verdict.between_backends.empty()) {
     HtmlTable pairs("Do the files describe the same part? Largest distance between them (mm)", {"first", "second", "distance#", "agree"});
     for (const auto& pair : verdict.between_backends)

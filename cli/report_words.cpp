@@ -51,12 +51,12 @@ std::string verdict_sentence(const Verdict& verdict) {
       return "The CAD model is the scanned part: wherever the part was scanned, the two agree within " + readable(worst) +
              " mm, and " + tolerance + " is allowed.";
     case Outcome::out_of_tolerance: {
-      std::string text = "The CAD model is not the scanned part";
+      const std::string text = "The CAD model is not the scanned part";
       const Finding* fault = nullptr;
       if (artifact)
         for (const auto& f : artifact->findings)
           if (f.kind != Finding::Kind::not_scanned && !f.text.empty() && !fault) fault = &f;
-      if (fault) return text + ", with " + tolerance + " allowed. The worst place: " + fault->text + ".";
+      if (fault) return text + ": somewhere they differ by more than the " + tolerance + " allowed. The worst place: " + fault->text + ".";
       if (artifact && artifact->data_to_model.local_max > verdict.tolerance)
         return text + ": they differ by up to " + readable(artifact->data_to_model.local_max) + " mm, and " + tolerance +
                " is allowed.";

@@ -195,7 +195,7 @@ function visit(index) {
   const eye = unit(normal.map((v, k) => v + 0.35 * camera.up[k] + 0.2 * camera.turn[0][k]));
   const up = Math.abs(dot(eye, camera.up)) > 0.97 ? camera.turn[1] : camera.up;
   fly({ turn: turnTo(eye, up), target: place, half: Math.min(map.radius, Math.max(1.6 * finding.extent / map.step, 0.12 * map.radius)) });
-  tell("Finding " + (index + 1) + ": " + finding.text);
+  tell("Finding " + (index + 1) + ": " + finding.text.replaceAll("+-", "\u00b1"));
   redraw();
 }
 
@@ -307,7 +307,7 @@ byId("magnify").addEventListener("change", event => {
       (Math.abs(share) === 1 ? state.magnify === 1 ? " T" : " T/" + state.magnify : "");
   }
   document.querySelector(".scale .bars").style.visibility = state.magnify === 1 ? "" : "hidden";
-  tell("Colours for " + (state.magnify === 1 ? "the tolerance." : "a " + state.magnify + "th of the tolerance."));
+  tell("Colours for " + (state.magnify === 1 ? "the tolerance T." : "T/" + state.magnify + "."));
   redraw();
 });
 byId("closer").addEventListener("click", () => { camera.zoom(1.25); redraw(); });

@@ -226,6 +226,7 @@ TEST_CASE("report: a share that is not nothing never reads as nothing") {
   CHECK(percent(5, 5) == "100 %");
   CHECK(percent(4.9999, 5) == "over 99.9 %");
   CHECK(percent(1, 0) == "-");
+  CHECK(typeset("19.99 +- 0.01 over 14 mm2 < 15 mm^2") == "19.99 \u00b1 0.01 over 14 mm\u00b2 &lt; 15 mm\u00b2");
   CHECK(grouped(0) == "0");
   CHECK(grouped(1035921) == "1,035,921");
 }
