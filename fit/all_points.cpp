@@ -61,6 +61,8 @@ void assign_traits(AllPoints& all, const PointCloud& cloud, const std::vector<En
   all.group.resize(n);
   for (std::size_t i = 0; i < n; ++i)
     all.group[i] = all.by_view ? numbers[cloud.view[entries[i].index]] : octant(all.points[i] - center);
+  if (cloud.rays.size() == cloud.size())
+    for (const auto& e : entries) all.rays.push_back(cloud.rays[e.index]);
   if (cloud.rays.size() == cloud.size() && cloud.normals.size() == cloud.size())
     for (const auto& e : entries) all.cosine.push_back(std::abs(cloud.rays[e.index].dot(cloud.normals[e.index])));
   if (cloud.sigma.size() == cloud.size())
@@ -91,7 +93,7 @@ void make_nodes(AllPoints& all, const std::vector<Entry>& entries, bool single) 
     auto copy = column;
     for (std::size_t i = 0; i < n; ++i) column[i] = copy[order[i]];
   };
-  permute(all.points), permute(all.group), permute(all.cosine), permute(all.relative);
+  permute(all.points), permute(all.rays), permute(all.group), permute(all.cosine), permute(all.relative);
   permute(all.at.value), permute(all.at.face);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     while (end < n && entries[end].cell == entries[begin].cell && all.at.face[end] == all.at.face[begin]) ++end;

@@ -12,9 +12,10 @@ namespace {
 
 constexpr std::size_t centres = 20000, neighbours = 200, least_points = 400;
 /// Lags in pitches; the last ring is where noise is taken to have decayed.
-constexpr std::array<double, 9> ring_ends = {1.2, 1.7, 2.2, 2.7, 3.5, 4.5, 5.5, 6.5, 8.0};
+constexpr std::array<double, 8> ring_ends = {1.2, 1.7, 2.2, 2.7, 3.5, 4.5, 5.5, 7.0};
 constexpr std::size_t rings = ring_ends.size();
 constexpr double significant = 3;
+constexpr double of_a_filter = 0.3;  // correlation of neighbours; a mean over 2 x 2 pixels makes it 0.5
 
 struct RingSums {
   std::array<double, rings> product{}, sq_lag{};
@@ -23,10 +24,10 @@ struct RingSums {
 
 }  // namespace
 
-Correlation correlation_of(const std::vector<Vec3>& points, const std::vector<double>& residuals,
+Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<double>& residuals,
                            const std::vector<int>& group, int group_count, int threads) {
   Correlation result;
-  const std::size_t n = points.size();
+  const std::size_t n = places.size();
   if (n < least_points) return result;
   std::vector<std::vector<std::uint32_t>> members(static_cast<std::size_t>(group_count));
   for (std::size_t i = 0; i < n; ++i) members[static_cast<std::size_t>(group[i])].push_back(static_cast<std::uint32_t>(i));
@@ -37,7 +38,7 @@ Correlation correlation_of(const std::vector<Vec3>& points, const std::vector<do
   for (const auto& member : members) {
     if (member.size() < neighbours) continue;
     std::vector<Vec3> own;
-    for (const auto i : member) own.push_back(points[i]);
+    for (const auto i : member) own.push_back(places[i]);
     const KdTree tree(own);
     std::vector<std::uint32_t> chosen;
     for (std::size_t k = 0; k < own.size(); k += stride) chosen.push_back(static_cast<std::uint32_t>(k));
@@ -95,15 +96,16 @@ Correlation correlation_of(const std::vector<Vec3>& points, const std::vector<do
   double level = correlation(rings - 1);
   if (level < significant * chance(rings - 1)) level = 0;
   level = std::min(level, 0.95);
-  double sum = 1, second = 0;
+  double sum = 1, second = 0, neighbouring = 0;
   for (std::size_t k = 0; k + 1 < rings; ++k) {
     const double rho = (correlation(k) - level) / (1 - level);
     if (rho < significant * chance(k) / (1 - level)) break;
+    if (k == 0) neighbouring = rho;
     sum += rho * total.pairs[k] / centre_count;
     second += rho * total.sq_lag[k] / centre_count;
   }
   result.points_per_independent = sum;
-  result.smoothing = second / sum / 4;
+  if (neighbouring > of_a_filter) result.smoothing = second / sum / 4;
   return result;
 }
 

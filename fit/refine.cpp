@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "fit/all_points.h"
 #include "fit/normal_equations.h"
@@ -26,15 +27,31 @@ double median_scale(std::vector<double> d) {
   return 1.4826 * *middle;
 }
 
+/// Scale of the residuals for each point: that of all, but in the first rounds that of its face where it is larger. A
+/// small face that starts out of place would else be taken for outliers and stay there.
+std::vector<double> scales_of(const Distances& d, double scale, bool by_face) {
+  constexpr std::size_t least_points = 10;
+  std::vector<double> result(d.value.size(), scale);
+  if (!by_face) return result;
+  std::map<int, std::vector<double>> faces;
+  for (std::size_t i = 0; i < d.value.size(); ++i) faces[d.face[i]].push_back(d.value[i]);
+  std::map<int, double> of_face;
+  for (auto& [face, values] : faces)
+    of_face[face] = values.size() < least_points ? scale : std::max(scale, median_scale(std::move(values)));
+  for (std::size_t i = 0; i < d.value.size(); ++i) result[i] = of_face[d.face[i]];
+  return result;
+}
+
 /// Levenberg-Marquardt from wherever the candidate stands.
 void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<Vec3>& points, double noise,
              const RefineOptions& options, RefineReport& report, Context& context) {
+  constexpr int rounds_by_face = 5;
   const Welsch kernel{options.welsch};
   const double size = unknowns.size();
-  auto cost = [&](const std::vector<double>& d, double scale) {
+  auto cost = [&](const std::vector<double>& d, const std::vector<double>& scales) {
     double sum = 0;
-    for (const double v : d) sum += kernel.loss(v / scale);
-    return sum * scale * scale;
+    for (std::size_t i = 0; i < d.size(); ++i) sum += kernel.loss(d[i] / scales[i]) * scales[i] * scales[i];
+    return sum;
   };
   Candidate best = candidate;
   Distances d = unknowns.distances(best, points, context.threads);
@@ -42,11 +59,13 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
   double lambda = 1e-6;
   std::vector<double> weight(points.size()), pull(points.size());
   for (; report.iterations < options.iterations && !context.cancelled; ++report.iterations) {
+    const bool by_face = report.iterations < rounds_by_face;
+    const auto scales = scales_of(d, scale, by_face);
     for (std::size_t i = 0; i < points.size(); ++i)
-      weight[i] = kernel.weight(d.value[i] / scale), pull[i] = weight[i] * d.value[i];
+      weight[i] = kernel.weight(d.value[i] / scales[i]), pull[i] = weight[i] * d.value[i];
     const Jacobian jacobian = unknowns.jacobian(best, points, d, context.threads);
     const NormalEquations normal = normal_equations(jacobian.rows, weight, pull, context.threads);
-    const double before = cost(d.value, scale), trace = normal.h.trace() / double(normal.h.rows());
+    const double before = cost(d.value, scales), trace = normal.h.trace() / double(normal.h.rows());
     bool improved = false;
     double largest = 0;
     for (int attempt = 0; attempt < 8 && !improved; ++attempt) {
@@ -59,7 +78,7 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
         continue;
       }
       Distances next_d = unknowns.distances(next, points, context.threads);
-      if (cost(next_d.value, scale) <= before * (1 + 1e-12)) {
+      if (cost(next_d.value, scales) <= before * (1 + 1e-12)) {
         improved = true;
         largest = step.cwiseAbs().maxCoeff();
         best = std::move(next);
@@ -74,7 +93,9 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
     scale = std::min(scale, new_scale);
     if (!improved || (largest < 1e-7 * size && scale_settled)) {
       report.converged = true;
-      break;
+      if (!by_face) break;
+      // The common scale has the last word.
+      report.iterations = rounds_by_face - 1;
     }
   }
   candidate = std::move(best);
@@ -119,7 +140,10 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   RefineReport report;
   const Unknowns unknowns(candidate, options.fixed, input.bounds.center(), std::max(0.5 * input.bounds.diagonal(), 1e-9));
   const double noise = std::max(input.sampling.sigma, 1e-7 * unknowns.size());
-  const std::vector<Vec3> points = selected(input.cloud.points, options.points);
+  // The last steps take every point; before them a sample finds the way as well.
+  constexpr std::size_t enough_to_start = 8000;
+  const std::vector<Vec3> points =
+      selected(input.cloud.points, options.uncertainty ? std::min(options.points, enough_to_start) : options.points);
   if (points.size() < unknowns.count()) return report;
   descend(candidate, unknowns, points, noise, options, report, context);
   for (auto& p : candidate.parameters)

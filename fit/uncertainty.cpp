@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/number.h"
@@ -18,47 +19,44 @@ namespace {
 /// Of the noise of one point: what is left of it in an instrument's own scale and straightness.
 constexpr double floor_share = 0.05;
 
-/// A known shape of deviation along the normal, mm, one number per node, whose size the data may know.
+/// A known deviation along the normal, mm, one number per node.
 using Deviation = std::vector<double>;
 
-/// Standard deviations of the unknowns under `size` times a deviation, where `size` has a standard normal prior and the
-/// residuals, as far as the fit has not absorbed it, have their say. What the kernel would set aside counts for little.
-Vector spread_of(const Deviation& deviation, const AllPoints& all, const std::vector<double>& weight,
-                 const std::vector<double>& pull, const Welsch& kernel, double noise, int threads) {
+/// How far a deviation of the data moves the unknowns. What the kernel would set aside counts for little.
+Vector effect_of(const Deviation& deviation, const AllPoints& all, const std::vector<double>& weight,
+                 const Welsch& kernel, int threads) {
   constexpr int rounds = 3;
   const Matrix& rows = all.jacobian.rows;
-  std::vector<double> left = deviation, w = weight, moment(weight.size());
-  Matrix h_inverse;
+  std::vector<double> w = weight, moment(weight.size());
   Vector effect = Vector::Zero(rows.cols());
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t k = 0; k < w.size(); ++k) {
-      left[k] = deviation[k] - rows.row(static_cast<Eigen::Index>(k)).dot(effect);
-      if (round > 0) w[k] = weight[k] * kernel.weight(left[k] / all.sigma[all.nodes[k].begin]);
+      const double left = deviation[k] - rows.row(static_cast<Eigen::Index>(k)).dot(effect);
+      if (round > 0) w[k] = weight[k] * kernel.weight(left / all.sigma[all.nodes[k].begin]);
       moment[k] = w[k] * deviation[k];
     }
     const NormalEquations normal = normal_equations(rows, w, moment, threads);
     effect = pseudo_inverse(normal.h) * normal.g;
   }
-  double information = 0, score = 0;
-  for (std::size_t k = 0; k < w.size(); ++k) {
-    left[k] = deviation[k] - rows.row(static_cast<Eigen::Index>(k)).dot(effect);
-    information += w[k] * left[k] * left[k];
-    if (weight[k] > 0) score += w[k] * left[k] * pull[k] / weight[k];
-  }
-  const double mean = score / (noise + information), variance = noise / (noise + information);
-  return effect.cwiseAbs() * std::sqrt(mean * mean + variance);
+  return effect.cwiseAbs();
 }
 
 /// How deep a triangulated surface lies below the true one: the model's distance at a point of a facet against what its
-/// corners' distances would give. Errors of the corners themselves cancel, flat faces give nothing.
+/// corners' distances would give. Errors of the corners themselves cancel, flat faces give nothing. The corners are taken
+/// a little inside their facet, where their nearest face is the facet's own; the mean depth grows by what that cuts off.
 Deviation chord_deviation(const Candidate& candidate, const AllPoints& all, const FitInput& input,
                           const ModelDistance& distance, int threads) {
+  constexpr double inset = 0.97, whole = (2.0 / 3) / (inset * inset - 1.0 / 3);
   Deviation result;
   const TriangleMesh& mesh = input.scan->mesh;
   const Pose part_from_scan = candidate.scan_from_part.inverse();
-  std::vector<double> corner(mesh.vertices.size());
+  std::vector<std::array<double, 3>> corner(mesh.triangles.size());
   parallel_for(corner.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) corner[i] = distance(part_from_scan * mesh.vertices[i]).distance;
+    for (std::size_t t = begin; t < end; ++t) {
+      const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+      for (int k = 0; k < 3; ++k)
+        corner[t][k] = distance(part_from_scan * (middle + inset * (mesh.corner(t, k) - middle))).distance;
+    }
   });
   const MeshDistance nearest(mesh);
   result.assign(all.nodes.size(), 0);
@@ -75,8 +73,10 @@ Deviation chord_deviation(const Candidate& candidate, const AllPoints& all, cons
             const Vec3 normal = ab.cross(ac), p = all.points[i] - a;
             const double square = normal.squaredNorm(), w = 1 / (all.sigma[i] * all.sigma[i]);
             if (!(square > 0)) continue;
-            const double v = p.cross(ac).dot(normal) / square, u = ab.cross(p).dot(normal) / square;
-            sum += w * (all.at.value[i] - ((1 - u - v) * corner[t[0]] + v * corner[t[1]] + u * corner[t[2]]));
+            const auto inner = [&](double share) { return 1.0 / 3 + (share - 1.0 / 3) / inset; };
+            const double v = inner(p.cross(ac).dot(normal) / square), u = inner(ab.cross(p).dot(normal) / square);
+            const auto& c = corner[hit.triangle];
+            sum += whole * w * (all.at.value[i] - ((1 - u - v) * c[0] + v * c[1] + u * c[2]));
             weights += w;
           }
           if (weights > 0) result[k] = sum / weights;
@@ -87,7 +87,7 @@ Deviation chord_deviation(const Candidate& candidate, const AllPoints& all, cons
 }
 
 /// What a smoothing of variance `smoothing` per axis does: it replaces each place by the mean of its surroundings, which
-/// bend away from the tangent plane.
+/// bend away from the tangent plane. Rounded edges are no part of it: they move no face.
 Deviation smoothing_deviation(const Candidate& candidate, const AllPoints& all, double smoothing,
                               const ModelDistance& distance, int threads) {
   constexpr int directions = 8;
@@ -102,16 +102,37 @@ Deviation smoothing_deviation(const Candidate& candidate, const AllPoints& all, 
       const Vec3 normal = all.jacobian.gradients[k] / length;
       const Vec3 foot = all.nodes[k].place - distance(part_from_scan * all.nodes[k].place).distance * normal;
       const Mat3 frame = rotation_onto_axis(normal);
+      const int face = all.at.face[all.nodes[k].begin];
       double sum = 0;
-      for (int a = 0; a < directions; ++a) {
+      for (int a = 0; a < directions / 2; ++a) {
         const double angle = 2 * pi * a / directions;
-        const Vec3 around = foot + radius * (std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1));
-        sum += distance(part_from_scan * around).distance / directions;
+        const Vec3 off = radius * (std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1));
+        const ModelHit one = distance(part_from_scan * (foot + off)), other = distance(part_from_scan * (foot - off));
+        if (one.face == face && other.face == face) sum += (one.distance + other.distance) / directions;
       }
       result[k] = -sum;
     }
   });
   return result;
+}
+
+/// Where the used points would be without their noise: across the ray of their view, on the surface where that is unknown.
+std::vector<Vec3> noise_free_places(const AllPoints& all) {
+  std::vector<Vec3> ray(static_cast<std::size_t>(all.group_count), Vec3::Zero());
+  const bool across = all.by_view && !all.rays.empty();
+  if (across) {
+    for (std::size_t i = 0; i < all.points.size(); ++i) ray[static_cast<std::size_t>(all.group[i])] += all.rays[i];
+    for (auto& r : ray) r.normalize();
+  }
+  std::vector<Vec3> places;
+  for (std::size_t k = 0; k < all.nodes.size(); ++k)
+    for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
+      if (!all.used[i]) continue;
+      const Vec3& r = ray[static_cast<std::size_t>(all.group[i])];
+      places.push_back(across ? Vec3(all.points[i] - all.points[i].dot(r) * r)
+                              : Vec3(all.points[i] - all.at.value[i] * all.jacobian.gradients[k]));
+    }
+  return places;
 }
 
 /// Sums over the points of each node, and of each group, as if the kernel were least squares: a residual is
@@ -176,7 +197,6 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   result.views = result.facets = result.filter = result.noise;
 
   double slope = 0, square = 0, used = 0, weights = 0, squares = 0;
-  std::vector<Vec3> points;
   std::vector<double> residuals, sigmas;
   std::vector<int> group;
   for (std::size_t i = 0; i < all.points.size(); ++i) {
@@ -184,7 +204,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
     const double u = all.at.value[i] / all.sigma[i], psi = kernel.psi(u), w = kernel.weight(u);
     slope += kernel.slope(u), square += psi * psi, used += 1;
     weights += w, squares += w * all.at.value[i] * all.at.value[i];
-    points.push_back(all.points[i]), residuals.push_back(psi), sigmas.push_back(all.sigma[i]);
+    residuals.push_back(psi), sigmas.push_back(all.sigma[i]);
     group.push_back(all.by_view ? all.group[i] : 0);
   }
   if (used <= double(unknowns.count()) || !(slope > 0) || !(square > 0)) return result;
@@ -193,7 +213,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   result.rms = std::sqrt(squares / std::max(weights, 1e-300) * (1 + 1 / (kernel.c * kernel.c)));
 
   const Correlation correlation =
-      correlation_of(points, residuals, group, all.by_view ? all.group_count : 1, context.threads);
+      correlation_of(noise_free_places(all), residuals, group, all.by_view ? all.group_count : 1, context.threads);
   result.points_per_independent = correlation.points_per_independent;
   const double freedom = used / (used - double(unknowns.count()));
   const double noise = square / (slope * slope) * correlation.points_per_independent * freedom;
@@ -218,11 +238,11 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   }
   if (sampled_facets) {
     const Deviation chords = chord_deviation(candidate, all, input, distance, context.threads);
-    fill(result.facets, spread_of(chords, all, sums.weight, sums.pull, kernel, noise, context.threads));
+    fill(result.facets, effect_of(chords, all, sums.weight, kernel, context.threads));
   } else if (correlation.smoothing > 0) {
     const Deviation smoothed =
         smoothing_deviation(candidate, all, correlation.smoothing, distance, context.threads);
-    fill(result.filter, spread_of(smoothed, all, sums.weight, sums.pull, kernel, noise, context.threads));
+    fill(result.filter, effect_of(smoothed, all, sums.weight, kernel, context.threads));
   }
   std::nth_element(sigmas.begin(), sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2), sigmas.end());
   result.floor = floor_share * sigmas[sigmas.size() / 2];

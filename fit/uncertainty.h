@@ -10,7 +10,7 @@ struct Uncertainty {
   std::vector<double> noise;    ///< falls with the number of independent points
   std::vector<double> views;    ///< views, or regions where views are unknown, that disagree: registration, calibration
   std::vector<double> facets;   ///< chords of a coarse source mesh
-  std::vector<double> filter;   ///< smoothing that flattened what curves
+  std::vector<double> filter;   ///< smoothing that flattened what curves; noise that hangs together is taken to be smoothed
   double floor = 0;             ///< mm, what no data can tell about the instrument
   double points_per_independent = 1;
   double rms = 0;               ///< mm, of the residuals that count

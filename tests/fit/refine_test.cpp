@@ -6,7 +6,9 @@
 
 #include "fit/prepare.h"
 #include "fit/refine.h"
+#include "fit/unknowns.h"
 #include "tests/fit/sampled.h"
+#include "tests/fit/trials.h"
 #include "tests/model/parts.h"
 
 using namespace partscribe;
@@ -85,26 +87,113 @@ TEST_CASE("refine: a cylinder comes home from a start that is well off") {
   CHECK(std::abs(c.parameters[1].value - 25) < 3 * c.parameters[1].sigma);
 }
 
-TEST_CASE("refine: the noise part of sigma holds the truth as often as it says") {
-  Context context;
-  int inside = 0;
-  const int runs = 60;
-  for (int run = 0; run < runs; ++run) {
-    test::Sampling s;
-    s.points = 400, s.noise = 0.05, s.reach = 20, s.seed = 100 + static_cast<std::uint64_t>(run);
-    Scan scan = test::sampled(test::model_with(Sphere{12}), s);
-    FitInput input;
-    input.cloud = scan.cloud;
-    input.bounds = input.cloud.bounds();
-    input.sampling.sigma = 0.05;
-    input.thin_spacing = 2;
+TEST_CASE("refine: derivatives asked face by face are those of every point") {
+  for (const Model& truth : {test::pin(), test::link()}) {
     Candidate c;
-    c.object_name = "ball";
-    c.shape = Sphere{Expr::of("radius")};
-    c.parameters = {test::length("radius", 11.5)};
-    refine(c, input, {}, context);
-    inside += std::abs(c.parameters[0].value - 12) < 1.96 * c.parameters[0].sigma_noise;
+    c.object_name = "part", c.shape = truth.objects.back().shape, c.parameters = truth.parameters;
+    c.scan_from_part = {rotation_of({0.2, 0.1, -0.3}), {3, -2, 5}};
+    test::Sampling s;
+    s.points = 3000, s.reach = 70, s.noise = 0.1;
+    const Scan scan = test::sampled(truth, s);
+    std::vector<Vec3> points;
+    for (const auto& p : scan.cloud.points) points.push_back(c.scan_from_part * p);
+    const Unknowns unknowns(c, {}, {3, -2, 5}, 40);
+    const Distances at = unknowns.distances(c, points, 1);
+    const Jacobian j = unknowns.jacobian(c, points, at, 1);
+    double worst = 0;
+    for (std::size_t k = 0; k < unknowns.count(); ++k) {
+      Vector step = Vector::Zero(static_cast<Eigen::Index>(unknowns.count()));
+      step[static_cast<Eigen::Index>(k)] = 1e-5;
+      const Distances up = unknowns.distances(unknowns.stepped(c, step), points, 1);
+      const Distances down = unknowns.distances(unknowns.stepped(c, -step), points, 1);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (up.face[i] != at.face[i] || down.face[i] != at.face[i]) continue;
+        const double slope = (up.value[i] - down.value[i]) / 2e-5;
+        worst = std::max(worst, std::abs(slope - j.rows(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k))));
+      }
+    }
+    CHECK(worst < 1e-3);
   }
-  // 95 % of 60 is 57; fewer than 51 or all 60 with far too wide intervals would be a lie.
-  CHECK(inside >= 51);
+}
+
+namespace {
+
+/// Sums over all parts of the trials: enough numbers for bounds that mean something.
+struct Pooled {
+  double efficiency = 0, noise_coverage = 0, total_coverage = 0, worst_ratio = 0, independent = 0;
+};
+
+Pooled pooled(test::Trouble trouble, int runs, const test::TrialOptions& options) {
+  Context context;
+  Pooled sum;
+  double numbers = 0;
+  for (const auto& part : test::trial_parts()) {
+    if (trouble == test::Trouble::facets && part.name == "block") continue;
+    const auto s = test::trials(test::scene_of(part, options), trouble, runs, {}, context);
+    const double n = double(part.truth.parameters.size());
+    INFO(part.name << " efficiency " << s.efficiency << " noise " << s.noise_coverage << " all " << s.total_coverage
+                   << " ratio " << s.worst_ratio);
+    CHECK(s.worst_ratio < 1e3);
+    numbers += n;
+    sum.efficiency += n * s.efficiency * s.efficiency;
+    sum.noise_coverage += n * s.noise_coverage, sum.total_coverage += n * s.total_coverage;
+    sum.independent += n * s.effective_share;
+    sum.worst_ratio = std::max(sum.worst_ratio, s.worst_ratio);
+  }
+  sum.efficiency = std::sqrt(sum.efficiency / numbers);
+  sum.noise_coverage /= numbers, sum.total_coverage /= numbers, sum.independent /= numbers;
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("refine: ideal data are used up to the Cramer-Rao bound, and sigma_noise says so") {
+  const Pooled p = pooled(test::Trouble::none, 30, {});
+  CHECK(p.efficiency < 1.1);       // 480 errors: known to 3 %
+  CHECK(p.efficiency > 0.9);
+  CHECK(p.noise_coverage > 0.92);  // 95 % +- 1
+  CHECK(p.noise_coverage < 0.98);
+  CHECK(p.independent > 0.99);
+}
+
+TEST_CASE("refine: noise that differs from view to view is weighed, and outliers are not heard") {
+  CHECK(pooled(test::Trouble::uneven, 20, {}).efficiency < 1.15);
+  const Pooled strewn = pooled(test::Trouble::outliers, 20, {});
+  CHECK(strewn.efficiency < 1.2);
+  CHECK(strewn.noise_coverage > 0.9);
+}
+
+TEST_CASE("refine: every point of a scan has its say, not only the thinned ones") {
+  test::TrialOptions dense;
+  dense.views = 10, dense.resolution = 120;
+  Context context;
+  const auto s = test::trials(test::scene_of(test::trial_parts()[1], dense), test::Trouble::none, 12, {}, context);
+  // A tenth of the points would triple the error.
+  CHECK(s.efficiency < 1.6);
+}
+
+TEST_CASE("refine: neighbouring points that err together count as fewer") {
+  test::TrialOptions fine;
+  fine.views = 5, fine.resolution = 64;
+  const Pooled p = pooled(test::Trouble::correlated, 12, fine);
+  CHECK(p.independent < 0.25);  // the noise is smoothed by a 3 x 3 kernel that leaves 1 in 7
+  CHECK(p.noise_coverage > 0.88);
+}
+
+TEST_CASE("refine: sigma holds the truth when poses are disturbed, and does not exaggerate") {
+  const Pooled p = pooled(test::Trouble::poses, 20, {});
+  CHECK(p.noise_coverage < 0.8);  // the noise part alone would not
+  CHECK(p.total_coverage > 0.91);
+  CHECK(p.worst_ratio < 2);
+}
+
+TEST_CASE("refine: sigma holds the truth under coarse facets and smoothing filters") {
+  const Pooled facets = pooled(test::Trouble::facets, 12, {});
+  CHECK(facets.total_coverage > 0.93);
+  CHECK(facets.worst_ratio < 2);
+  test::TrialOptions fine;
+  fine.views = 5, fine.resolution = 64;
+  const Pooled filtered = pooled(test::Trouble::filtered, 12, fine);
+  CHECK(filtered.total_coverage > 0.91);
+  CHECK(filtered.noise_coverage < 0.8);
 }

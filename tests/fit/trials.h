@@ -188,6 +188,12 @@ inline Scan scan_of(TriangleMesh mesh, std::size_t count, Random& random) {
   return scan;
 }
 
+/// Standard deviation along the normal that a pixel of view `v` has.
+inline double level_of(const TrialScene& scene, Trouble trouble, std::size_t v, const Sighting& pixel) {
+  if (trouble != Trouble::uneven) return scene.options.sigma;
+  return scene.options.sigma * (v % 2 ? 0.4 : 1.6) * (1 + 0.3 * (1 / std::pow(std::max(pixel.cosine, 0.1), 2) - 1));
+}
+
 /// One measurement of the scene.
 inline Scan measured(const TrialScene& scene, Trouble trouble, std::uint64_t seed) {
   Random random(seed * 7919 + 13);
@@ -208,7 +214,7 @@ inline Scan measured(const TrialScene& scene, Trouble trouble, std::uint64_t see
     const Mat3 rotation = rotation_of(turn);
     std::vector<double> along(view.pixels.size());  // range error
     for (std::size_t i = 0; i < along.size(); ++i) {
-      const double level = trouble == Trouble::uneven ? o.sigma * (v % 2 ? 0.4 : 1.6) * (1 + 0.3 * (1 / std::pow(view.pixels[i].cosine, 2) - 1)) : o.sigma;
+      const double level = level_of(scene, trouble, v, view.pixels[i]);
       along[i] = level * white[i] / std::max(view.pixels[i].cosine, 1e-3);
     }
     if (trouble == Trouble::filtered) {
@@ -222,7 +228,7 @@ inline Scan measured(const TrialScene& scene, Trouble trouble, std::uint64_t see
           for (int a = std::max(r - 1, 0); a <= std::min(r + 1, size - 1); ++a)
             for (int b = std::max(c - 1, 0); b <= std::min(c + 1, size - 1); ++b) {
               const auto j = std::size_t(a * size + b);
-              if (view.pixels[j].hit && std::abs(range(j) - range(i)) < 3 * scene.pitch) sum += range(j), count += 1;
+              if (view.pixels[j].hit && std::abs(range(j) - range(i)) < 1.5 * scene.pitch) sum += range(j), count += 1;
             }
           along[i] = sum / count - (range(i) - raw[i]);
         }
@@ -244,7 +250,7 @@ inline Scan measured(const TrialScene& scene, Trouble trouble, std::uint64_t see
 }
 
 /// The Cramer-Rao bound of every parameter for white noise on the scene's points, by central differences at the truth.
-inline std::vector<double> cramer_rao(const TrialScene& scene) {
+inline std::vector<double> cramer_rao(const TrialScene& scene, Trouble trouble) {
   const auto& parameters = scene.part.truth.parameters;
   const auto n = static_cast<Eigen::Index>(parameters.size());
   const Model model = bare_model({"", "part", scene.part.truth.objects.back().shape, parameters, {}, 0});
@@ -257,8 +263,8 @@ inline std::vector<double> cramer_rao(const TrialScene& scene) {
     v[p.name] -= 2 * h, down.emplace_back(model, v);
   }
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n + 6, n + 6);
-  for (const auto& view : scene.views)
-    for (const auto& pixel : view.pixels) {
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    for (const auto& pixel : scene.views[v].pixels) {
       if (!pixel.hit) continue;
       const Vec3 q = part_from_scan * pixel.point;
       Eigen::VectorXd row(n + 6);
@@ -266,9 +272,8 @@ inline std::vector<double> cramer_rao(const TrialScene& scene) {
         row[k] = (up[std::size_t(k)](q).distance - down[std::size_t(k)](q).distance) / (2 * h);
       row.segment<3>(n) = -pixel.normal;
       row.segment<3>(n + 3) = -(pixel.point - scene.center).cross(pixel.normal) / 20;
-      information += row * row.transpose();
+      information += row * row.transpose() / std::pow(level_of(scene, trouble, v, pixel), 2);
     }
-  information /= scene.options.sigma * scene.options.sigma;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
   Eigen::VectorXd inverse = eigen.eigenvalues();
   for (auto& v : inverse) v = v > 1e-9 * information.trace() / double(n + 6) ? 1 / v : 0;
@@ -286,10 +291,10 @@ struct TrialSummary {
   double noise_coverage = 0;    ///< share of 95 % intervals from sigma_noise that hold the truth
   double total_coverage = 0;    ///< from sigma
   double worst_coverage = 1;    ///< of the parameter that does worst, from sigma
-  double noise_ratio = 0;       ///< rms of sigma_noise / rms error, quadratic mean
+  double noise_ratio = 0;       ///< rms of sigma_noise / rms error, quadratic mean; parameters a tenth of the bound exact left out
   double total_ratio = 0;       ///< rms of sigma / rms error
   double worst_ratio = 0;       ///< of the parameter with the widest intervals
-  double effective_share = 0;   ///< independent points / points
+  double effective_share = 0;   ///< independent points / points, mean
 };
 
 inline Candidate trial_start(const TrialScene& scene, Random& random) {
@@ -306,7 +311,7 @@ inline Candidate trial_start(const TrialScene& scene, Random& random) {
 
 inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, const RefineOptions& options, Context& context) {
   const auto& truth = scene.part.truth.parameters;
-  const auto bound = cramer_rao(scene);
+  const auto bound = cramer_rao(scene, trouble);
   std::vector<double> square(truth.size(), 0), noise(truth.size(), 0), total(truth.size(), 0), held(truth.size(), 0);
   TrialSummary s;
   s.runs = runs;
@@ -318,9 +323,15 @@ inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, c
     input.bounds = scan.cloud.bounds();
     input.sampling.sigma = trouble == Trouble::facets ? 0 : scene.options.sigma;
     input.sampling.spacing = input.thin_spacing = scene.pitch;
+    if (scan.cloud.size() > 20000) {
+      // As prepare() does with large scans: makers see a tenth of the points, the scan keeps them all.
+      input.cloud = {};
+      for (std::size_t i = 0; i < scan.cloud.size(); i += 10) input.cloud.points.push_back(scan.cloud.points[i]);
+      input.thin_spacing = std::sqrt(10.0) * scene.pitch;
+    }
     Random random(static_cast<std::uint64_t>(run) + 1000);
     Candidate c = trial_start(scene, random);
-    refine(c, input, options, context);
+    s.effective_share += 1 / refine(c, input, options, context).points_per_independent / runs;
     for (std::size_t k = 0; k < truth.size(); ++k) {
       const auto& p = c.parameters[k];
       const double e = p.value - truth[k].value;
@@ -330,16 +341,20 @@ inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, c
     }
   }
   const double count = double(truth.size());
+  double counted = 0;
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const double efficiency = std::sqrt(square[k]) / bound[k], ratio = std::sqrt(total[k] / square[k]);
     s.efficiency += efficiency * efficiency / count;
     s.worst_efficiency = std::max(s.worst_efficiency, efficiency);
-    s.noise_ratio += noise[k] / square[k] / count, s.total_ratio += total[k] / square[k] / count;
-    s.worst_ratio = std::max(s.worst_ratio, ratio);
+    if (efficiency > 0.1) {
+      s.noise_ratio += noise[k] / square[k], s.total_ratio += total[k] / square[k], counted += 1;
+      s.worst_ratio = std::max(s.worst_ratio, ratio);
+    }
     s.total_coverage += held[k] / count;
     s.worst_coverage = std::min(s.worst_coverage, held[k]);
   }
-  s.efficiency = std::sqrt(s.efficiency), s.noise_ratio = std::sqrt(s.noise_ratio), s.total_ratio = std::sqrt(s.total_ratio);
+  s.efficiency = std::sqrt(s.efficiency), s.noise_ratio = std::sqrt(s.noise_ratio / std::max(counted, 1.0));
+  s.total_ratio = std::sqrt(s.total_ratio / std::max(counted, 1.0));
   return s;
 }
 
