@@ -162,6 +162,12 @@ std::optional<std::string> fault_of_iges(std::string_view text) {
       if (to < 1 || to > last || to % 2 == 0) return name + " refers to an entry that is missing";
       refers[entry].push_back(to);
     }
+    if (type == 514) {
+      auto faces = refers[entry];
+      std::sort(faces.begin(), faces.end());
+      if (const auto twice = std::adjacent_find(faces.begin(), faces.end()); twice != faces.end())
+        return name + " lists the face of entry " + std::to_string(*twice) + " twice";
+    }
     if (type == 180) {  // operands are pointers with the sign changed, operations small positive numbers
       const long count = fields.list.size() > 1 ? whole(fields.list[1]) : 0;
       if (count < 1 || fields.list.size() < static_cast<std::size_t>(count) + 2) return name + ": its record is too short";

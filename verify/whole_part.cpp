@@ -51,6 +51,22 @@ class Seeker {
     return double(on) / double(points_.size());
   }
 
+  /// True if points that lie on the artifact now and then fit worse then: what is right must stay right. One end of a
+  /// bar that is too long could pass for a bar that is too large, if its other sizes were not looked at.
+  bool spoils(const Similarity& to) const {
+    double now = 0, then = 0;
+    std::size_t both = 0;
+    for (const auto& p : points_) {
+      const auto before = surface_.closest_within(p, near_);
+      const auto after = before ? surface_.closest_within(to * p, near_ * to.scale) : std::nullopt;
+      if (!after) continue;
+      ++both;
+      now += before->distance * before->distance;
+      then += after->distance * after->distance / (to.scale * to.scale);
+    }
+    return both >= 50 && then > 1.01 * now + double(both) * std::pow(0.02 * tolerance_, 2);
+  }
+
   /// How far the points typically are, in mm of the scan; a few of them, wild ones forgiven.
   double glance(const Similarity& to) const {
     double sum = 0;
@@ -231,7 +247,9 @@ std::optional<std::string> whole_part_fault(const ScanSource& source, const Tria
   // What is said must be worth saying: all points but stray ones come to lie on it, and clearly more than before.
   auto said = [&](const Similarity& to) -> std::optional<std::string> {
     const double then = seeker.share(to);
-    if (then < 1 - options.outlier_rate || then < now + clear_gain || seeker.effect(to) < seeker.tolerance()) return std::nullopt;
+    if (then < 1 - options.outlier_rate || then < now + clear_gain || seeker.effect(to) < seeker.tolerance() ||
+        seeker.spoils(to))
+      return std::nullopt;
     return "the whole part is " + described(to, seeker.center()) + ": put right, " + percent(then) +
            " of the points lie on it, now " + percent(now);
   };

@@ -1,6 +1,7 @@
 /// The damage suite: every kind of damage through every backend on every part; prints the tables of the manual.
 ///
-/// bench_damage [--most N] [--log FILE] [--parts a,b,...] [--backends a,b,...] [--models-only | --files-only]
+/// bench_damage [--most N] [--log FILE] [--parts a,b,...] [--backends a,b,...] [--models-only | --files-only] [--in-turn]
+/// --in-turn: damages of models through one backend each, in turn, instead of through all; for a quicker look.
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -30,6 +31,7 @@ int main(int count, char** arguments) {
     const std::string value = i + 1 < count ? arguments[i + 1] : "";
     if (option == "--models-only") options.files = false;
     else if (option == "--files-only") options.models = false;
+    else if (option == "--in-turn") options.in_turn = true;
     else if (option == "--most") options.most = static_cast<std::size_t>(std::stoi(value)), ++i;
     else if (option == "--log") log.open(value), ++i;
     else if (option == "--parts") parts = split(value), ++i;
@@ -48,6 +50,7 @@ int main(int count, char** arguments) {
     }
     std::fprintf(stderr, "%s: %zu cases, %zu wrong, %zu named wrong\n", part.c_str(), cases.size(), wrong, unnamed);
     all.insert(all.end(), cases.begin(), cases.end());
+    ++options.turn;
   }
   std::printf("%s", markdown_table(all).c_str());
   std::size_t wrong = 0;

@@ -184,7 +184,7 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
     add(backend, "harmless edits", "none", true, put(artifacts[backend], next_folder()));
   }
 
-  std::size_t turn = 0;
+  std::size_t turn = options.turn;
   if (options.models) {
     std::map<Mutation::Kind, std::vector<Mutation>> by_kind;
     for (auto& m : mutations_of(truth)) by_kind[m.kind].push_back(std::move(m));
@@ -200,6 +200,7 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
           c.harm = harm;
           c.whole = of_whole_part(kind);
           if (c.whole) c.says = {"whole part"};
+          if (kind == Mutation::Kind::body_added) c.says = {"separate body"};
         }
         turn += options.in_turn;
       }

@@ -35,6 +35,7 @@ struct DamageCase {
 struct SuiteOptions {
   std::size_t most = 2;       ///< damages of a kind, per part and backend
   bool in_turn = false;       ///< each damage of a model through one backend only, which change in turn
+  std::size_t turn = 0;       ///< the backend to begin with
   std::vector<std::string> backends = {"openscad", "alpha1", "iges", "step", "mesh"};
   bool models = true, files = true;
   int threads = 2;
