@@ -26,7 +26,7 @@ std::string chip(Outcome outcome) {
 std::string bar(double deviation, double tolerance) {
   const double share = std::clamp(std::abs(deviation) / tolerance, 0.0, 1.0);
   return "<span class=\"bar" + std::string(std::abs(deviation) > tolerance ? " over" : "") + "\" aria-hidden=\"true\"><i style=\"width:" +
-         print_number(snapped(100 * share, 1)) + "%\"></i></span>" + escaped(readable(deviation));
+         print_number(snapped(100 * share, 1)) + "%\"></i></span><span class=\"value\">" + escaped(readable(deviation)) + "</span>";
 }
 
 std::string place(const Vec3& p) {

@@ -30,9 +30,12 @@ std::string title_of(Finding::Kind kind) {
 }
 
 const ArtifactVerdict* deciding_artifact(const Verdict& verdict) {
+  const ArtifactVerdict* decides = nullptr;
   for (const auto& artifact : verdict.artifacts)
-    if (artifact.verdict == verdict.verdict) return &artifact;
-  return verdict.artifacts.empty() ? nullptr : &verdict.artifacts.front();
+    if (artifact.verdict == verdict.verdict &&
+        (!decides || artifact.data_to_model.local_max > decides->data_to_model.local_max))
+      decides = &artifact;
+  return decides || verdict.artifacts.empty() ? decides : &verdict.artifacts.front();
 }
 
 std::string spoken(const std::string& name) {
@@ -44,8 +47,7 @@ std::string spoken(const std::string& name) {
 std::string verdict_sentence(const Verdict& verdict) {
   const std::string tolerance = print_number(verdict.tolerance) + " mm";
   const ArtifactVerdict* artifact = deciding_artifact(verdict);
-  double worst = 0;
-  for (const auto& a : verdict.artifacts) worst = std::max(worst, a.data_to_model.local_max);
+  const double worst = artifact ? artifact->data_to_model.local_max : 0;
   switch (verdict.verdict) {
     case Outcome::verified:
       return "The CAD model is the scanned part: wherever the part was scanned, the two agree within " + readable(worst) +

@@ -23,7 +23,7 @@ std::string spoken(const std::string& name);
 /// "Displaced", "Missing material", ...
 std::string title_of(Finding::Kind kind);
 
-/// The artifact that decides: the first with the verdict of the whole; null if there is none.
+/// The artifact that decides: of those with the verdict of the whole the one that deviates most; null if there is none.
 const ArtifactVerdict* deciding_artifact(const Verdict& verdict);
 
 }  // namespace partscribe
