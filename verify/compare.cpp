@@ -51,6 +51,54 @@ double unsupported_bodies(const TriangleMesh& mesh, const SurfaceField& field) {
   return sum;
 }
 
+/// True if the point is on the surface that was measured of a displaced feature.
+bool on_measured(const MeshFeature& feature, const Inspection& inspection, const Vec3& point) {
+  if (std::abs(distance(inspection.measured, point)) > inspection.close) return false;
+  const Vec3 d = point - feature.primitive->point;
+  const auto kind = feature.primitive->kind;
+  if (kind != PrimitiveKind::cylinder && kind != PrimitiveKind::cone) return (point - feature.middle).norm() < inspection.reach + 10 * inspection.close;
+  const double along = d.dot(feature.primitive->axis);
+  return along > feature.low - 10 * inspection.close && along < feature.high + 10 * inspection.close;
+}
+
+/// Where a feature stands in the wrong place, points near its rim are nearest to its neighbours. A place is not held
+/// against its row if the finding about another feature explains it, or if it lies on the row's own surface and only
+/// beyond its rim.
+void exonerate(Compared& compared, const RowOf& row, const std::vector<Inspection>& found, const VerifyOptions& options,
+               std::vector<FeatureVerdict>& rows) {
+  auto feature_of = [&](std::size_t r) -> const MeshFeature& {
+    return compared.features.features[static_cast<std::size_t>(row.feature[r])];
+  };
+  std::vector<std::size_t> guilty;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (found[r].finding) guilty.push_back(r);
+  std::vector<double> left(rows.size(), 0);
+  for (std::size_t p = 0; p < compared.points.places.size(); ++p) {
+    const Place& place = compared.points.places[p];
+    const auto r = row.place[p];
+    if (r < 0 || !place.surface) continue;
+    const auto own = static_cast<std::size_t>(r);
+    const double off = std::abs(place.mean);
+    if (off > options.tolerance) {
+      const Vec3& point = compared.source.points[place.point];
+      bool explained = row.feature[own] >= 0 && feature_of(own).primitive && !found[own].finding &&
+                       std::abs(distance(*feature_of(own).primitive, point)) <= options.tolerance;
+      for (const auto g : guilty) explained = explained || on_measured(feature_of(g), found[g], point);
+      if (explained) {
+        compared.explained_place[p] = 1;
+        continue;
+      }
+    }
+    left[own] = std::max(left[own], off);
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].verdict == Outcome::verified || found[r].finding || left[r] > options.tolerance) continue;
+    if (options.strict && rows[r].covered == 0) continue;
+    rows[r].max = left[r];
+    rows[r].verdict = Outcome::verified;
+  }
+}
+
 /// Every feature measured by its own points: fills the rows' dimensions and verdicts. Returns the findings about whole
 /// features; marks the places and rows that these explain.
 std::vector<Finding> inspect_rows(Compared& compared, const RowOf& row, const VerifyOptions& options,
@@ -79,8 +127,8 @@ std::vector<Finding> inspect_rows(Compared& compared, const RowOf& row, const Ve
     rows[r].verdict = Outcome::out_of_tolerance;
     findings.push_back(std::move(*found[r].finding));
     compared.explained_row[r] = 1;
-    for (const auto place : found[r].places) compared.explained_place[place] = 1;
   }
+  if (!findings.empty()) exonerate(compared, row, found, options, rows);
   return findings;
 }
 
@@ -121,8 +169,9 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
     faults.push_back("a separate body of " + shown(alone) + " mm^2 has no scanned point at all");
   if (options.strict && field.summary.not_scanned > field.allowed_contradiction)
     faults.push_back(shown(field.summary.not_scanned) + " mm^2 of the model's surface were not scanned");
-  // What is wrong with a whole feature says more than how far the worst place is off.
-  if (!whole.empty()) faults.insert(faults.begin(), verdict.findings.front().text);
+  // What is wrong says more than how far the worst place is off.
+  const bool told = !verdict.findings.empty() && verdict.findings.front().kind != Finding::Kind::not_scanned;
+  if (told && (!faults.empty() || !whole.empty())) faults.insert(faults.begin(), verdict.findings.front().text);
   if (!faults.empty()) verdict.verdict = Outcome::out_of_tolerance;
   verdict.reasons.insert(verdict.reasons.end(), faults.begin(), faults.end());
 }

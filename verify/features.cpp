@@ -9,6 +9,7 @@
 #include "core/number.h"
 #include "verify/facets.h"
 #include "verify/fit_facets.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -19,6 +20,8 @@ constexpr double similar_width = 0.45;     // facets of one round surface are ne
 constexpr double least_turning = 0.35;     // rad that a patch of a piece must turn to be more than chance
 constexpr std::size_t most_failures = 60;  // seeds of one piece in a row that lead nowhere
 constexpr std::size_t most_planes = 400;
+constexpr std::size_t most_tori = 300;     // fits of a mesh; they take longest
+constexpr std::array kinds = {PrimitiveKind::cylinder, PrimitiveKind::cone, PrimitiveKind::sphere, PrimitiveKind::torus};
 constexpr std::uint32_t none = ~0u;
 
 using Members = std::vector<std::uint32_t>;  // facets
@@ -59,6 +62,7 @@ class Recogniser {
   std::vector<std::uint32_t> patch_of_;               // of each facet
   std::vector<Members> pieces_;
   std::vector<Patch> patches_;
+  std::size_t tori_tried_ = 0;
 
   const Facet& facet(std::uint32_t f) const { return parts_.facets[f]; }
   std::uint32_t other(std::uint32_t link, std::uint32_t f) const {
@@ -103,22 +107,21 @@ class Recogniser {
     return bend;
   }
 
-  std::optional<Patch> fit(const Members& group, double bend, bool whole) const {
+  std::optional<Patch> fit(const Members& group, PrimitiveKind kind, double bend, bool whole) {
     // Three equal flat faces at 45 degrees are a chamfered corner before they are a circle.
     if (bend > fine_bend && group.size() < 5) return std::nullopt;
+    const bool strips = kind == PrimitiveKind::cylinder || kind == PrimitiveKind::cone;
+    if (!strips && group.size() < 6) return std::nullopt;
+    if (kind == PrimitiveKind::torus && !whole && ++tori_tried_ > most_tori) return std::nullopt;
     const FacetGroup corners(mesh_, parts_, group);
     if (corners.turning() < (whole ? 0.05 : 0.12)) return std::nullopt;
-    for (const auto kind : {PrimitiveKind::cylinder, PrimitiveKind::cone, PrimitiveKind::sphere, PrimitiveKind::torus}) {
-      if ((kind == PrimitiveKind::sphere || kind == PrimitiveKind::torus) && group.size() < 6) continue;
-      auto found = corners.fit(kind, corner_error_, bend);
-      if (!found || found->radius > 4 * size_) continue;
-      Patch patch;
-      patch.facets = group;
-      patch.hollow = is_hollow(*found, group);
-      patch.primitive = *found;
-      return patch;
-    }
-    return std::nullopt;
+    auto found = corners.fit(kind, corner_error_, bend);
+    if (!found || found->radius > 4 * size_) return std::nullopt;
+    Patch patch;
+    patch.facets = group;
+    patch.hollow = is_hollow(*found, group);
+    patch.primitive = *found;
+    return patch;
   }
 
   bool is_hollow(const Primitive& primitive, const Members& group) const {
@@ -136,15 +139,17 @@ class Recogniser {
   void take_piece(const Members& piece) {
     std::vector<char> inside(parts_.facets.size(), 0);
     for (const auto f : piece) inside[f] = 1;
-    if (auto whole = fit(piece, bend_of(piece, inside), true)) {
-      keep(std::move(*whole));
-      return;
-    }
+    for (const auto kind : kinds)
+      if (auto whole = fit(piece, kind, bend_of(piece, inside), true)) {
+        keep(std::move(*whole));
+        return;
+      }
     Members seeds = piece;
     std::sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) {
       return facet(a).area != facet(b).area ? facet(a).area > facet(b).area : a < b;
     });
     std::size_t failures = 0;
+    const std::size_t first = patches_.size();
     for (const auto seed : seeds) {
       if (patch_of_[seed] != none) continue;
       if (failures >= most_failures) break;
@@ -152,6 +157,7 @@ class Recogniser {
       if (patch) keep(std::move(*patch)), failures = 0;
       else ++failures;
     }
+    drop_chance(piece, first);
   }
 
   /// Facets around `seed` in the piece, ring by ring, at most `most`.
@@ -170,11 +176,11 @@ class Recogniser {
     return group;
   }
 
-  std::optional<Patch> grown_from(std::uint32_t seed, const std::vector<char>& inside) const {
+  std::optional<Patch> grown_from(std::uint32_t seed, const std::vector<char>& inside) {
     std::vector<Members> groups;
     // The pair of neighbours on either side that bend alike: what a strip of a cylinder or cone has.
     const auto& links = links_of_[seed];
-    double best = 0.1;
+    double least_unlike = 0.1;
     Members strip;
     for (std::size_t i = 0; i < links.size(); ++i)
       for (std::size_t k = i + 1; k < links.size(); ++k) {
@@ -183,25 +189,29 @@ class Recogniser {
         if (!smooth_[links[i]] || !smooth_[links[k]] || a == b || p.convex != q.convex) continue;
         if (!inside[a] || !inside[b] || patch_of_[a] != none || patch_of_[b] != none || p.angle < 1e-3) continue;
         const double unlike = std::abs(p.angle - q.angle) / (p.angle + q.angle) - 1e-3 * (p.length + q.length) / size_;
-        if (unlike < best) best = unlike, strip = {a, seed, b};
+        if (unlike < least_unlike) least_unlike = unlike, strip = {a, seed, b};
       }
     if (!strip.empty()) groups.push_back(strip);
     groups.push_back(around(seed, inside, 1, 16));
     groups.push_back(around(seed, inside, 2, 32));
+    // A few strips of a torus pass for a cylinder: of all kinds the one that goes furthest is taken.
     std::optional<Patch> found;
-    for (const auto& group : groups) {
-      if (group.size() < 3) continue;
-      std::vector<char> members(parts_.facets.size(), 0);
-      for (const auto f : group) members[f] = 1;
-      auto start = fit_small(group, bend_of(group, members));
-      if (!start) continue;
-      auto patch = grown(*start, inside);
-      if (patch && (!found || patch->facets.size() > found->facets.size())) found = std::move(patch);
+    for (const auto kind : kinds) {
+      if (kind == PrimitiveKind::torus && found && found->facets.size() > 40) break;
+      std::optional<Patch> best;
+      for (const auto& group : groups) {
+        if (group.size() < 3) continue;
+        std::vector<char> members(parts_.facets.size(), 0);
+        for (const auto f : group) members[f] = 1;
+        auto start = fit(group, kind, std::max(bend_of(group, members), 1e-3), false);
+        if (!start) continue;
+        auto patch = grown(std::move(*start), inside);
+        if (patch && (!best || patch->facets.size() > best->facets.size())) best = std::move(patch);
+      }
+      if (best && (!found || 4 * best->facets.size() > 5 * found->facets.size())) found = std::move(best);
     }
     return found;
   }
-
-  std::optional<Patch> fit_small(const Members& group, double bend) const { return fit(group, std::max(bend, 1e-3), false); }
 
   /// Everything connected that lies on the patch's surface, fitted again; nothing if that is too little to be sure.
   std::optional<Patch> grown(Patch patch, const std::vector<char>& inside) const {
@@ -233,7 +243,38 @@ class Recogniser {
     for (const auto f : patch.facets) area += facet(f).area;
     const bool strip = patch.primitive->kind == PrimitiveKind::cylinder || patch.primitive->kind == PrimitiveKind::cone;
     if (corners.turning() < least_turning || area < small_area_ || patch.facets.size() < (strip ? 3u : 6u)) return std::nullopt;
+    if (patch.facets.size() < 8 && goes_on(patch.facets)) return std::nullopt;
     return patch;
+  }
+
+  /// The surface around goes on in facets of the same kind: a few of them on one cylinder are chance.
+  bool goes_on(const Members& group) const {
+    double border = 0, smooth = 0;
+    for (const auto f : group)
+      for (const auto l : links_of_[f]) {
+        const auto g = other(l, f);
+        if (std::find(group.begin(), group.end(), g) != group.end()) continue;
+        border += parts_.links[l].length;
+        if (smooth_[l] && patch_of_[g] == none) smooth += parts_.links[l].length;
+      }
+    return smooth > 0.4 * border;
+  }
+
+  /// A free surface has spots that happen to lie on something round.
+  void drop_chance(const Members& piece, std::size_t first) {
+    double all = 0, left = 0;
+    for (const auto f : piece) all += facet(f).area, left += patch_of_[f] == none ? facet(f).area : 0;
+    if (left < 0.4 * all) return;
+    for (std::size_t p = first; p < patches_.size(); ++p) {
+      double area = 0;
+      for (const auto f : patches_[p].facets) area += facet(f).area;
+      if (area > 0.03 * all) continue;
+      for (const auto f : patches_[p].facets) patch_of_[f] = none;
+      patches_[p].facets.clear();
+    }
+    std::erase_if(patches_, [](const Patch& p) { return p.facets.empty(); });
+    for (std::uint32_t p = 0; p < patches_.size(); ++p)
+      for (const auto f : patches_[p].facets) patch_of_[f] = p;
   }
 
   /// The first and last strip of a round surface are often cut narrower than the others.
@@ -315,7 +356,7 @@ class Recogniser {
     Members planes;
     for (std::uint32_t f = 0; f < parts_.facets.size(); ++f) {
       if (patch_of_[f] != none || facet(f).area < small_area_) continue;
-      const bool alone = company[f] < 3;
+      const bool alone = company[f] < 3 && (facet(f).area > 4e-3 * total_area_ || !is_tessellation(f));
       const bool outstanding = facet(f).area > 8 * typical[f] && facet(f).area > 2e-3 * total_area_;
       const bool few = company[f] < 12 && facet(f).area > 1e-3 * total_area_;
       if (alone || outstanding || few) planes.push_back(f);
@@ -333,6 +374,16 @@ class Recogniser {
       patch.primitive = plane;
       keep(std::move(patch));
     }
+  }
+
+  /// It bends little into another facet of much the same size: a piece of something curved.
+  bool is_tessellation(std::uint32_t f) const {
+    for (const auto l : links_of_[f]) {
+      const auto g = other(l, f);
+      const double ratio = facet(g).area / facet(f).area;
+      if (patch_of_[g] == none && parts_.links[l].angle < radians(20) && ratio > 0.1 && ratio < 10) return true;
+    }
+    return false;
   }
 
   /// What is left: connected free surfaces, and one collection of what is too small.
@@ -449,10 +500,8 @@ class Recogniser {
         first = std::min(first, a), last = std::max(last, a);
       }
       const double step = 2 * pi / 720;
-      for (double a = first + 0.5 * step; a <= last; a += step) {
-        const double turn = centre + a - 2 * pi * std::floor((centre + a) / (2 * pi));
-        bins[std::min<std::size_t>(719, static_cast<std::size_t>(turn / step))] = 1;
-      }
+      const auto from = static_cast<long>(std::floor((centre + first) / step)), to = static_cast<long>(std::floor((centre + last) / step));
+      for (long k = from; k <= to; ++k) bins[static_cast<std::size_t>(((k % 720) + 720) % 720)] = 1;
     }
     feature.arc = 2 * pi * static_cast<double>(std::count(bins.begin(), bins.end(), 1)) / 720;
   }
@@ -502,7 +551,7 @@ class Recogniser {
     }
     for (auto& f : result.features) {
       if (f.kind == "small faces") {
-        f.name = std::to_string(patches_.empty() ? 0 : small_count()) + " small faces";
+        f.name = counted(small_count(), "small face");
         continue;
       }
       const int number = ++used[f.name];

@@ -40,6 +40,7 @@ struct Spot {
 struct Absence {
   Finding finding;
   Primitive axis;          // a cylinder
+  Vec3 center = Vec3::Zero();
   double low = 0, high = 0;
   bool hollow = true;
   std::int32_t row = -1;
@@ -127,11 +128,6 @@ class Finder {
   /// A scanned surface is foreign to the artifact if it faces elsewhere than the artifact's nearest face, or if that
   /// face has its own points.
   void tell_foreign_spots() {
-    std::vector<Vec3> samples;
-    samples.reserve(c_.field.samples.size());
-    for (const auto& s : c_.field.samples) samples.push_back(s.point);
-    if (samples.empty()) return;
-    const KdTree tree(samples);
     parallel_for(spots_.size(), threads_, [&](std::size_t begin, std::size_t end) {
       std::vector<Neighbour> near;
       for (std::size_t i = begin; i < end; ++i) {
@@ -142,18 +138,19 @@ class Finder {
           spot.foreign = true;
           continue;
         }
-        tree.nearest(spot.foot, 5, near);
-        std::size_t supported = 0;
+        c_.source.tree->nearest(spot.foot, 8, near);
+        const double spacing = 1.2 * c_.points.places[spot.place].spacing;
+        std::size_t own = 0;
         for (const auto& n : near)
-          supported += c_.field.support[n.index] == Support::supported &&
-                       c_.normals[c_.field.samples[n.index].triangle].dot(spot.normal) > same_face;
-        spot.foreign = 2 * supported > near.size() || std::abs(spot.deviation) > step_of(spot.row);
+          own += n.sq_distance < spacing * spacing && std::abs(c_.points.distance[n.index]) <= far_ &&
+                 c_.normals[c_.points.triangle[n.index]].dot(spot.normal) > same_face;
+        spot.foreign = own >= 3 || std::abs(spot.deviation) > step_of();
       }
     }, 256);
   }
 
   /// A face may lie this far from its place before it counts as another face.
-  double step_of(std::int32_t) const { return std::max({6 * tolerance_, far_, 4 * c_.source.spacing}); }
+  double step_of() const { return std::max({6 * tolerance_, far_, 4 * c_.source.spacing}); }
 
   void group_spots() {
     std::vector<Vec3> places;
@@ -178,7 +175,8 @@ class Finder {
         rows[s.row] += s.weight;
         if (std::abs(s.deviation) > std::abs(worst->deviation)) worst = &s;
       }
-      if (weight < static_cast<double>(options_.rule == Rule::max ? 1 : fewest_points) && groups.size() > 1) continue;
+      const bool few = weight < static_cast<double>(options_.rule == Rule::max ? 1 : fewest_points);
+      if (few && (groups.size() > 1 || !found_.empty())) continue;
       middle /= weight;
       f.points = static_cast<std::size_t>(weight);
       f.extent = box.diagonal();
@@ -243,11 +241,12 @@ class Finder {
       }
       f.points = static_cast<std::size_t>(weight);
       f.feature = name_of_row(most_of(rows));
-      f.place = a.axis.point + 0.5 * (a.low + a.high) * a.axis.axis;
+      a.center = a.axis.point + 0.5 * (a.low + a.high) * a.axis.axis;
+      f.place = nearest_member(group, a.center);
       f.extent = std::hypot(2 * a.axis.radius, a.high - a.low);
       f.reason = "the scan shows a cylindrical wall, the artifact has none";
       f.text = std::string(a.hollow ? "missing hole" : "missing boss") + ": the scan shows a cylindrical wall of diameter " +
-               words_.mm(2 * a.axis.radius) + " about " + words_.place(f.place) + " along " + axis_text(a.axis.axis) +
+               words_.mm(2 * a.axis.radius) + " about " + words_.place(a.center) + " along " + axis_text(a.axis.axis) +
                ", the artifact has none";
       missing_.push_back(std::move(a));
     }
@@ -341,10 +340,12 @@ class Finder {
       Finding& f = a.finding;
       f.kind = Finding::Kind::invented_material;
       f.feature = c_.rows[r].name;
-      f.place = feature.middle, f.area = feature.area, f.deviation = a.axis.radius, f.points = inside;
+      a.center = feature.middle;
+      f.place = c_.surface.closest(a.center).point;
+      f.area = feature.area, f.deviation = a.axis.radius, f.points = inside;
       f.extent = std::hypot(2 * a.axis.radius, a.high - a.low);
       f.reason = across ? "the scan shows surface across it" : "the scan contradicts its wall";
-      f.text = "extra " + with_size(f.feature, feature, tolerance_) + " at " + words_.place(f.place) + ": the scan shows " +
+      f.text = "extra " + with_size(f.feature, feature, tolerance_) + " at " + words_.place(a.center) + ": the scan shows " +
                (feature.hollow ? across ? "an unbroken face there" : "no such wall" : across ? "a face in its place" : "nothing there");
       extra_.push_back(std::move(a));
     }
@@ -372,7 +373,7 @@ class Finder {
         if (gone.hollow != extra.hollow || extra.finding.text.empty() || gone.finding.text.empty()) continue;
         if (std::abs(gone.axis.radius - extra.axis.radius) > 3 * tolerance_) continue;
         if (std::abs(gone.axis.axis.dot(extra.axis.axis)) < 0.985) continue;
-        Vec3 apart = gone.finding.place - extra.finding.place;
+        Vec3 apart = gone.center - extra.center;
         apart -= apart.dot(extra.axis.axis) * extra.axis.axis;
         Finding& f = extra.finding;
         f.kind = Finding::Kind::displaced;
@@ -380,7 +381,7 @@ class Finder {
         f.reason = "the scan shows it in another place";
         const auto& feature = c_.features.features[static_cast<std::size_t>(c_.feature_of_row[static_cast<std::size_t>(extra.row)])];
         f.text = with_size(f.feature, feature, tolerance_) + ": centre " + words_.mm(apart.norm()) + " mm too far in " +
-                 direction_text(-apart) + ", at " + words_.place(f.place);
+                 direction_text(-apart) + ", at " + words_.place(extra.center);
         gone.finding.text.clear();
         break;
       }
@@ -417,6 +418,7 @@ class Finder {
 
   void group_samples(Support state) {
     const bool contradicted = state == Support::contradicted;
+    if (contradicted && c_.field.summary.contradicted <= c_.field.allowed_contradiction) return;
     std::vector<Vec3> places;
     std::vector<std::uint32_t> index;
     for (std::uint32_t i = 0; i < c_.field.samples.size(); ++i)

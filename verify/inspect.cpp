@@ -14,11 +14,15 @@ namespace {
 
 constexpr std::size_t most_points = 2500;    // that one fit takes
 constexpr double same_face = 0.85;           // cosine between scanned and true normal of a point on the feature
+constexpr double fine_facets = 0.15;         // of the tolerance: by how much they may lie inside
 constexpr double known_well = 0.5;           // of the tolerance: a number less certain says nothing
 
-/// A scanned point as it would lie if the artifact's facets were the true surface: moved by as much as the facet below it
-/// lies inside. So polygons are measured like circles, and a scan of the same polygon deviates by nothing.
-Vec3 without_facets(const Compared& c, const Primitive& nominal, const Vec3& point) {
+/// A scanned point as it would lie if the facets of a coarse polygon were the true surface: moved by as much as the facet
+/// below it lies inside. So a scan of the same polygon deviates by nothing. Where facets are fine, what was scanned is
+/// measured as it is, independently of the artifact.
+Vec3 without_facets(const Compared& c, const MeshFeature& feature, double tolerance, const Vec3& point) {
+  const Primitive& nominal = *feature.primitive;
+  if (feature.sagitta <= fine_facets * tolerance) return point;
   const MeshHit hit = c.surface.closest(point);
   return point - distance(nominal, hit.point) * surface_normal(nominal, hit.point);
 }
@@ -82,8 +86,10 @@ class Inspector {
     if (found_.shift > limit) {
       blame(limit);
       tell();
-      mark_places(points);
     }
+    result_.measured = found_.fit.primitive;
+    result_.close = std::max(4 * c_.source.noise, tolerance_);
+    for (const auto& p : found_.points) result_.reach = std::max(result_.reach, (p - feature_.middle).norm());
     return std::move(result_);
   }
 
@@ -113,7 +119,7 @@ class Inspector {
     for (std::size_t i = 0; i < usable.size(); i += every) {
       found_.index.push_back(usable[i]);
       const Vec3& p = c_.source.points[usable[i]];
-      found_.points.push_back(nominal_.kind == PrimitiveKind::plane ? p : without_facets(c_, nominal_, p));
+      found_.points.push_back(without_facets(c_, feature_, tolerance_, p));
     }
     return found_.points.size() >= std::max<std::size_t>(12, 3 * unknowns_of(nominal_.kind));
   }
@@ -325,9 +331,7 @@ class Inspector {
     f.feature = name_;
     f.deviation = found_.shift;
     f.points = found_.points.size();
-    f.place = nominal_.kind == PrimitiveKind::plane || nominal_.kind == PrimitiveKind::cylinder || nominal_.kind == PrimitiveKind::cone
-                  ? c_.surface.closest(feature_.middle).point
-                  : feature_.middle;
+    f.place = c_.surface.closest(feature_.middle).point;
     f.reason = "the surface fitted to its scanned points lies elsewhere";
     f.area = feature_.area;
     Box3 box;
@@ -359,15 +363,6 @@ class Inspector {
     f.text = with_size(name_, feature_, tolerance_) + ": " + text + ", at " + words_.place(feature_.middle);
     if (feature_.kind == "plane") f.text = name_ + ": " + text + " over " + words_.area(f.area) + " mm^2 at " + words_.place(feature_.middle);
     result_.finding = f;
-  }
-
-  void mark_places(const std::vector<std::uint32_t>& points) {
-    const double close = std::max(4 * c_.source.noise, tolerance_);
-    for (const auto p : points) {
-      const Vec3& q = c_.source.points[p];
-      const Vec3 true_place = nominal_.kind == PrimitiveKind::plane ? q : without_facets(c_, nominal_, q);
-      if (std::abs(distance(found_.fit.primitive, true_place)) <= close) result_.places.push_back(c_.points.place[p]);
-    }
   }
 };
 

@@ -14,7 +14,9 @@ namespace partscribe {
 struct Inspection {
   std::vector<FeatureDimension> dimensions;
   std::optional<Finding> finding;      ///< if the whole feature is displaced, has the wrong size or is tilted
-  std::vector<std::uint32_t> places;   ///< that the measured surface passes through
+  Primitive measured;                  ///< if there are dimensions
+  double close = 0;                    ///< mm, points nearer than this lie on it
+  double reach = 0;                    ///< mm, how far its points extend from the feature's middle
 };
 
 /// `points`: of the source, whose nearest place on the artifact is on the feature. Nothing is measured if they are too few

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <optional>
 
 #include "core/number.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -50,6 +52,38 @@ void remove_flaps(TriangleMesh& mesh) {
   mesh.triangles.resize(kept);
 }
 
+enum class Fault { boundary, overloaded, inconsistent };
+
+/// ", near (1, 2, 3)": the middle of an edge with this fault, the same for any order of the triangles.
+std::string place_of(const TriangleMesh& mesh, Fault fault) {
+  struct Use {
+    std::uint64_t edge;
+    bool forward;
+  };
+  std::vector<Use> uses;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = t[k], b = t[(k + 1) % 3];
+      uses.push_back({std::min(a, b) << 32 | std::max(a, b), a < b});
+    }
+  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.edge < b.edge; });
+  std::optional<Vec3> place;
+  for (std::size_t i = 0; i < uses.size();) {
+    std::size_t end = i, forward = 0;
+    for (; end < uses.size() && uses[end].edge == uses[i].edge; ++end) forward += uses[end].forward;
+    const std::size_t count = end - i;
+    const bool found = fault == Fault::boundary     ? count == 1
+                       : fault == Fault::overloaded ? count > 2
+                                                    : count == 2 && forward != 1;
+    if (found) {
+      const Vec3 middle = 0.5 * (mesh.vertices[uses[i].edge >> 32] + mesh.vertices[uses[i].edge & 0xffffffffu]);
+      if (!place || std::lexicographical_compare(middle.data(), middle.data() + 3, place->data(), place->data() + 3)) place = middle;
+    }
+    i = end;
+  }
+  return place ? ", near " + Words(0.05).place(*place) : std::string();
+}
+
 }  // namespace
 
 SolidCheck check_solid(const TriangleMesh& mesh) {
@@ -64,11 +98,14 @@ SolidCheck check_solid(const TriangleMesh& mesh) {
   }
   auto count = [](std::size_t n, const char* what) { return std::to_string(n) + " " + what + (n == 1 ? " edge" : " edges"); };
   if (check.mesh.empty()) check.faults.push_back("the mesh has no triangles");
-  if (state.boundary_edges) check.faults.push_back("the surface is open: " + count(state.boundary_edges, "boundary"));
+  if (state.boundary_edges) check.faults.push_back("the surface is open: " + count(state.boundary_edges, "boundary") +
+                           place_of(check.mesh, Fault::boundary));
   if (state.nonmanifold_edges)
-    check.faults.push_back("the surface is not a 2-manifold: " + count(state.nonmanifold_edges, "overloaded"));
+    check.faults.push_back("the surface is not a 2-manifold: " + count(state.nonmanifold_edges, "overloaded") +
+                           place_of(check.mesh, Fault::overloaded));
   if (state.inconsistent_edges)
-    check.faults.push_back("neighbouring facets face opposite ways: " + count(state.inconsistent_edges, "inconsistent"));
+    check.faults.push_back("neighbouring facets face opposite ways: " + count(state.inconsistent_edges, "inconsistent") +
+                           place_of(check.mesh, Fault::inconsistent));
   if (check.faults.empty()) {
     const double v = volume(check.mesh);
     if (v < 0) check.faults.push_back("the solid is inside out: its volume is " + print_number(v) + " mm^3");

@@ -138,7 +138,11 @@ std::string finding_lines(const ArtifactVerdict& a) {
     text += wrapped("  " + std::string(fault ? std::to_string(++shown) + ". " : "-  ") + f.text, 5);
   }
   if (faults > most_findings) text += "  and " + std::to_string(faults - most_findings) + " more\n";
-  return text.empty() ? text : "\n" + a.file + ", " + (faults ? "what is wrong, the worst first" : "what was not scanned") + "\n" + text;
+  if (text.empty()) return text;
+  const char* title = faults == 0                          ? "what was not scanned"
+                      : a.verdict == Outcome::verified ? "what deserves a look"
+                                                           : "what is wrong, the worst first";
+  return "\n" + a.file + ", " + title + "\n" + text;
 }
 
 /// The inspection rows of the features that are out of tolerance.

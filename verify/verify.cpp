@@ -81,6 +81,18 @@ TriangleMesh as_written(const ArtifactVerdict& artifact) {
   return artifact.alignment ? transformed(artifact.mesh, artifact.alignment->scan_to_artifact) : artifact.mesh;
 }
 
+/// What explains all that follows, said first.
+Finding about_the_whole(const ArtifactVerdict& verdict, const std::string& text) {
+  const Box3 box = verdict.mesh.bounds();
+  Finding finding;
+  finding.place = verdict.data_to_model.worst, finding.extent = box.diagonal();
+  finding.deviation = verdict.data_to_model.local_max, finding.area = verdict.model_to_data.area;
+  finding.points = verdict.data_to_model.points;
+  finding.reason = "the artifact as a whole is off";
+  finding.text = text;
+  return finding;
+}
+
 }  // namespace
 
 const char* name_of(Outcome outcome) {
@@ -193,7 +205,10 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
       result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) + " points");
     } else if (result.verdict == Outcome::out_of_tolerance) {
       const auto whole = whole_part_fault(source, result.mesh, MeshDistance(result.mesh), options, context);
-      if (whole) result.reasons.insert(result.reasons.begin(), *whole);
+      if (whole) {
+        result.reasons.insert(result.reasons.begin(), *whole);
+        result.findings.insert(result.findings.begin(), about_the_whole(result, *whole));
+      }
     }
   }
 

@@ -59,7 +59,7 @@ struct FeatureDimension {
 
 struct FeatureVerdict {
   std::string name;           ///< "hole 3", "left bore": unique in the artifact
-  std::string kind;           ///< "plane", "hole", "boss", "cone", "sphere", "torus", "free surface"; empty if unknown
+  std::string kind;           ///< as in verify/features.h: "plane", "hole", ...; empty if no one feature makes up the row
   std::vector<FeatureDimension> dimensions;
   std::size_t points = 0;
   double rms = 0, max = 0;    ///< mm; max of the local robust mean

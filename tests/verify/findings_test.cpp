@@ -271,6 +271,26 @@ TEST_CASE("findings: what was not scanned is listed with area and reason, and is
   CHECK(f.area > 0.9 * 80 * 80);
 }
 
+TEST_CASE("findings: a torn surface is refused with the place where it is open") {
+  auto open = holed_plate(40, 10, 6, 5, -8);
+  const Vec3 corner = open.corner(0, 0);
+  open.triangles.erase(open.triangles.begin());
+  const auto verdict = verdict_on(open, scanned(holed_plate(40, 10, 6, 5, -8), 30000, sigma), options());
+  CHECK(verdict.verdict == Outcome::out_of_tolerance);
+  INFO(all_reasons(verdict) << corner.transpose());
+  CHECK(all_reasons(verdict).find("the surface is open: 3 boundary edges, near (") != std::string::npos);
+}
+
+TEST_CASE("findings: neighbours of a moved hole are not blamed for it") {
+  const auto scan = scanned(holed_plate(40, 10, 6, 5, -8), 60000, sigma);
+  const auto verdict = verdict_on(holed_plate(40, 10, 6, 5.5, -8), scan, options());
+  INFO(texts(verdict));
+  for (const auto& o : verdict.artifacts[0].objects) {
+    INFO(o.name);
+    CHECK((o.verdict == Outcome::verified) == (o.name != "hole 1"));
+  }
+}
+
 TEST_CASE("findings: threads and the order of points change nothing") {
   auto scan = scanned(holed_plate(40, 10, 6, 5, -8), 30000, sigma);
   const auto spoiled = holed_plate(40, 10.3, 6.3, 5.2, -8);
