@@ -136,7 +136,7 @@ Command verify_command() {
             a.path(options->json, "--json-file", "FILE",
                    "write the verdict as JSON; '--json FILE' means the same when FILE ends in .json");
             a.path(options->junit, "--junit", "FILE", "write the verdict as JUnit XML, one test per feature");
-            a.path(options->csv, "--csv", "FILE", "write the verdict as CSV, one row per feature");
+            a.path(options->csv, "--csv", "FILE", "write the inspection table as CSV, one row per number of a feature");
             a.flag(options->strict, "--strict",
                    "surface that no view saw fails too; else it is reported as not scanned");
             a.choice(options->rule, "--rule", {"local", "max"},
