@@ -106,6 +106,8 @@ void judge(DamageCase& c, const Subject& subject) {
     // A damage of the whole file may be described by the mesh that came out.
     if (c.says.empty() && !c.harmless && c.harm.faces.empty() && !a.mesh.empty())
       c.harm = partscribe::harm_between(subject.mesh, a.mesh, subject.truth.tolerance);
+    // What moves no thousandth of the surface beyond T is no damage of this part.
+    if (c.says.empty() && !c.harmless && c.kept && c.harm.places.size() < 2) c.not_applicable = true;
     if (c.harm.faces.empty()) {
       const ModelDistance truth(subject.truth);
       std::map<std::string, std::size_t> hits;
