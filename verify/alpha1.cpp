@@ -3,7 +3,6 @@
 #include <chrono>
 
 #include "verify/scl_evaluate.h"
-#include "verify/solid.h"
 
 namespace partscribe {
 
@@ -34,9 +33,6 @@ Result<Evaluation> evaluate_alpha1(const Path& path, const EvaluateOptions& opti
     }
   }
   evaluation.failed = !evaluation.complaints.empty();
-  // An open shell is no failure of the procedure, for a sheet may be meant; whoever expects a solid is told why it is none.
-  if (!evaluation.solid && !evaluation.mesh.empty())
-    for (auto& fault : check_solid(evaluation.mesh).faults) evaluation.complaints.push_back(std::move(fault));
   evaluation.seconds = seconds();
   return evaluation;
 }

@@ -10,6 +10,7 @@
 #include "model/distance.h"
 #include "verify/align.h"
 #include "verify/compare.h"
+#include "verify/solid.h"
 #include "verify/source.h"
 #include "verify/whole_part.h"
 
@@ -57,6 +58,7 @@ void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, boo
   if (refused) {
     verdict.verdict = Outcome::out_of_tolerance;
     verdict.reasons = evaluation.complaints;
+    if (verdict.reasons.empty()) verdict.reasons = check_solid(evaluation.mesh).faults;
     if (verdict.reasons.empty()) verdict.reasons.push_back("the program delivered no solid");
   } else if (evaluation.error > tolerance / 4) {
     verdict.verdict = Outcome::cannot_decide;
@@ -176,6 +178,7 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     note_evaluation(result, evaluation, sheet, options.tolerance);
     if (options.second_opinion) ask_others(artifacts[i], evaluation, how, result, context);
     result.mesh = std::move(evaluation.mesh);
+    if (options.align == AlignBy::none) result.exact = std::move(evaluation.exact);  // alignment moves the mesh alone
     if (result.mesh.empty() || area(result.mesh) == 0) continue;
     FaceNames rows_of;
     if (named) rows_of = *named;
@@ -199,7 +202,8 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     if (too_fine && (evaluation.solid || sheet)) {
       result.verdict = Outcome::cannot_decide;
       result.reasons = {"this scan cannot decide at " + print_number(options.tolerance) +
-                        " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm"};
+                        " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm" +
+                        (source.disagreement > options.tolerance ? ", since its views lie " + shown(source.disagreement) + " mm apart" : "")};
     } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
       result.verdict = Outcome::cannot_decide;
       result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) + " points");
