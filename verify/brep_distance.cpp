@@ -117,10 +117,23 @@ std::shared_ptr<const BrepDistance> BrepDistance::make(const TopoDS_Shape& shape
   try {
     auto parts = collect_brep_parts(shape);
     if (!parts) return nullptr;
-    return std::shared_ptr<const BrepDistance>(new BrepDistance(std::move(parts)));
+    std::shared_ptr<const BrepDistance> exact(new BrepDistance(std::move(parts)));
+    if (!exact->knows_its_faces()) return nullptr;
+    return exact;
   } catch (const Standard_Failure&) {
     return nullptr;  // as much as a face without a mesh: what OpenCASCADE cannot handle is left to the mesh
   }
+}
+
+bool BrepDistance::knows_its_faces() const {
+  Search search(*parts_);
+  for (std::size_t t = 0; t < parts_->triangles.size(); ++t) {
+    const BrepTriangle& triangle = parts_->triangles[t];
+    const Vec2 middle = (triangle.uv[0] + triangle.uv[1] + triangle.uv[2]) / 3;
+    const Vec3 place = surface_point(parts_->faces[triangle.face], middle.x(), middle.y()).p;
+    if (!(std::abs(search.closest(place).distance) <= triangle.slack)) return false;
+  }
+  return true;
 }
 
 std::size_t BrepDistance::faces() const { return parts_->faces.size(); }

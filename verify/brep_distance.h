@@ -26,7 +26,8 @@ struct BrepHit {
 /// what it needs of the shape; queries may run on many threads.
 class BrepDistance {
  public:
-  /// Null if a face cannot be meshed or has no usable surface, so that only a mesh can be asked.
+  /// Null if a face cannot be meshed or has no usable surface, or if places on the faces are not found again: then only
+  /// a mesh can be asked.
   static std::shared_ptr<const BrepDistance> make(const TopoDS_Shape& shape);
   ~BrepDistance();
 
@@ -42,6 +43,7 @@ class BrepDistance {
 
  private:
   explicit BrepDistance(std::unique_ptr<Parts> parts);
+  bool knows_its_faces() const;  ///< the middle of every triangle's part of its face lies on the shape
   std::unique_ptr<Parts> parts_;
 };
 
