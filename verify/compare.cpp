@@ -138,7 +138,7 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
              Context& context) {
   const auto normals = facet_normals(verdict.mesh);
   const MeshDistance surface(verdict.mesh);
-  const PointField points = data_to_model(source, surface, normals, options, context);
+  const PointField points = data_to_model(source, surface, normals, options, context, verdict.exact.get());
   context.report("compare", 0.6);
   const SurfaceField field = model_to_data(source, points, verdict.mesh, surface, normals, options, context);
   context.report("compare", 0.9);

@@ -62,8 +62,8 @@ Cell cell_of(const Vec3& p, double edge) {
 class Comparison {
  public:
   Comparison(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals,
-             const VerifyOptions& options, Context& context)
-      : source_(source), surface_(surface), normals_(normals), options_(options), context_(context),
+             const VerifyOptions& options, Context& context, const BrepDistance* exact)
+      : source_(source), surface_(surface), exact_(exact), normals_(normals), options_(options), context_(context),
         tolerance_(options.tolerance), far_(tolerance_ + 3 * source.noise) {}
 
   PointField run() {
@@ -87,6 +87,7 @@ class Comparison {
  private:
   const ScanSource& source_;
   const MeshDistance& surface_;
+  const BrepDistance* exact_;
   const std::vector<Vec3>& normals_;
   const VerifyOptions& options_;
   Context& context_;
@@ -99,13 +100,14 @@ class Comparison {
 
   void measure() {
     field_.distance.resize(size()), field_.triangle.resize(size()), field_.stray.assign(size(), 0);
-    parallel_for(size(), context_.threads, [&](std::size_t begin, std::size_t end) {
-      MeshHit hit;
-      for (std::size_t i = begin; i < end; ++i) {
-        field_.distance[i] = surface_.signed_distance(source_.points[i], hit);
-        field_.triangle[i] = hit.triangle;
-      }
+    surface_.for_each_closest(source_.points, context_.threads, Sign::inside_negative, [&](std::size_t i, const MeshHit& hit) {
+      field_.distance[i] = hit.distance, field_.triangle[i] = hit.triangle;
     });
+    // The mesh was measured to lie close to these surfaces: an answer that says otherwise is not believed.
+    if (exact_)
+      exact_->for_each_closest(source_.points, context_.threads, [&](std::size_t i, const BrepHit& hit) {
+        if (std::abs(hit.distance - field_.distance[i]) <= 0.25 * tolerance_) field_.distance[i] = hit.distance;
+      });
   }
 
   /// Both the scanned normals, whatever their sign, and those of the nearest facets agree within 45 degrees.
@@ -357,8 +359,8 @@ class Comparison {
 }  // namespace
 
 PointField data_to_model(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals,
-                         const VerifyOptions& options, Context& context) {
-  return Comparison(source, surface, normals, options, context).run();
+                         const VerifyOptions& options, Context& context, const BrepDistance* exact) {
+  return Comparison(source, surface, normals, options, context, exact).run();
 }
 
 }  // namespace partscribe

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "verify/brep_distance.h"
 #include "verify/source.h"
 #include "verify/verify.h"
 
@@ -33,8 +34,9 @@ struct PointField {
   std::vector<std::string> faults;       ///< why the data refuse the model
 };
 
-/// `normals` are the mesh's unit facet normals. Under Rule::max every kept point is judged by itself.
+/// `normals` are the mesh's unit facet normals. Under Rule::max every kept point is judged by itself. `exact`: the
+/// surfaces that the mesh approaches, where they are known; distances are then taken from them.
 PointField data_to_model(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals,
-                         const VerifyOptions& options, Context& context);
+                         const VerifyOptions& options, Context& context, const BrepDistance* exact = nullptr);
 
 }  // namespace partscribe

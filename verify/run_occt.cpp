@@ -87,9 +87,10 @@ TopoDS_Shape as_solids(const TopoDS_Shape& shape) {
 /// Largest distance from the corners and centres of `from` to `to`.
 double one_way(const TriangleMesh& from, const MeshDistance& to) {
   double worst = 0;
-  for (const auto& v : from.vertices) worst = std::max(worst, to.closest(v).distance);
+  std::vector<Vec3> places = from.vertices;
   for (std::size_t t = 0; t < from.triangles.size(); ++t)
-    worst = std::max(worst, to.closest((from.corner(t, 0) + from.corner(t, 1) + from.corner(t, 2)) / 3).distance);
+    places.push_back((from.corner(t, 0) + from.corner(t, 1) + from.corner(t, 2)) / 3);
+  for (const auto& hit : to.closest(places, 1)) worst = std::max(worst, hit.distance);
   return worst;
 }
 
