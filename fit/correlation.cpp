@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/number.h"
 #include "core/parallel.h"
 #include "geometry/kd_tree.h"
 
@@ -18,8 +19,7 @@ constexpr double significant = 3;
 constexpr double of_a_filter = 0.3;  // correlation of neighbours; a mean over 2 x 2 pixels makes it 0.5
 
 struct RingSums {
-  std::array<double, rings> product{}, sq_lag{};
-  std::array<double, rings> pairs{};
+  std::array<double, rings> product{}, pairs{};
 };
 
 }  // namespace
@@ -34,7 +34,7 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
   const std::size_t stride = (n + centres - 1) / centres;
 
   RingSums total;
-  double variance = 0, centre_count = 0;
+  double variance = 0, centre_count = 0, area = 0;
   for (const auto& member : members) {
     if (member.size() < neighbours) continue;
     std::vector<Vec3> own;
@@ -73,7 +73,6 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
                 const auto ring = static_cast<std::size_t>(std::lower_bound(ring_ends.begin(), ring_ends.end(), lag) - ring_ends.begin());
                 if (ring == rings) break;
                 parts[b].product[ring] += centre * residuals[member[m.index]];
-                parts[b].sq_lag[ring] += m.sq_distance;
                 parts[b].pairs[ring] += 1;
               }
             }
@@ -83,11 +82,11 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
       variance += squares[b];
       for (std::size_t k = 0; k < rings; ++k) {
         total.product[k] += parts[b].product[k];
-        total.sq_lag[k] += parts[b].sq_lag[k];
         total.pairs[k] += parts[b].pairs[k];
       }
     }
     centre_count += double(chosen.size());
+    area += double(chosen.size()) * pitch * pitch;
   }
   if (!(variance > 0)) return result;
   variance /= centre_count;
@@ -96,16 +95,17 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
   double level = correlation(rings - 1);
   if (level < significant * chance(rings - 1)) level = 0;
   level = std::min(level, 0.95);
-  double sum = 1, second = 0, neighbouring = 0;
+  double sum = 1, neighbouring = 0;
   for (std::size_t k = 0; k + 1 < rings; ++k) {
     const double rho = (correlation(k) - level) / (1 - level);
     if (rho < significant * chance(k) / (1 - level)) break;
     if (k == 0) neighbouring = rho;
     sum += rho * total.pairs[k] / centre_count;
-    second += rho * total.sq_lag[k] / centre_count;
   }
   result.points_per_independent = sum;
-  if (neighbouring > of_a_filter) result.smoothing = second / sum / 4;
+  // White noise after a Gaussian of variance s^2 has autocorrelation exp(-h^2 / 4 s^2), which sums to 4 pi s^2 per
+  // pixel's area; for a mean over 3 x 3 pixels this is right within 5 %.
+  if (neighbouring > of_a_filter) result.smoothing = (sum - 1) * area / centre_count / (4 * pi);
   return result;
 }
 

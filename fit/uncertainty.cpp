@@ -91,7 +91,8 @@ Deviation chord_deviation(const Candidate& candidate, const AllPoints& all, cons
 Deviation smoothing_deviation(const Candidate& candidate, const AllPoints& all, double smoothing,
                               const ModelDistance& distance, int threads) {
   constexpr int directions = 8;
-  const double radius = std::sqrt(2 * smoothing);
+  // On a slope a pixel covers more surface; far down, filters that keep steps do not reach across.
+  constexpr double least_cosine = 0.6;
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   Deviation result;
   result.assign(all.nodes.size(), 0);
@@ -103,6 +104,8 @@ Deviation smoothing_deviation(const Candidate& candidate, const AllPoints& all, 
       const Vec3 foot = all.nodes[k].place - distance(part_from_scan * all.nodes[k].place).distance * normal;
       const Mat3 frame = rotation_onto_axis(normal);
       const int face = all.at.face[all.nodes[k].begin];
+      const double cosine = all.cosine.empty() ? 1 : std::max(all.cosine[all.nodes[k].begin], least_cosine);
+      const double radius = std::sqrt(smoothing * (1 + 1 / (cosine * cosine)));
       double sum = 0;
       for (int a = 0; a < directions / 2; ++a) {
         const double angle = 2 * pi * a / directions;

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
                                  {"disturbed poses", test::Trouble::poses, usual},
                                  {"disturbed poses, 6 views", test::Trouble::poses, few},
                                  {"disturbed poses, 14 views", test::Trouble::poses, many},
+                                 {"disturbed poses, views unknown", test::Trouble::poses, unknown},
                                  {"facets", test::Trouble::facets, usual},
                                  {"filtered", test::Trouble::filtered, fine}};
   Context context;
