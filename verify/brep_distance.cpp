@@ -1,6 +1,15 @@
 #include "verify/brep_distance.h"
 
+#include <Geom_Curve.hxx>
+#include <Geom_Surface.hxx>
 #include <Standard_Failure.hxx>
+#include <gp_Circ.hxx>
+#include <gp_Cone.hxx>
+#include <gp_Cylinder.hxx>
+#include <gp_Lin.hxx>
+#include <gp_Pln.hxx>
+#include <gp_Sphere.hxx>
+#include <gp_Torus.hxx>
 
 #include <algorithm>
 #include <cmath>

@@ -1,15 +1,8 @@
 /// What an exact B-rep query works on: surfaces, their trims, edges, and the mesh that leads to them.
+///
+/// For the sources of the B-rep distance only; each includes OpenCASCADE's geometry (Geom_Curve, Geom_Surface and the gp_
+/// kinds used below) before this header, which so stays as light as all others.
 #pragma once
-
-#include <Geom_Curve.hxx>
-#include <Geom_Surface.hxx>
-#include <gp_Circ.hxx>
-#include <gp_Cone.hxx>
-#include <gp_Cylinder.hxx>
-#include <gp_Lin.hxx>
-#include <gp_Pln.hxx>
-#include <gp_Sphere.hxx>
-#include <gp_Torus.hxx>
 
 #include <array>
 #include <optional>
