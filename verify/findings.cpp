@@ -527,7 +527,8 @@ class Finder {
   void group_rejected() {
     std::vector<Vec3> places;
     for (std::uint32_t i = 0; i < c_.points.distance.size(); ++i)
-      if (c_.points.stray[i] && c_.source.kept_place[i] != ScanSource::nowhere && std::abs(c_.points.distance[i]) > far_)
+      if (c_.points.stray[i] && c_.source.kept_place[i] != ScanSource::nowhere && std::abs(c_.points.distance[i]) > far_ &&
+          !spoken_of(c_.source.points[i]))
         places.push_back(c_.source.points[i]);
     for (const auto& p : c_.source.set_aside)
       if (c_.surface.closest(p).distance > far_) places.push_back(p);
