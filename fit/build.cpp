@@ -9,14 +9,19 @@
 #include "fit/coverage.h"
 #include "fit/evidence.h"
 #include "fit/extrude.h"
+#include "fit/fillet.h"
 #include "fit/half_spaces.h"
 #include "fit/prepare.h"
 #include "fit/quadrics.h"
 #include "fit/refine.h"
 #include "fit/revolve.h"
+#include "fit/ring.h"
+#include "fit/rivals.h"
+#include "fit/strays.h"
 #include "fit/superellipsoid.h"
 #include "fit/tidy.h"
 #include "fit/triangulate.h"
+#include "model/sketch.h"
 
 namespace partscribe {
 namespace {
@@ -34,10 +39,46 @@ std::string millimetres(double v, double tolerance) {
   return print_number(snapped(v, power_of_ten_below(std::max(tolerance / 20, 1e-9)))) + " mm";
 }
 
+/// Its exact distance takes microseconds.
+bool is_slow(const Candidate& c) {
+  return std::holds_alternative<Superellipsoid>(c.shape) || std::holds_alternative<Supertoroid>(c.shape);
+}
+
+/// False for a sketch with a loop that has shrunk to a point, or with numbers that are none.
+bool drawable(const Candidate& c) {
+  Values values;
+  for (const auto& p : c.parameters) {
+    if (!std::isfinite(p.value)) return false;
+    values[p.name] = p.value;
+  }
+  const EvaluatedShape shape = evaluate(c.shape, values);
+  const EvaluatedSketch* sketch = nullptr;
+  if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape)) sketch = &s->sketch;
+  if (const auto* s = std::get_if<RevolveOf<double>>(&shape)) sketch = &s->sketch;
+  if (!sketch) return true;
+  for (const auto& loop : sketch->loops) {
+    for (const auto& element : loop.elements)
+      if (const auto* n = std::get_if<SketchNurbsOf<double>>(&element)) {
+        if (n->control.size() < 2) return false;
+        for (const double k : n->knots)
+          if (!std::isfinite(k)) return false;
+        for (const auto& p : n->control)
+          if (!std::isfinite(p[0]) || !std::isfinite(p[1])) return false;
+      }
+    if (loop.elements.empty() || outline_of({{loop}}).curves.empty()) return false;
+  }
+  return true;
+}
+
 Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   Judged j;
   auto senseless = [&] {
     // Before and after: a refinement may leave the domain (a negative radius, a crossing profile).
+    if (!drawable(candidate)) {
+      j.reason = "makes no sense: its outline is none";
+      j.evidence.local_max = input.bounds.diagonal();
+      return true;
+    }
     const auto outcome = check(bare_model(candidate));
     const auto* complaints = std::get_if<Complaints>(&outcome);
     if (!complaints) return false;
@@ -50,7 +91,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     return j;
   }
   RefineOptions quick;
-  quick.points = std::holds_alternative<Superellipsoid>(candidate.shape) ? 1500 : 6000;
+  quick.points = is_slow(candidate) ? 1500 : 6000;
   quick.iterations = 25;
   quick.uncertainty = false;
   refine(candidate, input, quick, context);
@@ -110,6 +151,10 @@ const std::vector<Maker>& makers() {
                       Context& c) { return propose_revolves(in, d, c); }},
       {"extrudes", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d,
                       Context& c) { return propose_extrudes(in, d, c); }},
+      {"fillets", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>&,
+                     Context& c) { return propose_fillets(in, c); }},
+      {"rings", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d,
+                   Context& c) { return propose_rings(in, d, c); }},
   };
   return list;
 }
@@ -132,6 +177,42 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
   return p;
 }
 
+/// Sets strays aside where there are many. The planes that tell them from surfaces also give better normals and noise
+/// than neighbourhoods that hold them. Clean data stay as they are.
+void set_strays_aside(Scan& scan, FitInput& input, Context& context) {
+  if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return;
+  const SurfacePoints found = surface_points_of(input.cloud.points, input.sampling.sigma, context);
+  PointCloud& cloud = input.cloud;
+  const std::size_t n = cloud.size();
+  if (double(found.strays) < 0.01 * double(n) || n - found.strays < 50) return;
+  context.say("strays: " + print_number(double(found.strays)) + " of " + print_number(double(n)) + " points set aside");
+  const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
+  std::vector<Vec3> strays;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (found.stray[i]) strays.push_back(cloud.points[i]);
+    const Vec3& towards = cloud.rays.size() == n ? Vec3(-cloud.rays[i]) : cloud.normals[i];
+    cloud.normals[i] = found.normals[i].dot(towards) < 0 ? Vec3(-found.normals[i]) : found.normals[i];
+  }
+  std::sort(strays.begin(), strays.end(), before);
+  scan.cloud.rejected.resize(scan.cloud.size(), 0);
+  for (std::size_t i = 0; i < scan.cloud.size(); ++i)
+    if (std::binary_search(strays.begin(), strays.end(), scan.cloud.points[i], before)) scan.cloud.rejected[i] = 1;
+  const auto keep = [&](auto& column) {
+    if (column.size() != n) return;
+    std::size_t to = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (!found.stray[i]) column[to++] = column[i];
+    column.resize(to);
+  };
+  input.surface_share = found.share;
+  keep(input.surface_share);
+  input.stray_share = double(found.strays) / double(n);
+  keep(cloud.normals), keep(cloud.rays), keep(cloud.sigma), keep(cloud.view), keep(cloud.points);
+  input.sampling.sigma = std::min(input.sampling.sigma, found.sigma);
+  input.sampling.rejected += found.strays;
+  input.bounds = cloud.bounds();
+}
+
 double rounded(double v) { return v > 0 ? snapped(v, power_of_ten_below(v / 1000)) : 0; }
 
 }  // namespace
@@ -140,6 +221,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   context.report("normals", 0.0);
   auto prepared = prepare(scan, options.tolerance, context);
   if (!prepared) return prepared.error();
+  set_strays_aside(scan, *prepared, context);
   const FitInput& input = *prepared;
 
   context.report("hypothesis", 0.15);
@@ -156,13 +238,13 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
                 ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
   };
-  // A superellipsoid is a hypothesis first; as a description it serves only where no procedure of the trade does.
+  // A superellipsoid is a hypothesis first; as a description it and a supertoroid serve only where no procedure of the trade does.
   std::vector<Candidate> last_resort;
   for (const auto& maker : makers()) {
     for (auto& candidate : maker.propose(input, hypothesis, directions, context)) {
       if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
       if (!asked_for(options.force, candidate)) continue;
-      if (std::holds_alternative<Superellipsoid>(candidate.shape))
+      if (is_slow(candidate))
         last_resort.push_back(std::move(candidate));
       else
         consider(std::move(candidate));
@@ -186,7 +268,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   for (std::size_t i = 0; i < judged.size() && judged[i].meets && !found; ++i) {
     Candidate exact = judged[i].candidate;
     RefineOptions full;
-    full.points = std::holds_alternative<Superellipsoid>(exact.shape) ? 2000 : 30000;
+    full.points = is_slow(exact) ? 2000 : 30000;
     refine(exact, input, full, context);
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;
@@ -213,6 +295,11 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     }
     if (!found)
       judged[i].meets = false, judged[i].reason = "left the tolerance when its numbers were rounded for print";
+  }
+  if (!found && !options.triangulate) {
+    std::string best = judged.empty() ? "none was proposed" : "nearest: " + judged[0].candidate.procedure + ", " + judged[0].reason;
+    return bad_input((scan.files.empty() ? "scan" : scan.files[0]) +
+                     ": expected a procedure within tolerance of the data, found none (" + best + ")");
   }
   if (!found) {
     context.report("triangulation", 0.7);
@@ -257,6 +344,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     if (i == winner) continue;
     const auto& j = judged[i];
     std::string reason = j.reason;
+    if (reason.empty() && winner < judged.size())
+      reason = told_apart_by(judged[winner].candidate, j.candidate, input, context);
     if (reason.empty())
       reason = j.evidence.description >= best_description
                    ? "describes the part in " + print_number(std::round(j.evidence.description - best_description)) +

@@ -14,6 +14,7 @@ struct BuildOptions {
   double tolerance = 0.1;       ///< mm; the model must lie within this of the data everywhere
   std::string name = "part";    ///< of the part, for the artifacts
   bool nominal = true;          ///< replace a fitted value by a nominal one where the data cannot tell them apart
+  bool triangulate = true;      ///< false: fail where no procedure meets the tolerance, instead of a triangulation
   std::string force;            ///< only this procedure ("revolve", "extrude", ...); empty: the best
 };
 

@@ -21,6 +21,8 @@ struct FitInput {
   double tolerance = 0.1;       ///< mm
   Box3 bounds;
   const Scan* scan = nullptr;   ///< the whole thing, for procedures that need the mesh or all points
+  std::vector<float> surface_share;  ///< of a point's neighbours, how many lie on one plane with it; empty: no strays about
+  double stray_share = 0;       ///< of the points that were set aside as strays
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)
 };
 

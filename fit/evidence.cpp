@@ -88,7 +88,18 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     const double u = d[i] / sigma;
     result.misfit += 0.5 * std::min(u * u / 2, 12.0);
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
-    if (std::abs(local[i]) > result.local_max) result.local_max = std::abs(local[i]), result.worst = cloud.points[i];
+  }
+  // Where strays were set aside, some are left: what lies on no plane with its neighbours does not judge a candidate,
+  // nor do the few worst points, a tenth of the share of the strays that were recognised.
+  const bool strays = input.surface_share.size() == n;
+  std::vector<std::pair<double, std::size_t>> judging;
+  for (std::size_t i = 0; i < n; ++i)
+    if (!strays || input.surface_share[i] >= 0.8f) judging.emplace_back(-std::abs(local[i]), i);
+  const std::size_t skipped = strays ? static_cast<std::size_t>(std::min(0.02, 0.1 * input.stray_share) * double(n)) : 0;
+  if (judging.size() > skipped) {
+    const auto at = judging.begin() + static_cast<std::ptrdiff_t>(skipped);
+    std::nth_element(judging.begin(), at, judging.end());
+    result.local_max = -at->first, result.worst = cloud.points[at->second];
   }
   result.rms = count > 0 ? std::sqrt(sum / count) : 0;
   result.description = description_length(candidate, n);

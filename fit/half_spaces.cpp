@@ -86,7 +86,7 @@ std::vector<ConvexFace> planes_of(const FitInput& input, const Vec3& middle, dou
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i >= input.cloud.normals.size() || !(input.cloud.normals[i].squaredNorm() > 0.5)) continue;
     const Vec3& n = input.cloud.normals[i];
-    normals[i] = n.dot(points[i] - middle) < 0 ? Vec3(-n) : n;
+    normals[i] = !input.oriented && n.dot(points[i] - middle) < 0 ? Vec3(-n) : n;
     open.push_back(static_cast<std::uint32_t>(i));
   }
   const std::size_t least = std::max<std::size_t>(25, points.size() / 100);
@@ -180,7 +180,9 @@ double edges_reached(const ConvexPolyhedron& body, const std::vector<ConvexFace>
       const double length = (b - a).norm();
       constexpr int cells = 20;
       std::array<bool, cells> hit = {};
-      for (const Vec3& p : input.cloud.points) {
+      const std::size_t stride = std::max<std::size_t>(1, input.cloud.size() / 6000);
+      for (std::size_t i = 0; i < input.cloud.size(); i += stride) {
+        const Vec3& p = input.cloud.points[i];
         const double t = along.dot(p - a);
         if (t < 0 || t >= length || (p - a - t * along).norm() > near) continue;
         hit[static_cast<std::size_t>(std::min(cells - 1, static_cast<int>(t / length * cells)))] = true;
@@ -227,22 +229,46 @@ bool close_body(std::vector<ConvexFace>& faces, const FitInput& input, double re
       }
     trials.push_back({closing_face(faces, input, reach, missing)});
   }
-  // Several missing: the one opposite to each face that has none.
+  // Several missing: the one opposite to each face that has none, and those square to two.
   std::vector<ConvexFace> opposite;
   for (const ConvexFace& f : faces)
     if (std::none_of(faces.begin(), faces.end(), [&](const ConvexFace& g) { return g.normal.dot(f.normal) < -0.9; }))
       opposite.push_back(closing_face(faces, input, reach, -f.normal));
   for (const ConvexFace& f : opposite) trials.push_back({f});
   if (opposite.size() > 1) trials.push_back(opposite);
+  std::vector<ConvexFace> likely = opposite;
+  if (faces.size() <= 6) {
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      for (std::size_t j = i + 1; j < faces.size(); ++j) {
+        const Vec3 z = faces[i].normal.cross(faces[j].normal);
+        if (z.norm() < 0.3) continue;
+        for (const Vec3& n : {Vec3(z), Vec3(-z), Vec3(z.cross(faces[i].normal)), Vec3(-z.cross(faces[i].normal)),
+                              Vec3(z.cross(faces[j].normal)), Vec3(-z.cross(faces[j].normal))}) {
+          const Vec3 unit = n.normalized();
+          const auto near = [&](const ConvexFace& f) { return f.normal.dot(unit) > 0.97; };
+          if (likely.size() < 14 && std::none_of(faces.begin(), faces.end(), near) && std::none_of(likely.begin(), likely.end(), near))
+            likely.push_back(closing_face(faces, input, reach, unit));
+        }
+      }
+    for (std::size_t i = 0; i < likely.size(); ++i) {
+      trials.push_back({likely[i]});
+      for (std::size_t j = i + 1; j < likely.size(); ++j) {
+        trials.push_back({likely[i], likely[j]});
+        for (std::size_t k = j + 1; k < likely.size(); ++k) trials.push_back({likely[i], likely[j], likely[k]});
+      }
+    }
+  }
 
-  double best = 0.6;
+  // Shadows hide edges as well: where there are strays, there were shadows.
+  double best = input.stray_share > 0 ? 0.45 : 0.6;
   std::vector<ConvexFace> closed;
   for (const auto& added : trials) {
     std::vector<ConvexFace> all = faces;
     all.insert(all.end(), added.begin(), added.end());
     const auto body = body_of(all, input);
     if (!body) continue;
-    const double share = edges_reached(*body, all, input, reach);
+    // A face more must be worth it.
+    const double share = edges_reached(*body, all, input, reach) - 0.04 * double(added.size() - 1);
     if (share > best + 0.02) best = share, closed = all;
   }
   if (closed.empty()) return false;
@@ -272,11 +298,18 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   context.report("plane faces", 0.5);
   if (faces.size() < 3) return {};
 
-  // A face is a supporting plane: one with many points outside it belongs to a hollow.
+  // A face is a supporting plane: one with many points outside it belongs to a hollow. Strays have no say.
+  std::vector<char> surface(points.size(), 1);
+  std::size_t surface_points = points.size();
+  if (input.surface_share.size() == points.size())
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (input.surface_share[i] < 0.8f) surface[i] = 0, --surface_points;
+  const double allowed = 0.02 + std::min(0.06, 0.3 * input.stray_share);
   for (std::size_t i = faces.size(); i-- > 0;) {
     std::size_t beyond = 0;
-    for (const Vec3& p : points) beyond += faces[i].normal.dot(p) - faces[i].offset > 2 * reach;
-    if (beyond > points.size() / 50) faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(i));
+    for (std::size_t k = 0; k < points.size(); ++k)
+      beyond += surface[k] && faces[i].normal.dot(points[k]) - faces[i].offset > 2 * reach;
+    if (double(beyond) > allowed * double(surface_points)) faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(i));
   }
   // Together: every point belongs to the face it is outermost of.
   for (int round = 0; round < 3; ++round) {
@@ -302,8 +335,8 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   }
   std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.points > b.points; });
   std::size_t on = 0;
-  for (const Vec3& p : points) on += std::abs(convex_distance(faces, p)) < 1.5 * reach;
-  if (static_cast<double>(on) < 0.95 * static_cast<double>(points.size())) return {};
+  for (std::size_t k = 0; k < points.size(); ++k) on += surface[k] && std::abs(convex_distance(faces, points[k])) < 1.5 * reach;
+  if (static_cast<double>(on) < (0.97 - allowed) * static_cast<double>(surface_points)) return {};
   if (!close_body(faces, input, reach)) return {};
 
   // Planes that only touch the body say nothing.

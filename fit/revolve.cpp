@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "fit/sketch_builder.h"
+#include "fit/turned_primitives.h"
 
 namespace partscribe {
 namespace {
@@ -58,13 +59,15 @@ Axis solved_axis(const FitInput& input, Axis axis, bool have_start) {
   Eigen::Index largest;
   axis.direction.cwiseAbs().maxCoeff(&largest);
   if (axis.direction[largest] < 0) axis.direction = -axis.direction;
-  double good = 0;
+  double good = 0, asked = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (input.surface_share.size() == cloud.size() && input.surface_share[i] < 0.8f) continue;  // perhaps a stray
+    asked += 1;
     const Vec3 across = axis.direction.cross(cloud.points[i] - axis.point);
     const double rho = across.norm();
     good += rho < least || std::abs(cloud.normals[i].dot(across)) < 0.14 * rho;
   }
-  axis.share = good / double(cloud.size());
+  axis.share = good / std::max(asked, 1.0);
   return axis;
 }
 
@@ -300,6 +303,7 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
   for (Axis axis : axes) {
     context.say("revolve: axis shared by " + print_number(snapped(100 * axis.share, 0.1)) + " % of the normals");
     if (axis.share < 0.8) continue;
+    for (auto& primitive : propose_turned_primitives(input, axis)) candidates.push_back(std::move(primitive));
     // The larger flat end is the bottom.
     {
       double up = 0, down = 0;

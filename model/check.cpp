@@ -151,7 +151,7 @@ struct Check {
       const double enclosed = signed_area(outline, static_cast<int>(l));
       const std::string& name = sketch.loops[l].name;
       if (std::abs(enclosed) < 1e-12)
-        complain(where + ": loop " + quoted(name) + " encloses nothing");
+        return complain(where + ": loop " + quoted(name) + " encloses nothing");
       else if (l == 0 && enclosed < 0)
         complain(where + ": the outer loop must run counter-clockwise");
       else if (l > 0 && enclosed > 0)

@@ -1,0 +1,47 @@
+/// Seeded hard scans of known parts: what a recovery is measured on.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/point_cloud.h"
+#include "model/model.h"
+
+namespace partscribe::recovery {
+
+/// What the scanner and the place did to the data.
+struct Conditions {
+  double least_noise = 0.001, most_noise = 0.01;    ///< sigma along the ray, share of the part's longest side
+  double least_outliers = 0.02, most_outliers = 0.1;  ///< share of all points
+  double seen = 2.0 / 3;                            ///< share of the surface; from one side, the rest is in shadow
+  double density_ratio = 10;                        ///< densest to sparsest place
+  std::size_t points = 4000;
+};
+
+/// "standard": up to 10 % outliers, one third unseen. "hardest": 30 %, two thirds, noise 1 %.
+Conditions standard_conditions();
+Conditions hardest_conditions();
+
+/// One scan of which everything is known.
+struct Case {
+  std::string kind;
+  Model truth;                      ///< in its own frame; parameters in the order of canonical_numbers()
+  Pose scan_from_part;
+  Scan scan;
+  double size = 0;                  ///< mm, longest side of the part's own box
+  double noise = 0;                 ///< mm
+  double outliers = 0, seen = 0;    ///< shares that came out
+  double tolerance = 0;             ///< mm, to be asked for
+  std::vector<Vec3> exact;          ///< the places that were hit, without noise, in the scan's frame; no outliers
+  std::vector<double> sigma;        ///< mm, of each along the surface normal
+};
+
+/// The kinds that are drawn: "sphere", "ellipsoid", "superellipsoid", "box", "wedge", "cylinder", "cone", "torus",
+/// "half_spaces", "revolve", "extrude".
+const std::vector<std::string>& kinds();
+
+/// The same case for the same arguments always.
+Case make_case(const std::string& kind, const Conditions& conditions, std::uint64_t seed);
+
+}  // namespace partscribe::recovery

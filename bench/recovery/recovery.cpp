@@ -1,0 +1,79 @@
+/// How often each kind of part is recovered from hard scans, and how near its numbers come to the best possible.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bench/recovery/score.h"
+
+using namespace partscribe;
+using namespace partscribe::recovery;
+
+namespace {
+
+const char* usage =
+    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest] [--verbose]\n";
+
+double median(std::vector<double> v) {
+  if (v.empty()) return 0;
+  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose) {
+  std::map<Answer, std::size_t> answers;
+  std::vector<double> ratios, seconds;
+  for (std::uint64_t seed = first; seed < first + runs; ++seed) {
+    const Case c = make_case(kind, setting == "standard" ? standard_conditions() : hardest_conditions(), seed);
+    Context context;
+    if (verbose && runs == 1) context.log = [](const std::string& line) { std::fprintf(stderr, "    %s\n", line.c_str()); };
+    const Score score = recovered(c, context);
+    ++answers[score.answer];
+    seconds.push_back(score.seconds);
+    if (score.answer == Answer::right) ratios.insert(ratios.end(), score.ratios.begin(), score.ratios.end());
+    if (verbose && (score.answer != Answer::right || runs == 1))
+      std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",
+                   kind.c_str(), setting.c_str(), static_cast<unsigned long long>(seed), name_of(score.answer),
+                   score.found.c_str(), score.why.empty() ? "" : ": ", score.why.c_str(), 100 * c.noise / c.size,
+                   100 * c.outliers, 100 * c.seen, c.scan.cloud.rays.empty() ? "no rays" : "rays", c.size, c.tolerance,
+                   score.surface_error, score.seconds);
+  }
+  char text[300];
+  const auto share = [&](Answer a) { return 100.0 * double(answers[a]) / double(runs); };
+  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %s | %.2f |", kind.c_str(), setting.c_str(),
+                share(Answer::right), share(Answer::cannot_tell), share(Answer::wrong),
+                ratios.empty() ? "-" : std::to_string(median(ratios)).substr(0, 4).c_str(), median(seconds));
+  return text;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::uint64_t runs = 200, first = 1;
+  std::vector<std::string> wanted = kinds(), settings = {"standard", "hardest"};
+  bool verbose = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
+    if (option == "--runs") runs = std::strtoull(value().c_str(), nullptr, 10);
+    else if (option == "--first") first = std::strtoull(value().c_str(), nullptr, 10);
+    else if (option == "--kind") wanted = {value()};
+    else if (option == "--setting") settings = {value()};
+    else if (option == "--verbose") verbose = true;
+    else return std::fputs(usage, stderr), 2;
+  }
+  for (const auto& kind : wanted)
+    if (std::find(kinds().begin(), kinds().end(), kind) == kinds().end()) return std::fputs(usage, stderr), 2;
+  if (runs == 0) return std::fputs(usage, stderr), 2;
+  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | error / bound | s |\n|---|---|---|---|---|---|---|\n",
+              static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
+  for (const auto& setting : settings)
+    for (const auto& kind : wanted) {
+      std::puts(row(kind, setting, first, runs, verbose).c_str());
+      std::fflush(stdout);
+    }
+  return 0;
+}

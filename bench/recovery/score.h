@@ -1,0 +1,34 @@
+/// Judges what was recovered from a hard scan against the truth.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/recovery/cases.h"
+#include "core/context.h"
+
+namespace partscribe::recovery {
+
+enum class Answer {
+  right,        ///< the kind, or an equivalent description of the same surface, and its numbers
+  cannot_tell,  ///< no procedure, or a simpler one that names the truth as a rival the data cannot tell it from
+  wrong
+};
+const char* name_of(Answer answer);
+
+struct Score {
+  Answer answer = Answer::wrong;
+  std::string found;             ///< kind, "mesh" if none
+  std::string why;               ///< for anything but `right`
+  double surface_error = 0;      ///< root mean square distance of the exact places, in units of their expected error
+  std::vector<double> ratios;    ///< |error| / (0.6745 sigma of the Cramer-Rao bound) of each number that the data fix
+  double seconds = 0;            ///< processor time
+};
+
+/// Fits the scan and judges the answer. The bound is that of the truth's own parametrisation with the true noise of
+/// each point; numbers that the scanned places leave open to more than a tenth of the size are not judged. A number is
+/// right within 4 of its own sigmas or 6 times the bound; a surface within 6 times the error expected of the fit.
+Score recovered(const Case& c, Context& context);
+
+}  // namespace partscribe::recovery

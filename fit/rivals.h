@@ -1,0 +1,15 @@
+/// Says when the data cannot tell the procedure that won from a richer one.
+#pragma once
+
+#include <string>
+
+#include "fit/candidate.h"
+
+namespace partscribe {
+
+/// A sentence such as "the data cannot tell it from a cone: half angle 0.4 +- 0.6 degrees", if the number by which the
+/// rival differs from the winner is zero within two sigmas; empty otherwise. Knows cylinder and cone, sphere and
+/// ellipsoid. The rival is refined on the way.
+std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInput& input, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,169 @@
+#include "fit/strays.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "geometry/kd_tree.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t least_neighbours = 20, most_neighbours = 90;
+constexpr int drawn_planes = 25;
+constexpr double good_share = 0.72;  // of the neighbours on a point's plane; a ball of strays reaches 0.6 by chance
+
+double median_of(std::vector<double> v) {
+  if (v.empty()) return 0;
+  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+/// The plane near a point that holds most of its neighbours.
+struct LocalPlane {
+  Vec3 normal = Vec3::UnitZ();
+  Vec3 middle = Vec3::Zero();
+  double radius = 0;    // of the neighbourhood
+  double share = 0;     // of the neighbours within the band
+  double residual = 0;  // median distance of those from it
+};
+
+/// Half the thickness of what counts as on a plane at a distance: noise, and a surface that bends.
+double band(double sigma, double distance) { return 2.5 * sigma + 0.06 * distance; }
+
+LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Neighbour>& near, std::size_t self, double sigma) {
+  LocalPlane plane;
+  const Vec3& p = points[self];
+  plane.middle = p;
+  plane.radius = std::sqrt(near.back().sq_distance);
+  const double apart = std::max(0.4 * plane.radius, 2 * sigma);
+  std::vector<std::uint32_t> far;
+  for (const auto& n : near)
+    if (n.sq_distance > apart * apart) far.push_back(n.index);
+  if (far.size() < 4) return plane;
+  Random random(0x9e3779b9u + near.size() * 977 + far.front() * 31ull + far.back());
+  std::size_t best = 0;
+  for (int draw = 0; draw < drawn_planes; ++draw) {
+    const Vec3 a = points[far[random.below(far.size())]] - p, b = points[far[random.below(far.size())]] - p;
+    Vec3 n = a.cross(b);
+    const double length = n.norm();
+    if (!(length > 0.4 * a.norm() * b.norm())) continue;
+    n /= length;
+    std::size_t count = 0;
+    for (const auto& m : near) count += std::abs(n.dot(points[m.index] - p)) < band(sigma, std::sqrt(m.sq_distance));
+    if (count > best) best = count, plane.normal = n;
+  }
+  if (best == 0) return plane;
+  double across = 0;  // spread in the plane's narrower direction
+  for (int round = 0; round < 3; ++round) {
+    Vec3 mean = Vec3::Zero();
+    std::vector<std::uint32_t> on;
+    for (const auto& m : near)
+      if (std::abs(plane.normal.dot(points[m.index] - plane.middle)) < band(sigma, std::sqrt(m.sq_distance)))
+        on.push_back(m.index), mean += points[m.index];
+    if (on.size() < 5) break;
+    mean /= double(on.size());
+    Mat3 scatter = Mat3::Zero();
+    for (const auto i : on) scatter += (points[i] - mean) * (points[i] - mean).transpose();
+    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(scatter);
+    plane.normal = eigen.eigenvectors().col(0);
+    across = std::sqrt(std::max(eigen.eigenvalues()[1], 0.0) / double(on.size()));
+    plane.middle = mean;
+  }
+  std::vector<double> off;
+  std::size_t asked = 0;
+  for (const auto& m : near) {
+    if (m.index == self) continue;
+    ++asked;
+    const double d = std::abs(plane.normal.dot(points[m.index] - plane.middle));
+    if (d < band(sigma, std::sqrt(m.sq_distance))) off.push_back(d);
+  }
+  plane.share = asked == 0 ? 0 : double(off.size()) / double(asked);
+  // A small dense dot is thin in every direction.
+  if (across < 0.15 * plane.radius) plane.share = 0;
+  plane.residual = median_of(std::move(off));
+  return plane;
+}
+
+}  // namespace
+
+SurfacePoints surface_points_of(const std::vector<Vec3>& points, double sigma, Context& context) {
+  const std::size_t n = points.size();
+  SurfacePoints result;
+  result.stray.assign(n, 0), result.normals.assign(n, Vec3::Zero()), result.sigma = sigma, result.share.assign(n, 0);
+  constexpr int last_pass = 3;
+  for (int pass = 0; pass <= last_pass && !context.cancelled; ++pass) {
+    std::vector<std::uint32_t> source;
+    std::vector<Vec3> kept;
+    for (std::size_t i = 0; i < n; ++i)
+      if (!result.stray[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
+    if (kept.size() < 3 * least_neighbours) break;
+    const KdTree tree(kept);
+    const std::size_t count = kept.size();
+    std::vector<LocalPlane> planes(count);
+    std::vector<std::vector<Neighbour>> neighbours(count);
+    const double reach = 10 * result.sigma;
+    parallel_for(count, context.threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<Neighbour> near;
+      for (std::size_t i = begin; i < end; ++i) {
+        tree.nearest(kept[i], most_neighbours, near);
+        std::size_t used = std::min(least_neighbours, near.size());
+        while (used < near.size() && near[used].sq_distance < reach * reach) ++used;
+        near.resize(used);
+        planes[i] = plane_near(kept, near, i, result.sigma);
+        neighbours[i] = near;
+      }
+    });
+    std::vector<std::uint8_t> stray(count, 0);
+    parallel_for(count, context.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        std::size_t support = 0;
+        for (const auto& m : neighbours[i]) {
+          const LocalPlane& plane = planes[m.index];
+          if (m.index == i || plane.share < good_share || m.sq_distance > plane.radius * plane.radius) continue;
+          const double d = std::abs(plane.normal.dot(kept[i] - plane.middle));
+          support += d < band(1.4 * result.sigma, std::sqrt(m.sq_distance));
+        }
+        stray[i] = support < 3;
+      }
+    });
+    std::vector<double> residuals;
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      result.normals[source[i]] = planes[i].normal, result.share[source[i]] = static_cast<float>(planes[i].share);
+      if (stray[i]) result.stray[source[i]] = 1, ++found;
+      else if (planes[i].share > 0.85) residuals.push_back(planes[i].residual);
+    }
+    result.strays += found;
+    // Of a Gaussian cut off at the band; curved pieces lie above the median of these medians.
+    if (residuals.size() > 50) result.sigma = std::min(result.sigma, 1.4826 * median_of(residuals) * 1.03);
+    if (found * 500 < count || pass == last_pass) {
+      // Pieces that hang together by planes that hold each other's points.
+      std::vector<std::uint32_t> parent(count), members(count, 0);
+      for (std::size_t i = 0; i < count; ++i) parent[i] = static_cast<std::uint32_t>(i);
+      const auto root = [&](std::uint32_t i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+      };
+      for (std::size_t i = 0; i < count; ++i)
+        for (const auto& m : neighbours[i]) {
+          const LocalPlane& plane = planes[m.index];
+          if (stray[i] || stray[m.index] || plane.share < good_share || m.sq_distance > plane.radius * plane.radius) continue;
+          if (std::abs(plane.normal.dot(kept[i] - plane.middle)) < band(1.4 * result.sigma, std::sqrt(m.sq_distance)))
+            parent[root(static_cast<std::uint32_t>(i))] = root(m.index);
+        }
+      for (std::size_t i = 0; i < count; ++i) ++members[root(static_cast<std::uint32_t>(i))];
+      for (std::size_t i = 0; i < count; ++i)
+        if (!stray[i] && 100 * members[root(static_cast<std::uint32_t>(i))] < 3 * count)
+          result.stray[source[i]] = 1, ++result.strays;
+      break;
+    }
+  }
+  return result;
+}
+
+}  // namespace partscribe
