@@ -12,6 +12,8 @@ namespace partscribe {
 namespace {
 
 constexpr std::size_t sample_count = 60000;
+constexpr double widest_drop_out = 10;          // spacings, radius of a dark or shiny place that a scanner may lose
+constexpr double widest_drop_out_share = 0.03;  // of the part's size
 
 /// Which body every triangle belongs to, and which bodies enclose material.
 struct Bodies {
@@ -61,6 +63,16 @@ class Coverage {
       if (seen_through(map, place, normal, far_)) return Support::contradicted;
     if (hides_scanned_surface(place, normal, near)) return Support::contradicted;
     return Support::not_scanned;
+  }
+
+  /// At least two views face the place, nothing of the model stands between, and none of them returned anything there.
+  bool unanswered(const Vec3& place, const Vec3& normal) const {
+    int views = 0;
+    for (const auto& map : source_.sights) {
+      const auto sensor = unanswered_from(map, place, normal);
+      if (sensor && !surface_.first_hit(place + 1e-6 * size_ * normal, *sensor, 2 * size_) && ++views == 2) return true;
+    }
+    return false;
   }
 
  private:
@@ -127,6 +139,42 @@ class Coverage {
   }
 };
 
+/// Patches that views look at and get no return from, wider than a scanner's drop-outs: such surface is not there. A
+/// patch counts if somewhere no other sample lies within ten spacings and 3 % of the size.
+void contradict_unanswered(const ScanSource& source, const Coverage& coverage, double size, const std::vector<Vec3>& normals,
+                           SurfaceField& field, int threads) {
+  const std::size_t count = field.samples.size();
+  std::vector<char> silent(count, 0);
+  parallel_for(count, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (field.support[i] == Support::not_scanned)
+        silent[i] = coverage.unanswered(field.samples[i].point, normals[field.samples[i].triangle]);
+  }, 256);
+  std::vector<Vec3> silent_places, other_places;
+  std::vector<std::uint32_t> index;
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (silent[i]) silent_places.push_back(field.samples[i].point), index.push_back(i);
+    else other_places.push_back(field.samples[i].point);
+  if (silent_places.empty() || other_places.empty()) return;
+  const double reach = std::max(widest_drop_out * source.spacing, widest_drop_out_share * size);
+  const KdTree silent_tree(silent_places), other_tree(other_places);
+  std::vector<char> taken(index.size(), 0);
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t i = 0; i < index.size(); ++i)
+    if (other_tree.nearest_one(silent_places[i]).sq_distance > reach * reach) taken[i] = 1, open.push_back(i);
+  // The rest of each patch belongs to it.
+  std::vector<Neighbour> near;
+  while (!open.empty()) {
+    const auto i = open.back();
+    open.pop_back();
+    silent_tree.within(silent_places[i], 3 * source.spacing, near);
+    for (const auto& n : near)
+      if (!taken[n.index]) taken[n.index] = 1, open.push_back(n.index);
+  }
+  for (std::size_t i = 0; i < index.size(); ++i)
+    if (taken[i]) field.support[index[i]] = Support::contradicted;
+}
+
 /// How many other bodies hold the place: crossings out of them less crossings into them along a ray.
 int bodies_around(const Vec3& place, const Vec3& direction, std::uint32_t own, const Bodies& bodies,
                   const MeshDistance& surface, const std::vector<Vec3>& normals, double size) {
@@ -180,6 +228,7 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
     for (std::size_t i = begin; i < end; ++i)
       field.support[i] = coverage.support_of(field.samples[i].point, field.samples[i].triangle, near);
   }, 256);
+  if (!source.sights.empty()) contradict_unanswered(source, coverage, mesh.bounds().diagonal(), normals, field, context.threads);
   field.summary.area = area(mesh);
   const double each = field.samples.empty() ? 0 : field.summary.area / static_cast<double>(field.samples.size());
   std::size_t counts[3] = {0, 0, 0};

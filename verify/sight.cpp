@@ -14,6 +14,7 @@ namespace {
 
 constexpr double widest_view = 0.34;         // cosine of 70 degrees
 constexpr double flattest_sight = 0.26;      // cosine of 75 degrees
+constexpr double facing = 0.5;               // cosine of 60 degrees: so steep a surface returns for certain
 constexpr std::size_t most_cells = 4000000;  // per view
 
 struct ViewPoints {
@@ -129,6 +130,21 @@ std::vector<SightMap> sight_maps(const PointCloud& cloud, const std::vector<View
   for (std::size_t v = 0; v < split.size(); ++v)
     if (auto map = map_of(cloud, v < views.size() ? &views[v] : nullptr, split[v])) maps.push_back(std::move(*map));
   return maps;
+}
+
+std::optional<Vec3> unanswered_from(const SightMap& map, const Vec3& place, const Vec3& normal) {
+  const Vec3 p = map.view_from_world * place;
+  if (!map.parallel && !(p.z() > 0)) return {};
+  const Vec3 sight = map.parallel ? Vec3(0, 0, 1) : Vec3(p.normalized());
+  if (-(map.view_from_world.rotation * normal).dot(sight) < facing) return {};
+  const double scale = map.parallel ? 1 : 1 / p.z();
+  const double x = (p.x() * scale - map.x0) / map.cell, y = (p.y() * scale - map.y0) / map.cell;
+  if (!(x >= 1 && y >= 1 && x < map.width - 1 && y < map.height - 1)) return {};
+  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if (!std::isinf(map.depth[std::size_t(row + dy) * std::size_t(map.width) + std::size_t(column + dx)])) return {};
+  return Vec3(-(map.view_from_world.rotation.transpose() * sight));
 }
 
 bool seen_through(const SightMap& map, const Vec3& place, const Vec3& normal, double margin) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geometry/point_cloud.h"
@@ -22,6 +23,11 @@ struct SightMap {
 /// other views give no evidence. `kept` lists the points to use.
 std::vector<SightMap> sight_maps(const PointCloud& cloud, const std::vector<View>& views,
                                  const std::vector<std::uint32_t>& kept);
+
+/// Where the view's sensor lies as seen from `place`, if the view returned nothing from there (the whole 3 x 3
+/// neighbourhood of cells is empty) though its picture reaches it and it faces the place at less than 60 degrees: a unit
+/// vector. Nothing otherwise.
+std::optional<Vec3> unanswered_from(const SightMap& map, const Vec3& place, const Vec3& normal);
 
 /// True if a view saw farther than `place` + `margin` in the whole 3 x 3 neighbourhood of cells around it (at least 7
 /// of them with a return): so there is nothing at `place`. Surface seen at more than 75 degrees from its normal is

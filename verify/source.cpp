@@ -23,8 +23,8 @@ double median_of(std::vector<double>& values) {
   return *middle;
 }
 
-/// Scatter of the neighbourhood about its own quadratic surface: curvature does not count as noise, outliers hardly.
-double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& group) {
+/// Heights of the neighbourhood over its own quadratic surface; false if it has none.
+bool heights_over_quadric(const std::vector<Vec3>& points, const std::vector<Neighbour>& group, std::vector<double>& heights) {
   Vec3 mean = Vec3::Zero();
   for (const auto& n : group) mean += points[n.index];
   mean /= static_cast<double>(group.size());
@@ -38,7 +38,7 @@ double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& gr
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
   Row right = Row::Zero();
   std::vector<Row> rows;
-  std::vector<double> heights;
+  heights.clear();
   for (const auto& n : group) {
     const Vec3 q = frame.transpose() * (points[n.index] - mean) / scale;
     Row row;
@@ -49,17 +49,24 @@ double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& gr
   }
   normal.diagonal().array() += 1e-12 * static_cast<double>(group.size());
   const Row fit = normal.ldlt().solve(right);
-  std::vector<double> residuals;
-  for (std::size_t i = 0; i < rows.size(); ++i) residuals.push_back(std::abs(heights[i] - rows[i].dot(fit)));
-  const double freedom = std::sqrt(double(rows.size()) / (double(rows.size()) - 6));
-  return 1.4826 * median_of(residuals) * freedom * scale;
+  for (std::size_t i = 0; i < rows.size(); ++i) heights[i] = (heights[i] - rows[i].dot(fit)) * scale;
+  return group.size() > 6;
+}
+
+/// Scatter of the neighbourhood about its own quadratic surface: curvature does not count as noise, outliers hardly.
+double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& group) {
+  std::vector<double> heights;
+  if (!heights_over_quadric(points, group, heights)) return 0;
+  for (auto& h : heights) h = std::abs(h);
+  const double freedom = std::sqrt(double(group.size()) / (double(group.size()) - 6));
+  return 1.4826 * median_of(heights) * freedom;
 }
 
 /// One view's surface is sparser than that of all views together, and three times sparser still where it is seen at
 /// 80 degrees. Without views nobody knows how many overlap: four times the usual spacing.
 void measure(ScanSource& source, const std::vector<std::int32_t>& view, int threads) {
   const std::size_t places = std::min(noise_places, source.points.size());
-  std::vector<double> spacings(places), noises(places), overlaps(places);
+  std::vector<double> spacings(places), noises(places, -1), closer(places, -1), overlaps(places);
   parallel_for(places, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     for (std::size_t i = begin; i < end; ++i) {
@@ -72,16 +79,70 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
         std::sort(views.begin(), views.end());
         overlaps[i] = static_cast<double>(std::unique(views.begin(), views.end()) - views.begin());
       }
-      noises[i] = near.size() > 12 ? scatter(source.points, near) : 0;
+      // The other side of a thin wall was seen from the other side.
+      if (!source.rays.empty()) std::erase_if(near, [&](const Neighbour& n) { return source.rays[n.index].dot(source.rays[at]) < -0.1; });
+      if (near.size() <= 12) continue;
+      noises[i] = scatter(source.points, near);
+      near.resize(13);
+      closer[i] = scatter(source.points, near);
     }
   }, 64);
   source.spacing = median_of(spacings);
-  source.noise = median_of(noises);
+  // Where features are hardly wider than the larger neighbourhoods, their shape counts as scatter: the smaller ones see
+  // less of it.
+  std::erase(noises, -1.0), std::erase(closer, -1.0);
+  source.noise = std::min(median_of(noises), median_of(closer));
   source.sparsest = view.empty() ? 4 * source.spacing : 3 * source.spacing * std::sqrt(median_of(overlaps));
   // What remains of an exact surface is rounding, not noise.
   double largest = 0;
   for (const auto& p : source.points) largest = std::max(largest, p.cwiseAbs().maxCoeff());
   if (source.noise < 1e-6 * largest) source.noise = 0;
+}
+
+/// Views that were laid onto each other wrongly run beside each other: the offset along the normal between the means of
+/// two views in one neighbourhood, less what noise alone does to means. The root mean square over the middle nine
+/// tenths of all neighbourhoods that two views share.
+double disagreement_of(const ScanSource& source, const std::vector<std::int32_t>& view, int threads) {
+  if (view.empty()) return 0;
+  const std::size_t places = std::min(noise_places, source.points.size());
+  std::vector<double> squares(places, -1);  // in excess of noise; no lower limit once it is set
+  std::vector<char> shared(places, 0);
+  parallel_for(places, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t at = i * source.points.size() / places;
+      source.tree->nearest(source.points[at], 2 * noise_neighbours, near);
+      if (!source.rays.empty()) std::erase_if(near, [&](const Neighbour& n) { return source.rays[n.index].dot(source.rays[at]) < -0.1; });
+      std::vector<double> heights;
+      if (near.size() < noise_neighbours || !heights_over_quadric(source.points, near, heights)) continue;
+      std::vector<std::pair<std::int32_t, double>> of_view;
+      for (std::size_t k = 0; k < near.size(); ++k)
+        if (std::abs(heights[k]) < std::max(20 * source.noise, source.spacing)) of_view.emplace_back(view[near[k].index], heights[k]);
+      std::stable_sort(of_view.begin(), of_view.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      double mean[2] = {0, 0}, count[2] = {0, 0};
+      int found = 0;
+      for (std::size_t k = 0; k < of_view.size() && found < 2;) {
+        std::size_t end_of = k;
+        double sum = 0;
+        while (end_of < of_view.size() && of_view[end_of].first == of_view[k].first) sum += of_view[end_of++].second;
+        if (end_of - k >= 6) count[found] = double(end_of - k), mean[found] = sum / count[found], ++found;
+        k = end_of;
+      }
+      if (found < 2) continue;
+      const double off = mean[0] - mean[1];
+      squares[i] = off * off - source.noise * source.noise * (1 / count[0] + 1 / count[1]);
+      shared[i] = 1;
+    }
+  }, 64);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < places; ++i)
+    if (shared[i]) values.push_back(squares[i]);
+  if (values.size() < 50) return 0;
+  std::sort(values.begin(), values.end());
+  double sum = 0;
+  const std::size_t used = values.size() * 9 / 10;
+  for (std::size_t i = 0; i < used; ++i) sum += values[i];
+  return std::sqrt(std::max(0.0, sum / static_cast<double>(used)));
 }
 
 }  // namespace
@@ -138,6 +199,7 @@ ScanSource prepare_source(const Scan& scan, Context& context) {
   if (!cloud.view.empty() && scan.mesh.empty())
     for (const auto k : source.kept_place) view.push_back(cloud.view[kept[k]]);
   if (source.points.size() > 1) measure(source, view, context.threads);
+  if (source.points.size() > 1) source.disagreement = disagreement_of(source, view, context.threads);
   return source;
 }
 
@@ -152,7 +214,8 @@ int neighbours_for(const ScanSource& source, double tolerance) {
 }
 
 double smallest_honest_tolerance(const ScanSource& source) {
-  return 4 * 3.3 * source.noise / std::sqrt(static_cast<double>(most_neighbours(source)));
+  const double by_noise = 4 * 3.3 * source.noise / std::sqrt(static_cast<double>(most_neighbours(source)));
+  return std::max(by_noise, source.disagreement);
 }
 
 }  // namespace partscribe

@@ -25,6 +25,7 @@ struct ScanSource {
   double spacing = 0;                    ///< mm, median over the cloud of the spacing in the 8-neighbourhood
   double sparsest = 0;                   ///< mm, spacing above which points are no surface but strays: see .cpp
   double noise = 0;                      ///< mm, scatter along the normal inside small neighbourhoods
+  double disagreement = 0;               ///< mm, typical offset between overlapping views, noise taken out; 0: unknown or none
   std::vector<SightMap> sights;
   std::unique_ptr<MeshDistance> surface; ///< of a scan that is a mesh
   bool closed_surface = false;
@@ -42,7 +43,8 @@ int neighbours_for(const ScanSource& source, double tolerance);
 /// 100, or fewer where the cloud is so small that 100 points are no longer local.
 int most_neighbours(const ScanSource& source);
 
-/// The tolerance at which neighbours_for() reaches its limit: below it the scan cannot tell a deviation from noise.
+/// The tolerance at which neighbours_for() reaches its limit: below it the scan cannot tell a deviation from noise. Nor
+/// can it where its views lie farther apart than the tolerance.
 double smallest_honest_tolerance(const ScanSource& source);
 
 /// The mean spacing of points whose 8th neighbour is at this distance.

@@ -15,6 +15,9 @@ namespace {
 constexpr std::array<double, 2> scales = {2.5, 5};  // spacings
 constexpr std::array<double, 2> patches = {2, 3.5};  // spacings; the ring reaches three times as far
 constexpr std::size_t fewest_in_ring = 30;
+constexpr double curtain_of_alone = 50;  // density of the densest curtain of a scan to its share of strays that stand alone
+constexpr double least_curtain = 0.01;
+constexpr double densest_over_surface = 0.06;  // share of a patch of scanned surface that curtains from its edges reach
 constexpr double fewest_strays = 0.001, most_strays = 0.02;  // share of the points that is believed to be stray
 
 /// The window about one point that is least likely by chance.
@@ -29,6 +32,14 @@ class Judge {
       : scene_(scene), off_(scene.off), feet_(scene.feet), spacing_(scene.source->spacing) {
     const auto total = static_cast<double>(std::max<std::size_t>(scene.source->points.size(), 1));
     share_ = std::clamp(static_cast<double>(scene.off.size()) / total, fewest_strays, most_strays);
+    // Real strays stand alone for the most part: how many do tells how dense a curtain of them can be.
+    std::size_t alone = 0;
+    std::vector<Neighbour> near;
+    for (const auto& p : scene.off) {
+      off_.nearest(p, 2, near);
+      alone += near.size() < 2 || near[1].sq_distance > scales[0] * scales[0] * spacing_ * spacing_;
+    }
+    densest_ = std::clamp(curtain_of_alone * static_cast<double>(alone) / total, least_curtain, densest_curtain);
   }
 
   std::vector<StrayCluster> run(double false_alarm, int threads) const {
@@ -50,7 +61,7 @@ class Judge {
  private:
   const StrayScene& scene_;
   KdTree off_, feet_;
-  double spacing_, share_ = 0;
+  double spacing_, share_ = 0, densest_ = densest_curtain;
 
   Alarm in_space(std::size_t i, std::vector<Neighbour>& near) const {
     Alarm best;
@@ -66,7 +77,7 @@ class Judge {
       // Surface would put so many points into a disc of this radius. Strays line up along edges: of a line through
       // the window's middle, the ring holds twice as much as the window.
       const double area = pi * scale * scale;
-      const double expected = std::clamp(static_cast<double>(ring + 1) / 2, share_ * area, densest_curtain * area);
+      const double expected = std::clamp(static_cast<double>(ring + 1) / 2, std::min(share_, densest_) * area, densest_ * area);
       const double chance = poisson_tail(inside - 1, expected);  // besides the point itself
       if (chance < best.probability) best = {chance, expected, radius, inside};
     }
@@ -94,7 +105,8 @@ class Judge {
         else on_ring += (*scene_.normals)[(*scene_.triangle)[n.index]].dot(scene_.foot_normals[i]) > 0.7;
       }
       if (off < 3 || on_ring < fewest_in_ring) continue;  // not scanned all around: nothing to miss
-      const double share = std::max(share_, static_cast<double>(off_ring + 1) / static_cast<double>(off_ring + on_ring + 2));
+      const double share = std::clamp(static_cast<double>(off_ring + 1) / static_cast<double>(off_ring + on_ring + 2),
+                                      std::min(share_, densest_), std::min(densest_, densest_over_surface));
       const double chance = binomial_tail(off, off + on, share);
       if (chance < best.probability) best = {chance, share * static_cast<double>(off + on), radius, off};
     }
