@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/number.h"
+#include "core/random.h"
 #include "verify/mutate_edits.h"
 #include "verify/mutate_features.h"
 #include "verify/mutate_gauge.h"
@@ -61,9 +62,20 @@ class Damages {
     if (moved > 1.5 * tolerance_) result_.push_back({kind, name, moved, std::move(damaged)});
   }
 
+  /// False for what is left of bores that have nothing in common: no surface could be measured there.
+  bool has_material(const Model& damaged) const {
+    const ModelDistance distance(damaged);
+    const Vec3 low = gauge_.box().low, size = gauge_.box().size();
+    Random random(19);
+    for (int i = 0; i < 20000; ++i)
+      if (distance(low + size.cwiseProduct(Vec3(random.uniform(), random.uniform(), random.uniform()))).distance < 0)
+        return true;
+    return false;
+  }
+
   /// As take, for damages that may only add surface; all larger than the tolerance, or pointless.
   void take_either(Mutation::Kind kind, const std::string& name, Model damaged) {
-    if (!passes_check(damaged)) return;
+    if (!passes_check(damaged) || !has_material(damaged)) return;
     const double moved = gauge_.moved_either(damaged);
     if (moved > 3 * tolerance_) result_.push_back({kind, name, moved, std::move(damaged)});
   }
