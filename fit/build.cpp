@@ -177,14 +177,14 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
   return p;
 }
 
-/// Sets strays aside where there are many. The planes that tell them from surfaces also give better normals and noise
-/// than neighbourhoods that hold them. Clean data stay as they are.
-void set_strays_aside(Scan& scan, FitInput& input, Context& context) {
-  if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return;
+/// Sets strays aside where there are many; false: there are not. The planes that tell them from surfaces also give better
+/// normals and noise than neighbourhoods that hold them.
+bool set_strays_aside(Scan& scan, FitInput& input, Context& context) {
+  if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return false;
   const SurfacePoints found = surface_points_of(input.cloud.points, input.sampling.sigma, context);
   PointCloud& cloud = input.cloud;
   const std::size_t n = cloud.size();
-  if (double(found.strays) < 0.01 * double(n) || n - found.strays < 50) return;
+  if (double(found.strays) < 0.01 * double(n) || n - found.strays < 50) return false;
   context.say("strays: " + print_number(double(found.strays)) + " of " + print_number(double(n)) + " points set aside");
   const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
   std::vector<Vec3> strays;
@@ -211,27 +211,32 @@ void set_strays_aside(Scan& scan, FitInput& input, Context& context) {
   input.sampling.sigma = std::min(input.sampling.sigma, found.sigma);
   input.sampling.rejected += found.strays;
   input.bounds = cloud.bounds();
+  return true;
 }
 
 double rounded(double v) { return v > 0 ? snapped(v, power_of_ten_below(v / 1000)) : 0; }
 
-}  // namespace
+/// What the makers proposed, what became of it, and the best as a model, if one meets the tolerance.
+struct Search {
+  SuperellipsoidFit hypothesis;
+  std::vector<Judged> judged;       ///< the best first
+  bool found = false;
+  std::size_t winner = 0;           ///< index into judged; their number if none was found
+  Model model;
+  CandidateEvidence evidence;       ///< of the winner as it will be printed
+  double covered = 0;
+};
 
-Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context) {
-  context.report("normals", 0.0);
-  auto prepared = prepare(scan, options.tolerance, context);
-  if (!prepared) return prepared.error();
-  set_strays_aside(scan, *prepared, context);
-  const FitInput& input = *prepared;
-
+Search search_procedure(const FitInput& input, const BuildOptions& options, Context& context) {
+  Search search;
   context.report("hypothesis", 0.15);
-  const SuperellipsoidFit hypothesis = recover_superellipsoid(input.cloud.points, context);
+  search.hypothesis = recover_superellipsoid(input.cloud.points, context);
   std::vector<Vec3> directions;
-  for (int k = 2; k >= 0; --k) directions.push_back(hypothesis.scan_from_shape.rotation.col(k));
-  context.say("hypothesis: " + hypothesis.hypothesis.suggests);
+  for (int k = 2; k >= 0; --k) directions.push_back(search.hypothesis.scan_from_shape.rotation.col(k));
+  context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
 
   context.report("candidates", 0.25);
-  std::vector<Judged> judged;
+  std::vector<Judged>& judged = search.judged;
   auto consider = [&](Candidate candidate) {
     judged.push_back(judge(std::move(candidate), input, context));
     const auto& j = judged.back();
@@ -241,8 +246,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   // A superellipsoid is a hypothesis first; as a description it and a supertoroid serve only where no procedure of the trade does.
   std::vector<Candidate> last_resort;
   for (const auto& maker : makers()) {
-    for (auto& candidate : maker.propose(input, hypothesis, directions, context)) {
-      if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+    for (auto& candidate : maker.propose(input, search.hypothesis, directions, context)) {
+      if (context.cancelled) return search;
       if (!asked_for(options.force, candidate)) continue;
       if (is_slow(candidate))
         last_resort.push_back(std::move(candidate));
@@ -260,12 +265,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   put_best_first(judged);
 
   context.report("refine", 0.6);
-  Model model;
-  bool found = false;
-  CandidateEvidence final_evidence;
-  double final_covered = 0;
-  std::size_t winner = judged.size();
-  for (std::size_t i = 0; i < judged.size() && judged[i].meets && !found; ++i) {
+  search.winner = judged.size();
+  for (std::size_t i = 0; i < judged.size() && judged[i].meets && !search.found; ++i) {
     Candidate exact = judged[i].candidate;
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
@@ -285,17 +286,48 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
       if (std::holds_alternative<Complaints>(check(proposal))) continue;
       Candidate as_printed = tidy;
       as_printed.scan_from_part = evaluate(proposal.scan_from_part, values_of(proposal));
-      final_evidence = evidence_of(as_printed, input, context);
-      if (final_evidence.local_max > options.tolerance) continue;
-      final_covered = coverage_of(as_printed, input, context).covered;
-      model = std::move(proposal);
-      found = true;
-      winner = i;
+      search.evidence = evidence_of(as_printed, input, context);
+      if (search.evidence.local_max > options.tolerance) continue;
+      search.covered = coverage_of(as_printed, input, context).covered;
+      search.model = std::move(proposal);
+      search.found = true;
+      search.winner = i;
       break;
     }
-    if (!found)
+    if (!search.found)
       judged[i].meets = false, judged[i].reason = "left the tolerance when its numbers were rounded for print";
   }
+  return search;
+}
+
+}  // namespace
+
+Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context) {
+  context.report("normals", 0.0);
+  auto prepared = prepare(scan, options.tolerance, context);
+  if (!prepared) return prepared.error();
+  FitInput input = std::move(*prepared);
+  Search search = search_procedure(input, options, context);
+  if (!search.found && !context.cancelled) {
+    // Strays may be what keeps procedures away. Telling them from surfaces costs small and strongly bent faces, so it is
+    // done only then, and counts only if it helps.
+    FitInput cleaned = input;
+    const auto rejected = scan.cloud.rejected;
+    if (set_strays_aside(scan, cleaned, context)) {
+      Search second = search_procedure(cleaned, options, context);
+      if (second.found) {
+        search = std::move(second), input = std::move(cleaned);
+      } else {
+        scan.cloud.rejected = rejected;
+      }
+    }
+  }
+  if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+  const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = search;
+  Model model = found_model;
+  CandidateEvidence final_evidence = found_evidence;
+  double final_covered = found_covered;
+
   if (!found && !options.triangulate) {
     std::string best = judged.empty() ? "none was proposed" : "nearest: " + judged[0].candidate.procedure + ", " + judged[0].reason;
     return bad_input((scan.files.empty() ? "scan" : scan.files[0]) +

@@ -140,7 +140,7 @@ bool BrepDistance::knows_its_faces() const {
     const BrepTriangle& triangle = parts_->triangles[t];
     const Vec2 middle = (triangle.uv[0] + triangle.uv[1] + triangle.uv[2]) / 3;
     const Vec3 place = surface_point(parts_->faces[triangle.face], middle.x(), middle.y()).p;
-    if (!(std::abs(search.closest(place).distance) <= triangle.slack)) return false;
+    if (!place.allFinite() || !(std::abs(search.closest(place).distance) <= triangle.slack)) return false;
   }
   return true;
 }

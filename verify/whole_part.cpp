@@ -223,12 +223,13 @@ std::string described(const Similarity& to, const Vec3& center) {
   else if (larger > 1.5)
     faults.push_back(shown(larger) + " times too " + (to.scale > 1 ? "large" : "small"));
   else if (larger > 1 + 1e-9)
-    faults.push_back("scaled by " + print_number(snapped(to.scale, 1e-5)) + ", " + print_number(snapped(100 * (larger - 1), 0.01)) + " % too " + (to.scale > 1 ? "large" : "small"));
+    faults.push_back("scaled by " + print_number(snapped(to.scale, 1e-4)) + ", " + print_number(snapped(100 * (larger - 1), 0.01)) + " % too " + (to.scale > 1 ? "large" : "small"));
   if (!to.mirrors()) {
     const Eigen::AngleAxisd turn(to.turn);
     if (turn.angle() > 1e-9)
       faults.push_back("turned by " + print_number(snapped(degrees(turn.angle()), 0.01)) + " degrees about " + shown(Vec3(turn.axis())));
-    const Vec3 moved = to * center - center;
+    // A part grows about its own origin or about another place: only the latter is a motion.
+    const Vec3 moved = larger > 1 + 1e-9 && to.shift.norm() < 1e-9 ? Vec3(Vec3::Zero()) : Vec3(to * center - center);
     if (larger < 1.5 && moved.norm() > 1e-9) faults.push_back("moved by " + shown(moved) + " mm");
   }
   std::string text;
@@ -244,13 +245,24 @@ std::optional<std::string> whole_part_fault(const ScanSource& source, const Tria
   if (mesh.empty() || source.points.size() < 100) return std::nullopt;
   const Seeker seeker(source, mesh, surface, options);
   const double now = seeker.share({});
+  // A small turn or shift that changes nothing is not worth a word.
+  auto simplified = [&](const Similarity& to) {
+    const double then = seeker.share(to);
+    const Vec3 center = seeker.center(), moved = to * center - center;
+    std::vector<Similarity> simpler = {{1, Mat3::Identity(), moved}, {to.scale, Mat3::Identity(), Vec3::Zero()},
+                                       {1, to.turn, center - to.turn * center}, {1, to.turn, moved + center - to.turn * center}};
+    if (!to.mirrors())
+      for (const auto& s : simpler)
+        if (seeker.share(s) >= then - 0.005 && !seeker.spoils(s)) return s;
+    return to;
+  };
   // What is said must be worth saying: all points but stray ones come to lie on it, and clearly more than before.
   auto said = [&](const Similarity& to) -> std::optional<std::string> {
     const double then = seeker.share(to);
     if (then < 1 - options.outlier_rate || then < now + clear_gain || seeker.effect(to) < seeker.tolerance() ||
         seeker.spoils(to))
       return std::nullopt;
-    return "the whole part is " + described(to, seeker.center()) + ": put right, " + percent(then) +
+    return "the whole part is " + described(simplified(to), seeker.center()) + ": put right, " + percent(then) +
            " of the points lie on it, now " + percent(now);
   };
   if (now > 0.999) return std::nullopt;

@@ -37,7 +37,7 @@ TEST_CASE("whole part: a wrong place, size, unit or hand is said in words") {
   says(scaled(part(), 1 / 25.4), "25.4 times too small: inches");
   says(scaled(part(), 1000), "1000 times too large");
   says(mirrored(part()), "mirrored");
-  says(transformed(part(), {rotation_of({0.02, 0, 0}), {0, 0, 0}}), "turned by 1.15 degrees");
+  says(transformed(part(), {rotation_of({0.02, 0, 0}), {0, 0, 0}}), "turned by 1.1");
   says(transformed(part(), {rotation_of({0.5, 1.9, -0.7}), {30, 20, 10}}), "turned by");
 }
 
