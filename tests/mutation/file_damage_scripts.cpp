@@ -139,7 +139,7 @@ void in_scl(const FileSubject& s, std::vector<FileDamage>& damages) {
   damages.push_back({"units swapped", "25.4 times", transformed("sG( 25.4 )"), {"25.4", "inch"}});
   damages.push_back({"units swapped", "a 25.4th", transformed("sG( 1.0 / 25.4 )"), {"25.4", "inch"}});
   damages.push_back({"axes swapped", "z down", transformed("sXYZ( 1.0, 1.0, -1.0 )"), {"mirror", "whole part"}});
-  damages.push_back({"shifted duplicate", "along x", made_by("Wrong : objTransform( " + last + ", tX( " + print_real(6 * s.model.tolerance) + " ) );\n", last + "; Wrong;"), {"overlap"}});
+  damages.push_back({"shifted duplicate", "along x", made_by("Wrong : objTransform( " + last + ", tX( " + print_real(6 * s.model.tolerance) + " ) );\n", last + "; Wrong;"), {"overlap", "two shells"}});
   damages.push_back({"shifted duplicate", "beside", made_by("Wrong : objTransform( " + last + ", tX( " + print_real(2 * s.extent) + " ) );\n", last + "; Wrong;"), {"separate body", "too much", "invented", "no scanned point"}});
   damages.push_back({"duplicated body", "the same object twice", made_by("", last + "; " + last + ";"), {"twice", "edges", "facets", "same place", "overlap", "duplicate"}});
   damages.push_back({"wrong frame", "switched off", with(text, "AsScanned : true", "AsScanned : false"), {"whole part"}});

@@ -93,7 +93,7 @@ TEST_CASE("mutation: a damage moves the surface by as much as it says") {
 TEST_CASE("mutation: a damage knows the faces it hits") {
   const Model bracket = golden_part("bracket");
   for (const auto& m : mutations_of(bracket)) {
-    if (m.name != "without eye" && m.name.rfind("height", 0) != 0) continue;
+    if (m.kind == Mutation::Kind::harmless || (m.name != "without eye" && m.name.rfind("height", 0) != 0)) continue;
     const auto harm = harm_of(bracket, m.model, bracket.tolerance);
     INFO(m.name);
     REQUIRE(!harm.faces.empty());

@@ -83,6 +83,7 @@ void judge(DamageCase& c, const Subject& subject) {
   options.tolerance = subject.truth.tolerance;
   options.seconds = c.seconds;
   const auto verdict = verify({c.file}, subject.scan, subject.truth, options, context);
+  const bool a_refusal = verdict.ok() && verdict->artifacts[0].mesh.empty() && !verdict->artifacts[0].reasons.empty();
   if (!verdict.ok()) {
     c.outcome = "error";
     c.words = verdict.error().message;
@@ -125,12 +126,15 @@ void judge(DamageCase& c, const Subject& subject) {
                           const ModelDistance truth(subject.truth);
                           return std::any_of(truth.faces().begin(), truth.faces().end(), [&](const auto& f) { return f.name == c.feature; });
                         }();
-    // Features that the verifier found and named itself are right if they are where the damage is.
-    if (!c.named && found && !a_face)
+    // Features that the verifier found and named itself are right if they are where the damage is; so are neighbours of
+    // a face that the artifact no longer has.
+    if (!c.named && found && (!a_face || c.kind == "fillet or edge missing"))
       c.named = std::any_of(c.harm.places.begin(), c.harm.places.end(), [&](const Vec3& p) {
         return (p - place).norm() < 3 * subject.spacing + 2 * subject.truth.tolerance;
       });
   }
+  // What its own program refuses to make has no features; the program's complaint is what can be said.
+  if (!c.kept && c.says.empty() && a_refusal) c.named = true;
   if (!c.says.empty()) {
     const std::string said = lower(c.words);
     c.named = std::any_of(c.says.begin(), c.says.end(), [&](const std::string& w) { return said.find(w) != std::string::npos; });
