@@ -69,7 +69,7 @@ TrimRegion::TrimRegion(std::vector<std::vector<TrimCurve>> loops) {
     for (const auto& run : loop) {
       const TrimCurve& curve = curves_[run.curve];
       if (curve.straight) {
-        add_piece(run.curve, run.t[0], run.p[0], run.t[1], run.p[1], 99);
+        add_piece(run.curve, run.t.front(), run.p.front(), run.t.back(), run.p.back(), 99);
         continue;
       }
       // Put the turning points among the samples.

@@ -1,5 +1,6 @@
 /// Claims about exact distances to trimmed surfaces.
 #include "verify/brep_distance.h"
+#include "verify/trim_region.h"
 
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -161,4 +162,23 @@ TEST_CASE("brep distance: a shape without faces is refused") {
   TopoDS_Compound empty;
   BRep_Builder().MakeCompound(empty);
   CHECK_FALSE(BrepDistance::make(empty));
+}
+
+TEST_CASE("brep distance: a straight boundary with a knot just short of its end still runs to its end") {
+  const double last = 1.4142135623730951, turn = 6.283185307179586;
+  auto straight = [](const Vec2& from, const Vec2& to, double end, std::vector<double> kinks) {
+    TrimCurve curve;
+    curve.at = [from, to, end](double t) { return Vec2(from + t / end * (to - from)); };
+    curve.last = end, curve.straight = true, curve.kinks = std::move(kinks);
+    return curve;
+  };
+  auto seam = straight({turn, 0}, {turn, -last}, last, {last - 1e-13});
+  std::swap(seam.first, seam.last);  // run from its end to its start
+  auto top = straight({0, 0}, {turn, 0}, 1, {});
+  std::swap(top.first, top.last);
+  const TrimRegion region({{straight({0, -last}, {turn, -last}, 1, {}), seam, top,
+                            straight({0, 0}, {0, -last}, last, {last - 1e-13})}});
+  CHECK(region.contains({0.04, -1.2}));
+  CHECK(region.contains({6.2, -0.1}));
+  CHECK_FALSE(region.contains({6.3, -0.1}));
 }
