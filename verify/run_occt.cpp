@@ -9,6 +9,13 @@
 #include <IFSelect_ReturnStatus.hxx>
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Reader.hxx>
+#include <IGESData_IGESModel.hxx>
+#include <IGESSolid_EdgeList.hxx>
+#include <IGESSolid_Face.hxx>
+#include <IGESSolid_Loop.hxx>
+#include <IGESSolid_ManifoldSolid.hxx>
+#include <IGESSolid_Shell.hxx>
+#include <IGESSolid_VertexList.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
@@ -162,6 +169,32 @@ Result<Evaluation> guarded(const char* backend, Read&& read) {
   return evaluation;
 }
 
+/// True if part of a body refers to nothing, or to something of another kind: OpenCASCADE would follow it all the same.
+bool refers_to_nothing(const Handle(IGESData_IGESModel)& model) {
+  for (int n = 1; n <= model->NbEntities(); ++n) {
+    const auto entity = model->Entity(n);
+    if (const auto solid = Handle(IGESSolid_ManifoldSolid)::DownCast(entity); !solid.IsNull()) {
+      if (solid->Shell().IsNull()) return true;
+      for (int i = 1; i <= solid->NbVoidShells(); ++i)
+        if (solid->VoidShell(i).IsNull()) return true;
+    } else if (const auto shell = Handle(IGESSolid_Shell)::DownCast(entity); !shell.IsNull()) {
+      for (int i = 1; i <= shell->NbFaces(); ++i)
+        if (shell->Face(i).IsNull()) return true;
+    } else if (const auto face = Handle(IGESSolid_Face)::DownCast(entity); !face.IsNull()) {
+      if (face->Surface().IsNull()) return true;
+      for (int i = 1; i <= face->NbLoops(); ++i)
+        if (face->Loop(i).IsNull()) return true;
+    } else if (const auto loop = Handle(IGESSolid_Loop)::DownCast(entity); !loop.IsNull()) {
+      for (int i = 1; i <= loop->NbEdges(); ++i)
+        if (loop->Edge(i).IsNull()) return true;
+    } else if (const auto edges = Handle(IGESSolid_EdgeList)::DownCast(entity); !edges.IsNull()) {
+      for (int i = 1; i <= edges->NbEdges(); ++i)
+        if (edges->Curve(i).IsNull() || edges->StartVertexList(i).IsNull() || edges->EndVertexList(i).IsNull()) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& options, Context& context) {
@@ -178,6 +211,11 @@ Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& option
     if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) {
       evaluation.failed = true;
       evaluation.complaints.push_back("OpenCASCADE cannot read the file as IGES");
+      return;
+    }
+    if (refers_to_nothing(reader.IGESModel())) {
+      evaluation.failed = true;
+      evaluation.complaints.push_back("the file is not whole: a face, loop or edge of its body refers to nothing");
       return;
     }
     reader.TransferRoots();
