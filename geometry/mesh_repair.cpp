@@ -4,49 +4,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
+#include "core/disjoint_sets.h"
 #include "core/ensure.h"
+#include "geometry/mesh_facets.h"
 
 namespace partscribe {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t none = ~0u;
-
-struct EdgeUse {
-  std::uint64_t key;  // smaller vertex in the high half
-  std::uint32_t triangle;
-  std::uint8_t side;
-  bool forward;  // from the smaller to the larger vertex
-};
-
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-}
-
-std::vector<EdgeUse> edge_uses(const std::vector<Triangle>& triangles) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      uses.push_back({edge_key(a, b), t, static_cast<std::uint8_t>(k), a < b});
-    }
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
-  });
-  return uses;
-}
-
-template <class Visit>
-void for_each_edge(const std::vector<EdgeUse>& uses, Visit&& visit) {
-  for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
-    for (end = i; end < uses.size() && uses[end].key == uses[i].key;) ++end;
-    visit(i, end);
-  }
-}
 
 /// links[t][k]: the triangle across side k, or none.
 using Links = std::vector<Triangle>;
@@ -78,12 +46,11 @@ std::size_t orient(TriangleMesh& mesh) {
     bool same = false;  // both run through the edge in one direction
   };
   std::vector<std::array<Link, 3>> links(n);
-  const auto uses = edge_uses(mesh.triangles);
-  for_each_edge(uses, [&](std::size_t i, std::size_t end) {
-    if (end - i != 2) return;
-    const bool same = uses[i].forward == uses[i + 1].forward;
-    links[uses[i].triangle][uses[i].side] = {uses[i + 1].triangle, same};
-    links[uses[i + 1].triangle][uses[i + 1].side] = {uses[i].triangle, same};
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    if (around.size() != 2) return;
+    const bool same = around[0].forward == around[1].forward;
+    links[around[0].triangle][around[0].side] = {around[1].triangle, same};
+    links[around[1].triangle][around[1].side] = {around[0].triangle, same};
   });
   std::vector<std::int8_t> turned(n, -1);
   std::size_t flips = 0;
@@ -112,35 +79,34 @@ std::size_t orient(TriangleMesh& mesh) {
 /// Links across edges; where more than two triangles meet, each is paired with the one that bounds the same material.
 Links linked(const TriangleMesh& mesh) {
   Links links(mesh.triangles.size(), Triangle{none, none, none});
-  const auto uses = edge_uses(mesh.triangles);
   auto join = [&](const EdgeUse& a, const EdgeUse& b) {
     links[a.triangle][a.side] = b.triangle;
     links[b.triangle][b.side] = a.triangle;
   };
   std::vector<std::pair<double, const EdgeUse*>> fan;
-  for_each_edge(uses, [&](std::size_t i, std::size_t end) {
-    if (end - i == 1) return;
-    if (end - i == 2) {
-      if (uses[i].forward != uses[i + 1].forward) join(uses[i], uses[i + 1]);
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    if (around.size() == 1) return;
+    if (around.size() == 2) {
+      if (around[0].forward != around[1].forward) join(around[0], around[1]);
       return;
     }
     // Around the directed edge a -> b a forward triangle has its material at smaller angles, so its partner is the
     // backward one just before it.
-    const Vec3 a = mesh.vertices[uses[i].key >> 32], b = mesh.vertices[uses[i].key & 0xffffffffu];
+    const Vec3 a = mesh.vertices[around[0].low()], b = mesh.vertices[around[0].high()];
     const Vec3 axis = (b - a).normalized();
     Vec3 u = Vec3::Zero(), v = Vec3::Zero();
     fan.clear();
-    for (std::size_t k = i; k < end; ++k) {
-      const Triangle& t = mesh.triangles[uses[k].triangle];
-      Vec3 d = mesh.vertices[t[(uses[k].side + 2) % 3]] - a;
+    for (const EdgeUse& use : around) {
+      const bool first = fan.empty();
+      Vec3 d = mesh.vertices[mesh.triangles[use.triangle][(use.side + 2) % 3]] - a;
       d -= axis * axis.dot(d);
-      if (k == i) {
+      if (first) {
         u = d.normalized();
         v = axis.cross(u);
       }
       double angle = std::atan2(v.dot(d), u.dot(d));
-      if (k == i) angle = 0;
-      fan.push_back({angle < 0 ? angle + 6.283185307179586 : angle, &uses[k]});
+      if (first) angle = 0;
+      fan.push_back({angle < 0 ? angle + 6.283185307179586 : angle, &use});
     }
     std::stable_sort(fan.begin(), fan.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
     std::vector<std::uint8_t> used(fan.size(), 0);
@@ -158,29 +124,20 @@ Links linked(const TriangleMesh& mesh) {
 /// Gives every fan of linked triangles its own vertex; copies move apart by `separation`.
 std::size_t split_vertices(TriangleMesh& mesh, const Links& links, double separation) {
   const std::size_t corners = 3 * mesh.triangles.size();
-  std::vector<std::uint32_t> parent(corners);
-  std::iota(parent.begin(), parent.end(), 0u);
-  auto root = [&](std::uint32_t c) {
-    while (parent[c] != c) c = parent[c] = parent[parent[c]];
-    return c;
-  };
-  auto join = [&](std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    parent[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets fans(corners);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t other = links[t][k];
       if (other == none || other < t) continue;
       for (const std::uint32_t end : {k, (k + 1) % 3})
         for (std::uint32_t m = 0; m < 3; ++m)
-          if (mesh.triangles[other][m] == mesh.triangles[t][end]) join(3 * t + end, 3 * other + m);
+          if (mesh.triangles[other][m] == mesh.triangles[t][end]) fans.unite(3 * t + end, 3 * other + m);
     }
   std::vector<std::uint32_t> owner(mesh.vertices.size(), none), copy(corners, none);
   std::vector<std::uint8_t> is_split(mesh.vertices.size(), 0);
   std::size_t copies = 0;
   for (std::uint32_t c = 0; c < corners; ++c) {
-    const std::uint32_t r = root(c), v = mesh.triangles[c / 3][c % 3];
+    const std::uint32_t r = fans.root(c), v = mesh.triangles[c / 3][c % 3];
     if (copy[r] == none) {
       if (owner[v] == none) {
         owner[v] = r;
@@ -194,7 +151,7 @@ std::size_t split_vertices(TriangleMesh& mesh, const Links& links, double separa
       }
     }
   }
-  for (std::uint32_t c = 0; c < corners; ++c) mesh.triangles[c / 3][c % 3] = copy[root(c)];
+  for (std::uint32_t c = 0; c < corners; ++c) mesh.triangles[c / 3][c % 3] = copy[fans.root(c)];
   if (copies > 0 && separation > 0) {
     std::vector<Vec3> sum(mesh.vertices.size(), Vec3::Zero());
     std::vector<double> count(mesh.vertices.size(), 0);
@@ -221,19 +178,18 @@ std::size_t split_double_edges(TriangleMesh& mesh, double separation) {
   for (bool again = true; again && splits < limit;) {
     again = false;
     const Links links = linked(mesh);
-    const auto uses = edge_uses(mesh.triangles);
     std::vector<std::uint8_t> touched(mesh.triangles.size(), 0);
-    for_each_edge(uses, [&](std::size_t i, std::size_t end) {
-      if (end - i <= 2) return;
+    for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+      if (around.size() <= 2) return;
       again = true;
       bool first = true;
-      for (std::size_t k = i; k < end; ++k) {
-        const std::uint32_t t = uses[k].triangle, other = links[t][uses[k].side];
+      for (const EdgeUse& use : around) {
+        const std::uint32_t t = use.triangle, other = links[t][use.side];
         if (other != none && other < t) continue;
         if (std::exchange(first, false)) continue;
         if (touched[t] || (other != none && touched[other])) continue;
         const Triangle old = mesh.triangles[t];
-        const std::uint32_t a = old[uses[k].side], b = old[(uses[k].side + 1) % 3];
+        const std::uint32_t a = old[use.side], b = old[(use.side + 1) % 3];
         const Vec3 pa = mesh.vertices[a], pb = mesh.vertices[b];
         Vec3 toward = Vec3::Zero();
         const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());

@@ -9,18 +9,12 @@
 #include "core/ensure.h"
 #include "core/number.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "geometry/kd_tree.h"
 #include "geometry/thin.h"
 
 namespace partscribe {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The usable points in coordinate order, so that sums, ties and strides never depend on the order in a file.
 struct Ordered {

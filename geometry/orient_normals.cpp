@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "core/disjoint_sets.h"
 #include "core/parallel.h"
 #include "geometry/kd_tree.h"
 #include "geometry/thin.h"
@@ -62,17 +62,10 @@ std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) 
     return x.a != y.a ? x.a < y.a : x.b < y.b;
   });
   // Kruskal; every point knows its sense relative to the root of its tree.
-  std::vector<std::uint32_t> parent(n);
-  std::iota(parent.begin(), parent.end(), 0u);
+  DisjointSets trees(n);
   std::vector<std::vector<std::uint32_t>> kept(n);
-  auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
   for (const Link& link : links) {
-    const std::uint32_t a = root(link.a), b = root(link.b);
-    if (a == b) continue;
-    parent[std::max(a, b)] = std::min(a, b);
+    if (!trees.unite(link.a, link.b)) continue;
     kept[link.a].push_back(link.b);
     kept[link.b].push_back(link.a);
   }

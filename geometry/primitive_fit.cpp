@@ -9,6 +9,7 @@
 #include "core/ensure.h"
 #include "core/number.h"
 #include "core/random.h"
+#include "core/statistics.h"
 #include "geometry/primitive_kernels.h"
 #include "geometry/primitive_start.h"
 
@@ -297,13 +298,6 @@ double welsch_growth(double c, bool two_residuals) {
   if (c <= 0) return 1;
   const double k = 1 / (c * c), e = two_residuals ? 1 : 0.5;
   return std::pow(1 + k, 2 + e) / std::pow(1 + 2 * k, 1 + e);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::vector<double> distances_to(const ScaledPoints& points, const Primitive& primitive) {

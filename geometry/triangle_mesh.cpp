@@ -1,38 +1,16 @@
 #include "geometry/triangle_mesh.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <unordered_map>
 
+#include "core/disjoint_sets.h"
+#include "geometry/mesh_facets.h"
 #include "geometry/point_cloud.h"
-
 
 namespace partscribe {
 namespace {
-
-/// A directed edge with the smaller vertex first; `forward` tells the direction it was met in.
-struct EdgeUse {
-  std::uint64_t key;
-  std::uint32_t triangle;
-  bool forward;
-};
-
-std::vector<EdgeUse> sorted_edge_uses(const TriangleMesh& mesh) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(mesh.triangles.size() * 3);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-      uses.push_back({std::min(a, b) << 32 | std::max(a, b), t, a < b});
-    }
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
-  });
-  return uses;
-}
 
 struct Key {
   std::int64_t x, y, z;
@@ -62,24 +40,14 @@ Box3 PointCloud::bounds() const {
 
 MeshTopology topology(const TriangleMesh& mesh) {
   MeshTopology result;
-  std::vector<std::uint32_t> parent(mesh.triangles.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  auto root = [&](std::uint32_t t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
-  const auto uses = sorted_edge_uses(mesh);
-  for (std::size_t i = 0; i < uses.size();) {
-    std::size_t end = i;
-    while (end < uses.size() && uses[end].key == uses[i].key) ++end;
-    const std::size_t count = end - i;
-    if (count == 1) ++result.boundary_edges;
-    if (count > 2) ++result.nonmanifold_edges;
-    if (count == 2 && uses[i].forward == uses[i + 1].forward) ++result.inconsistent_edges;
-    for (std::size_t k = i + 1; k < end; ++k) parent[root(uses[k].triangle)] = root(uses[i].triangle);
-    i = end;
-  }
-  for (std::uint32_t t = 0; t < parent.size(); ++t) result.components += root(t) == t;
+  DisjointSets pieces(mesh.triangles.size());
+  result.components = mesh.triangles.size();
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    if (around.size() == 1) ++result.boundary_edges;
+    if (around.size() > 2) ++result.nonmanifold_edges;
+    if (around.size() == 2 && around[0].forward == around[1].forward) ++result.inconsistent_edges;
+    for (const EdgeUse& use : around) result.components -= pieces.unite(around[0].triangle, use.triangle);
+  });
   return result;
 }
 

@@ -1,3 +1,4 @@
+#include "core/statistics.h"
 #include "geometry/normals.h"
 
 #include <Eigen/Geometry>
@@ -50,8 +51,7 @@ double median_angle(const PointCloud& cloud, const std::vector<Vec3>& truth) {
   std::vector<double> angles;
   for (std::size_t i = 0; i < cloud.size(); ++i)
     angles.push_back(std::atan2(cloud.normals[i].cross(truth[i]).norm(), cloud.normals[i].dot(truth[i])));
-  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
-  return angles[angles.size() / 2] * 180 / 3.14159265358979;
+  return median_in_place(angles) * 180 / 3.14159265358979;
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+#include "geometry/mesh_facets.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "core/disjoint_sets.h"
+
+namespace partscribe {
+
+std::vector<Vec3> triangle_normals(const TriangleMesh& mesh) {
+  std::vector<Vec3> normals(mesh.triangles.size());
+  for (std::size_t t = 0; t < normals.size(); ++t) normals[t] = triangle_normal(mesh, t);
+  return normals;
+}
+
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
+}
+
+std::vector<EdgeUse> edge_uses(std::span<const std::array<std::uint32_t, 3>> triangles) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(3 * triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::uint8_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+      uses.push_back({edge_key(a, b), t, k, a < b});
+    }
+  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
+    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
+  });
+  return uses;
+}
+
+MeshPieces pieces_of(const TriangleMesh& mesh) {
+  DisjointSets sets(mesh.vertices.size());
+  for (const auto& t : mesh.triangles) sets.unite(t[0], t[1]), sets.unite(t[0], t[2]);
+  constexpr std::uint32_t none = ~0u;
+  std::vector<std::uint32_t> number(mesh.vertices.size(), none);
+  for (const auto& t : mesh.triangles) number[sets.root(t[0])] = 0;
+  std::uint32_t count = 0;
+  for (auto& n : number)
+    if (n != none) n = count++;
+  MeshPieces pieces;
+  pieces.of.reserve(mesh.triangles.size());
+  pieces.area.assign(count, 0), pieces.volume.assign(count, 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t root = sets.root(mesh.triangles[t][0]), piece = number[root];
+    const Vec3 o = mesh.vertices[root];  // near the piece: far from the origin nothing cancels
+    const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    pieces.of.push_back(piece);
+    pieces.area[piece] += 0.5 * (b - a).cross(c - a).norm();
+    pieces.volume[piece] += (a - o).dot((b - o).cross(c - o)) / 6;
+  }
+  return pieces;
+}
+
+}  // namespace partscribe
