@@ -134,27 +134,27 @@ bool asked_for(const std::string& force, const Candidate& c) {
   return force.empty() || force == c.procedure || force == kind_of(c.shape);
 }
 
-/// Every maker of candidates, in the order in which their results are listed.
+using Proposals = std::vector<Candidate>;
+
+/// A maker of candidates.
 struct Maker {
-  const char* name;
-  std::function<std::vector<Candidate>(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)>
-      propose;
+  bool last_resort;  ///< its shapes serve as a description only where no procedure of the trade does
+  std::function<Proposals(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)> propose;
 };
 
+/// In the order in which their results are listed.
 const std::vector<Maker>& makers() {
+  using In = const FitInput&;
+  using Hypothesis = const SuperellipsoidFit&;
+  using Directions = const std::vector<Vec3>&;
   static const std::vector<Maker> list = {
-      {"quadrics", [](const FitInput& in, const SuperellipsoidFit& h, const std::vector<Vec3>&,
-                      Context& c) { return propose_quadrics(in, h, c); }},
-      {"polyhedra", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>&,
-                       Context& c) { return propose_polyhedra(in, c); }},
-      {"revolves", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d,
-                      Context& c) { return propose_revolves(in, d, c); }},
-      {"extrudes", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d,
-                      Context& c) { return propose_extrudes(in, d, c); }},
-      {"fillets", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>&,
-                     Context& c) { return propose_fillets(in, c); }},
-      {"rings", [](const FitInput& in, const SuperellipsoidFit&, const std::vector<Vec3>& d,
-                   Context& c) { return propose_rings(in, d, c); }},
+      {false, [](In in, Hypothesis h, Directions, Context& c) { return propose_quadrics(in, h, c); }},
+      {false, [](In in, Hypothesis, Directions, Context& c) { return propose_polyhedra(in, c); }},
+      {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_revolves(in, d, c); }},
+      {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_extrudes(in, d, c); }},
+      {false, [](In in, Hypothesis, Directions, Context& c) { return propose_fillets(in, c); }},
+      {true, [](In in, Hypothesis h, Directions, Context&) { return propose_superellipsoids(in, h); }},
+      {true, [](In in, Hypothesis, Directions d, Context& c) { return propose_rings(in, d, c); }},
   };
   return list;
 }
@@ -177,43 +177,6 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
   return p;
 }
 
-/// Sets strays aside where there are many; false: there are not. The planes that tell them from surfaces also give better
-/// normals and noise than neighbourhoods that hold them.
-bool set_strays_aside(Scan& scan, FitInput& input, Context& context) {
-  if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return false;
-  const SurfacePoints found = surface_points_of(input.cloud.points, input.sampling.sigma, context);
-  PointCloud& cloud = input.cloud;
-  const std::size_t n = cloud.size();
-  if (double(found.strays) < 0.01 * double(n) || n - found.strays < 50) return false;
-  context.say("strays: " + print_number(double(found.strays)) + " of " + print_number(double(n)) + " points set aside");
-  const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
-  std::vector<Vec3> strays;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (found.stray[i]) strays.push_back(cloud.points[i]);
-    const Vec3& towards = cloud.rays.size() == n ? Vec3(-cloud.rays[i]) : cloud.normals[i];
-    cloud.normals[i] = found.normals[i].dot(towards) < 0 ? Vec3(-found.normals[i]) : found.normals[i];
-  }
-  std::sort(strays.begin(), strays.end(), before);
-  scan.cloud.rejected.resize(scan.cloud.size(), 0);
-  for (std::size_t i = 0; i < scan.cloud.size(); ++i)
-    if (std::binary_search(strays.begin(), strays.end(), scan.cloud.points[i], before)) scan.cloud.rejected[i] = 1;
-  const auto keep = [&](auto& column) {
-    if (column.size() != n) return;
-    std::size_t to = 0;
-    for (std::size_t i = 0; i < n; ++i)
-      if (!found.stray[i]) column[to++] = column[i];
-    column.resize(to);
-  };
-  input.surface_share = found.share;
-  keep(input.surface_share);
-  input.stray_share = double(found.strays) / double(n);
-  keep(cloud.normals), keep(cloud.rays), keep(cloud.sigma), keep(cloud.view), keep(cloud.points);
-  input.sampling.sigma = std::min(input.sampling.sigma, found.sigma);
-  input.sampling.rejected += found.strays;
-  input.bounds = cloud.bounds();
-  return true;
-}
-
 double rounded(double v) { return v > 0 ? snapped(v, power_of_ten_below(v / 1000)) : 0; }
 
 /// What the makers proposed, what became of it, and the best as a model, if one meets the tolerance.
@@ -227,47 +190,35 @@ struct Search {
   double covered = 0;
 };
 
-Search search_procedure(const FitInput& input, const BuildOptions& options, Context& context) {
-  Search search;
-  context.report("hypothesis", 0.15);
-  search.hypothesis = recover_superellipsoid(input.cloud.points, context);
+/// Asks the makers of one kind and judges what they propose.
+void consider_makers(Search& search, bool last_resort, const FitInput& input, const BuildOptions& options, Context& context) {
   std::vector<Vec3> directions;
   for (int k = 2; k >= 0; --k) directions.push_back(search.hypothesis.scan_from_shape.rotation.col(k));
-  context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
-
-  context.report("candidates", 0.25);
-  std::vector<Judged>& judged = search.judged;
-  auto consider = [&](Candidate candidate) {
-    judged.push_back(judge(std::move(candidate), input, context));
-    const auto& j = judged.back();
-    context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
-                ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
-  };
-  // A superellipsoid is a hypothesis first; as a description it and a supertoroid serve only where no procedure of the trade does.
-  std::vector<Candidate> last_resort;
   for (const auto& maker : makers()) {
+    if (maker.last_resort != last_resort) continue;
     for (auto& candidate : maker.propose(input, search.hypothesis, directions, context)) {
-      if (context.cancelled) return search;
+      if (context.cancelled) return;
       if (!asked_for(options.force, candidate)) continue;
-      if (is_slow(candidate))
-        last_resort.push_back(std::move(candidate));
-      else
-        consider(std::move(candidate));
+      search.judged.push_back(judge(std::move(candidate), input, context));
+      const auto& j = search.judged.back();
+      context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
+                  ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
     }
   }
-  if (std::none_of(judged.begin(), judged.end(), [](const Judged& j) { return j.meets; }))
-    for (auto& candidate : last_resort) consider(std::move(candidate));
   // Those that meet the tolerance by length of description, then the others by deviation.
-  std::stable_sort(judged.begin(), judged.end(), [](const Judged& a, const Judged& b) {
+  std::stable_sort(search.judged.begin(), search.judged.end(), [](const Judged& a, const Judged& b) {
     if (a.meets != b.meets) return a.meets;
     return a.meets ? a.evidence.description < b.evidence.description : a.evidence.local_max < b.evidence.local_max;
   });
-  put_best_first(judged);
+  put_best_first(search.judged);
+}
 
+/// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
+void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
-  search.winner = judged.size();
-  for (std::size_t i = 0; i < judged.size() && judged[i].meets && !search.found; ++i) {
-    Candidate exact = judged[i].candidate;
+  search.winner = search.judged.size();
+  for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets && !search.found; ++i) {
+    Candidate exact = search.judged[i].candidate;
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
     refine(exact, input, full, context);
@@ -295,9 +246,66 @@ Search search_procedure(const FitInput& input, const BuildOptions& options, Cont
       break;
     }
     if (!search.found)
-      judged[i].meets = false, judged[i].reason = "left the tolerance when its numbers were rounded for print";
+      search.judged[i].meets = false, search.judged[i].reason = "left the tolerance when its numbers were rounded for print";
   }
-  return search;
+}
+
+/// A scan, with or without its strays, and what was found in it.
+struct Attempt {
+  FitInput input;
+  std::vector<std::uint8_t> rejected;  ///< of the scan's points
+  Search search;
+};
+
+/// Procedures of the trade first; superellipsoid and supertoroid serve as a last resort.
+void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& options, Context& context) {
+  auto& [input, rejected, search] = attempt;
+  if (!last_resort) {
+    context.report("hypothesis", 0.15);
+    search.hypothesis = recover_superellipsoid(input.cloud.points, context);
+    context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
+  }
+  context.report("candidates", 0.25);
+  consider_makers(search, last_resort, input, options, context);
+  if (!context.cancelled) choose(search, input, options, context);
+}
+
+/// The scan without its strays, where there are many. The planes that tell them from surfaces also give better normals and
+/// noise than neighbourhoods that hold them.
+std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context& context) {
+  if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return std::nullopt;
+  const SurfacePoints found = surface_points_of(input.cloud.points, input.sampling.sigma, context);
+  PointCloud& cloud = input.cloud;
+  const std::size_t n = cloud.size();
+  if (double(found.strays) < 0.01 * double(n) || n - found.strays < 50) return std::nullopt;
+  context.say("strays: " + print_number(double(found.strays)) + " of " + print_number(double(n)) + " points set aside");
+  const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
+  std::vector<Vec3> strays;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (found.stray[i]) strays.push_back(cloud.points[i]);
+    const Vec3& towards = cloud.rays.size() == n ? Vec3(-cloud.rays[i]) : cloud.normals[i];
+    cloud.normals[i] = found.normals[i].dot(towards) < 0 ? Vec3(-found.normals[i]) : found.normals[i];
+  }
+  std::sort(strays.begin(), strays.end(), before);
+  std::vector<std::uint8_t> rejected = scan.cloud.rejected;
+  rejected.resize(scan.cloud.size(), 0);
+  for (std::size_t i = 0; i < scan.cloud.size(); ++i)
+    if (std::binary_search(strays.begin(), strays.end(), scan.cloud.points[i], before)) rejected[i] = 1;
+  const auto keep = [&](auto& column) {
+    if (column.size() != n) return;
+    std::size_t to = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (!found.stray[i]) column[to++] = column[i];
+    column.resize(to);
+  };
+  input.surface_share = found.share;
+  keep(input.surface_share);
+  input.stray_share = double(found.strays) / double(n);
+  keep(cloud.normals), keep(cloud.rays), keep(cloud.sigma), keep(cloud.view), keep(cloud.points);
+  input.sampling.sigma = std::min(input.sampling.sigma, found.sigma);
+  input.sampling.rejected += found.strays;
+  input.bounds = cloud.bounds();
+  return Attempt{std::move(input), std::move(rejected), {}};
 }
 
 }  // namespace
@@ -307,23 +315,22 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   auto prepared = prepare(scan, options.tolerance, context);
   if (!prepared) return prepared.error();
   FitInput input = std::move(*prepared);
-  Search search = search_procedure(input, options, context);
-  if (!search.found && !context.cancelled) {
-    // Strays may be what keeps procedures away. Telling them from surfaces costs small and strongly bent faces, so it is
-    // done only then, and counts only if it helps.
-    FitInput cleaned = input;
-    const auto rejected = scan.cloud.rejected;
-    if (set_strays_aside(scan, cleaned, context)) {
-      Search second = search_procedure(cleaned, options, context);
-      if (second.found) {
-        search = std::move(second), input = std::move(cleaned);
-      } else {
-        scan.cloud.rejected = rejected;
-      }
+  // Strays keep procedures away, or bend them; but telling them from surfaces costs small and strongly bent faces, so the
+  // scan as it is has its turn after the scan without them.
+  std::vector<Attempt> attempts;
+  if (auto cleaned = without_strays(scan, input, context)) attempts.push_back(std::move(*cleaned));
+  attempts.push_back({std::move(input), scan.cloud.rejected, {}});
+  std::size_t chosen = attempts.size();
+  for (const bool last_resort : {false, true})
+    for (std::size_t i = 0; i < attempts.size() && chosen == attempts.size(); ++i) {
+      scan.cloud.rejected = attempts[i].rejected;
+      search_procedure(attempts[i], last_resort, options, context);
+      if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+      if (attempts[i].search.found) chosen = i;
     }
-  }
-  if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
-  const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = search;
+  chosen = std::min(chosen, attempts.size() - 1);
+  input = std::move(attempts[chosen].input);
+  const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = attempts[chosen].search;
   Model model = found_model;
   CandidateEvidence final_evidence = found_evidence;
   double final_covered = found_covered;

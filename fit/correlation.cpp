@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "geometry/kd_tree.h"
 
 namespace partscribe {
@@ -51,9 +52,7 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
         fourth[c] = std::sqrt(near.back().sq_distance);
       }
     });
-    std::vector<double> sorted = fourth;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double pitch = sorted[sorted.size() / 2];
+    const double pitch = median_in_place(fourth);
     if (!(pitch > 0)) continue;
     constexpr std::size_t block = 256;
     std::vector<RingSums> parts((chosen.size() + block - 1) / block);

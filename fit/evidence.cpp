@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "fit/refine.h"
 #include "geometry/kd_tree.h"
 #include "model/distance.h"
@@ -12,23 +13,6 @@ namespace partscribe {
 namespace {
 
 constexpr std::size_t local_points = 25;
-
-double median(std::vector<double>& v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
-
-double robust_mean(std::vector<double>& v) {
-  std::vector<double> work = v;
-  const double m = median(work);
-  for (std::size_t i = 0; i < v.size(); ++i) work[i] = std::abs(v[i] - m);
-  const double limit = 2.5 * 1.4826 * median(work);
-  double sum = 0, count = 0;
-  for (const double x : v)
-    if (std::abs(x - m) <= limit) sum += x, count += 1;
-  return count > 0 ? sum / count : m;
-}
 
 }  // namespace
 
@@ -78,7 +62,7 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
         values.push_back(d[k.index]);
         if (values.size() == local_points) break;
       }
-      if (values.size() >= 9) local[i] = robust_mean(values);
+      if (values.size() >= 9) local[i] = robust_mean(values).mean;
     }
   });
   // Deviations well inside the tolerance are not worth a longer description.

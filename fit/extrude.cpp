@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "fit/sketch_builder.h"
 
 namespace partscribe {
@@ -18,12 +19,6 @@ struct Sweep {
   Vec3 direction;
   double low = 0, high = 0, share = 0;
 };
-
-double percentile(std::vector<double>& v, double share) {
-  const auto at = v.begin() + static_cast<std::ptrdiff_t>(share * double(v.size() - 1));
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
-}
 
 std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   const auto& cloud = input.cloud;
@@ -53,7 +48,7 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   const double n = double(cloud.size());
   sweep.share = double(ends.size() + sides.size()) / n;
   if (sweep.share < 0.85 || double(sides.size()) < 0.03 * n) return {};
-  double low = percentile(sides, 0.002), high = percentile(sides, 0.998);
+  double low = quantile(sides, 0.002), high = quantile(sides, 0.998);
   const double middle = 0.5 * (low + high), reach = std::max(3 * input.tolerance, 0.03 * (high - low));
   std::vector<double> bottom, top;
   std::size_t stray = 0;
@@ -66,8 +61,8 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
       ++stray;
   }
   if (double(stray) > 0.05 * n) return {};
-  if (bottom.size() > 20) low = percentile(bottom, 0.5);
-  if (top.size() > 20) high = percentile(top, 0.5);
+  if (bottom.size() > 20) low = quantile(bottom, 0.5);
+  if (top.size() > 20) high = quantile(top, 0.5);
   if (bottom.size() <= 20 && top.size() <= 20) return {};
   sweep.low = low, sweep.high = high;
   if (!(high - low > 2 * input.tolerance)) return {};

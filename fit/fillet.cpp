@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "model/distance.h"
 
 namespace partscribe {
@@ -13,12 +14,6 @@ namespace {
 constexpr std::size_t most_points = 600;
 constexpr double same = 0.998;    // cosine of 3.6 degrees: normals of one plane face
 constexpr double square = 0.09;   // sine of 5 degrees
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// Directions, regardless of sign, that many normals share: of plane faces, the most frequent first, at most `most`.
 std::vector<Vec3> face_directions(std::vector<Vec3> normals, std::size_t most) {

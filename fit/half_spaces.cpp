@@ -12,6 +12,7 @@
 #include <string>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "geometry/convex.h"
 
 namespace partscribe {
@@ -20,19 +21,6 @@ namespace {
 
 constexpr std::size_t most_faces = 24;
 constexpr double square_angle = 3 * pi / 180;  // faces this near to a right angle may be meant as one
-
-double median_of(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
-
-double percentile(std::vector<double> v, double share) {
-  const auto at = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
-}
 
 /// Which plane of a convex body a point is nearest to, and how far outside (inside: negative) it is.
 /// `second`: the same for the next nearest plane, which tells how near an edge is.
@@ -56,7 +44,7 @@ double convex_distance(const std::vector<ConvexFace>& faces, const Vec3& p, std:
 void fit_plane(ConvexFace& face, const std::vector<Vec3>& points, double reach, int rounds) {
   std::vector<double> absolute;
   for (const Vec3& p : points) absolute.push_back(std::abs(face.normal.dot(p) - face.offset));
-  double scale = std::max(reach, 1.5 * median_of(absolute));
+  double scale = std::max(reach, 1.5 * median(absolute));
   for (int round = 0; round < rounds; ++round) {
     double sum = 0;
     Vec3 mean = Vec3::Zero();
@@ -112,7 +100,7 @@ std::vector<ConvexFace> planes_of(const FitInput& input, const Vec3& middle, dou
     for (std::uint32_t i : open)
       if (normals[i].dot(direction) > 0.94) members.push_back(points[i]), offsets.push_back(direction.dot(points[i]));
     if (members.size() < least) break;
-    ConvexFace face{direction, median_of(offsets), 0};
+    ConvexFace face{direction, median(offsets), 0};
     fit_plane(face, members, reach, 12);
     std::vector<std::uint32_t> left;
     for (std::uint32_t i : open) {
@@ -281,7 +269,7 @@ Vec3 robust_middle(const std::vector<Vec3>& points) {
   for (int k = 0; k < 3; ++k) {
     std::vector<double> v;
     for (const Vec3& p : points) v.push_back(p[k]);
-    middle[k] = 0.5 * (percentile(v, 0.02) + percentile(v, 0.98));
+    middle[k] = 0.5 * (quantile(v, 0.02) + quantile(v, 0.98));
   }
   return middle;
 }
@@ -379,7 +367,7 @@ double level_along(const Vec3& axis, const ConvexFace& face, const std::vector<C
       std::size_t f = 0;
       if (std::abs(convex_distance(faces, p, &f)) < 2 * reach && &faces[f] == &face) v.push_back(axis.dot(p));
     }
-  if (!v.empty()) return median_of(std::move(v));
+  if (!v.empty()) return median(std::move(v));
   return face.offset * (face.normal.dot(axis) < 0 ? -1 : 1);
 }
 

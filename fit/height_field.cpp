@@ -13,6 +13,7 @@
 
 #include "core/ensure.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "fit/picture.h"
 #include "geometry/kd_tree.h"
 #include "geometry/thin.h"
@@ -23,12 +24,6 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_2;
 constexpr std::uint32_t none = ~0u;
-
-double median_of(std::vector<double>& v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 // ---- averaging ------------------------------------------------------------------------------------------------
 
@@ -53,7 +48,7 @@ std::vector<Vec3> averaged(const Samples& s, const Projection& projection, std::
   const double reach = 1.5 * spacing * std::sqrt(static_cast<double>(count)) + 2 * spacing;
   parallel_for(result.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
-    std::vector<double> off, work;
+    std::vector<double> off;
     for (std::size_t i = begin; i < end; ++i) {
       tree.nearest(s.points[i], 2 * count, near);
       off.clear();
@@ -66,14 +61,7 @@ std::vector<Vec3> averaged(const Samples& s, const Projection& projection, std::
         result[i] = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
         continue;
       }
-      work = off;
-      const double middle = median_of(work);
-      for (std::size_t k = 0; k < off.size(); ++k) work[k] = std::abs(off[k] - middle);
-      const double limit = 2.5 * 1.4826 * median_of(work);
-      double sum = 0, used = 0;
-      for (const double d : off)
-        if (std::abs(d - middle) <= limit) sum += d, ++used;
-      const double shift = used > 0 ? sum / used : middle;
+      const double shift = robust_mean(off).mean;
       // On walls seen nearly edge-on the normal is uncertain, and points would change places in the picture.
       const double most = spacing * std::abs(s.normals[i].dot(projection.ray_to(s.points[i])));
       result[i] = std::abs(shift) > most ? s.points[i] : Vec3(s.points[i] + s.normals[i] * shift);
@@ -107,7 +95,7 @@ class Domain {
     std::vector<double> edges;
     for (auto e = dense_.finite_edges_begin(); e != dense_.finite_edges_end(); ++e)
       edges.push_back(std::sqrt(dense_.segment(e).squared_length()));
-    const double longest = options.longest_edge * median_of(edges);
+    const double longest = options.longest_edge * median_in_place(edges);
     const double flattest = std::cos(options.steepest), jump = std::max(2 * options.max_error, spacing);
     for (auto f = dense_.finite_faces_begin(); f != dense_.finite_faces_end(); ++f) {
       double length = 0, near = 1e300, far = -1e300;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/statistics.h"
 
 namespace partscribe {
 
@@ -50,9 +51,7 @@ double Welsch::loss(double u) const { return c * c * (1 - weight(u)); }
 double robust_scale(std::vector<double> values) {
   if (values.empty()) return 0;
   for (auto& v : values) v = std::abs(v);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  double scale = 1.4826 * *middle;
+  double scale = 1.4826 * median_in_place(values);
   // The median alone wastes two thirds of the data; the trimmed square does not (variance within 3 sigmas: 0.97334).
   for (int round = 0; round < 2; ++round) {
     double sum = 0, count = 0;

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 
+#include "core/disjoint_sets.h"
+
 namespace partscribe {
 namespace {
 
@@ -139,12 +141,7 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
   // Cheapest first; each node has one neighbour to either side. A link that would close a ring must close a long one.
   std::vector<std::size_t> next[2];
   next[0].assign(n, none), next[1].assign(n, none);
-  std::vector<std::size_t> parent(n), size(n, 1);
-  for (std::size_t i = 0; i < n; ++i) parent[i] = i;
-  auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets chained(n);
   auto free_slot = [&](std::size_t i, const Vec2& d) -> int {
     // The two neighbours of a node lie to different sides of it.
     for (int s = 0; s < 2; ++s)
@@ -158,21 +155,20 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
   };
   auto connect = [&](std::size_t a, std::size_t b, int sa, int sb) {
     next[sa][a] = b, next[sb][b] = a;
-    const std::size_t ra = root(a), rb = root(b);
-    if (ra != rb) parent[rb] = ra, size[ra] += size[rb];
+    chained.unite(a, b);
   };
   for (const auto& link : links) {
     const Vec2 d = nodes[link.b].position - nodes[link.a].position;
     const int sa = free_slot(link.a, d), sb = free_slot(link.b, -d);
     if (sa < 0 || sb < 0) continue;
-    if (root(link.a) == root(link.b) && size[root(link.a)] < 8) continue;
+    if (chained.root(link.a) == chained.root(link.b) && chained.size(link.a) < 8) continue;
     connect(link.a, link.b, sa, sb);
   }
   // Chains of one or two nodes are stray points; drop them before gaps are bridged.
   auto ends_of = [&](std::size_t i) { return int(next[0][i] == none) + int(next[1][i] == none); };
   std::vector<char> dropped(n, 0);
   for (std::size_t i = 0; i < n; ++i)
-    if (size[root(i)] < 3) dropped[i] = 1;
+    if (chained.size(i) < 3) dropped[i] = 1;
   struct Gap {
     double length;
     std::size_t a, b;
@@ -187,14 +183,13 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
   std::sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
     return a.length != b.length ? a.length < b.length : a.a != b.a ? a.a < b.a : a.b < b.b;
   });
-  std::map<std::size_t, std::vector<double>> bridged;  // by root, resolved at the end
   std::vector<std::pair<std::size_t, double>> bridges;
   for (const auto& gap : gaps) {
     if (ends_of(gap.a) == 0 || ends_of(gap.b) == 0) continue;
-    const bool same = root(gap.a) == root(gap.b);
+    const bool same = chained.root(gap.a) == chained.root(gap.b);
     // A ring is closed over a gap only when the gap is small beside the ring; a profile's ends may belong to the axis.
-    if (same && gap.length > (o.axis >= 0 ? 6 * o.cell : 0.35 * double(size[root(gap.a)]) * o.cell)) continue;
-    if (same && size[root(gap.a)] < 6) continue;
+    if (same && gap.length > (o.axis >= 0 ? 6 * o.cell : 0.35 * double(chained.size(gap.a)) * o.cell)) continue;
+    if (same && chained.size(gap.a) < 6) continue;
     const int sa = next[0][gap.a] == none ? 0 : 1;
     const int sb = next[0][gap.b] == none ? 0 : 1;
     connect(gap.a, gap.b, sa, gap.a == gap.b ? 1 - sa : sb);
@@ -216,7 +211,7 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
       at = to;
     }
     for (const auto& [node, length] : bridges)
-      if (root(node) == root(start)) chain.gaps.push_back(length);
+      if (chained.root(node) == chained.root(start)) chain.gaps.push_back(length);
     if (chain.nodes.size() >= 3) chains.push_back(std::move(chain));
   };
   for (std::size_t i = 0; i < n; ++i)

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/statistics.h"
 #include "geometry/quadric_distance.h"
 
 namespace partscribe {
@@ -22,17 +23,10 @@ struct Ball {
   double radius = 0;
 };
 
-double median_of(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
-
 double median_distance(const std::vector<Vec3>& points, const std::function<double(const Vec3&)>& distance) {
   std::vector<double> d;
   for (const Vec3& p : points) d.push_back(std::abs(distance(p)));
-  return median_of(std::move(d));
+  return median(std::move(d));
 }
 
 /// Least squares on |p - c| - r with weights that fall off at `reach` in the end.
@@ -103,8 +97,8 @@ Ball ball_of_normals(const std::vector<Vec3>& points, const std::vector<Vec3>& n
       miss[i] = (q - normals[i] * normals[i].dot(q)).norm();
       radius.push_back(q.norm());
     }
-    ball.radius = median_of(radius);
-    const double scale = 2 * median_of(miss) + 1e-9 * unit;
+    ball.radius = median(radius);
+    const double scale = 2 * median(miss) + 1e-9 * unit;
     for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * (miss[i] / scale) * (miss[i] / scale));
   }
   return ball;
@@ -167,7 +161,7 @@ std::optional<EllipsoidStart> ellipsoid_through(const std::vector<Vec3>& points,
     result = e;
     std::vector<double> d;
     for (const Vec3& p : points) d.push_back(e.distance(p));
-    const double spread = std::max(reach, 2 * median_of([&] { std::vector<double> a; for (double x : d) a.push_back(std::abs(x)); return a; }()));
+    const double spread = std::max(reach, 2 * median([&] { std::vector<double> a; for (double x : d) a.push_back(std::abs(x)); return a; }()));
     scale = round == 0 ? spread : std::min(spread, std::max(reach, 0.8 * scale));
     for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * (d[i] / scale) * (d[i] / scale));
   }
@@ -180,25 +174,37 @@ Parameter parameter(const std::string& name, Quantity quantity, double value, co
   return p;
 }
 
+/// Neighbours in the cloud lie near each other; a step through its order is even enough and always the same.
+std::vector<Vec3> even_selection(const std::vector<Vec3>& all) {
+  std::vector<Vec3> selected;
+  const std::size_t step = std::max<std::size_t>(1, all.size() / most_points);
+  for (std::size_t i = 0; i < all.size(); i += step) selected.push_back(all[i]);
+  return selected;
+}
+
+/// mm: of the data; within which a point counts; within which a start may be refined.
+struct Scale {
+  double diagonal = 0, reach = 0, close = 0;
+};
+
+Scale scale_of(const FitInput& input) {
+  const double diagonal = input.bounds.empty() ? 0 : input.bounds.diagonal(), noise = 3 * input.sampling.sigma;
+  return {diagonal, std::max({noise, input.tolerance, 1e-6 * diagonal}), std::max(3 * input.tolerance, noise)};
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_quadrics(const FitInput& input, const SuperellipsoidFit& hypothesis, Context& context) {
   std::vector<Candidate> result;
   const auto& cloud = input.cloud;
   if (cloud.size() < 50) return result;
-  std::vector<Vec3> points, normals;
-  // Neighbours in the cloud lie near each other; a step through its order is even enough and always the same.
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / most_points);
-  for (std::size_t i = 0; i < cloud.size(); i += step) {
-    points.push_back(cloud.points[i]);
-    normals.push_back(i < cloud.normals.size() ? cloud.normals[i] : Vec3::Zero());
-  }
-  const double diagonal = input.bounds.empty() ? 0 : input.bounds.diagonal();
+  const std::vector<Vec3> points = even_selection(cloud.points);
+  const std::vector<Vec3> normals =
+      cloud.normals.size() == cloud.size() ? even_selection(cloud.normals) : std::vector<Vec3>(points.size(), Vec3::Zero());
+  const auto [diagonal, reach, close] = scale_of(input);
   if (!(diagonal > 0)) return result;
   const Vec3 origin = input.bounds.center();
-  const double unit = 0.5 * diagonal, noise = input.sampling.sigma;
-  const double reach = std::max({3 * noise, input.tolerance, 1e-6 * diagonal});
-  const double close = std::max(3 * input.tolerance, 3 * noise);
+  const double unit = 0.5 * diagonal;
 
   // A ball: from the points, and from the normals; a quarter of a ball with outliers defeats the first.
   std::vector<Ball> balls = {ball_through(points, origin, unit)};
@@ -243,36 +249,37 @@ std::vector<Candidate> propose_quadrics(const FitInput& input, const Superellips
     c.scan_from_part = best.scan_from_part;
     result.push_back(c);
   }
-  context.report("quadrics", 0.7);
-
-  if (hypothetical) {
-    const Pose part_from_scan = hypothesis.scan_from_shape.inverse();
-    const double off = median_distance(points, [&](const Vec3& p) {
-      return superellipsoid_distance(part_from_scan * p, h.a1, h.a2, h.a3, h.e1, h.e2, h.taper_x, h.taper_y);
-    });
-    if (off < close + 0.005 * diagonal) {
-      Candidate c;
-      c.procedure = "superellipsoid", c.object_name = "superellipsoid_body";
-      Superellipsoid s{Expr::of("half_size_1"), Expr::of("half_size_2"), Expr::of("half_size_3"),
-                       Expr::of("exponent_1"), Expr::of("exponent_2"), 0, 0};
-      c.parameters = {
-          parameter("half_size_1", Quantity::length, h.a1, "half size along x"),
-          parameter("half_size_2", Quantity::length, h.a2, "half size along y"),
-          parameter("half_size_3", Quantity::length, h.a3, "half size along z"),
-          parameter("exponent_1", Quantity::ratio, h.e1, "seen from the side: 0.1 square, 1 round, 2 diamond"),
-          parameter("exponent_2", Quantity::ratio, h.e2, "seen from the top: 0.1 square, 1 round, 2 diamond")};
-      if (h.taper_x != 0 || h.taper_y != 0) {
-        s.taper_x = Expr::of("taper_x"), s.taper_y = Expr::of("taper_y");
-        c.parameters.push_back(parameter("taper_x", Quantity::ratio, h.taper_x, "growth of x from the middle to the top"));
-        c.parameters.push_back(parameter("taper_y", Quantity::ratio, h.taper_y, "growth of y from the middle to the top"));
-      }
-      c.shape = s;
-      c.scan_from_part = hypothesis.scan_from_shape;
-      result.push_back(c);
-    }
-  }
   context.report("quadrics", 1);
   return result;
+}
+
+std::vector<Candidate> propose_superellipsoids(const FitInput& input, const SuperellipsoidFit& hypothesis) {
+  const Hypothesis& h = hypothesis.hypothesis;
+  const Scale scale = scale_of(input);
+  if (input.cloud.size() < 50 || !(h.a1 > 0 && h.a2 > 0 && h.a3 > 0) || !(scale.diagonal > 0)) return {};
+  const Pose part_from_scan = hypothesis.scan_from_shape.inverse();
+  const double off = median_distance(even_selection(input.cloud.points), [&](const Vec3& p) {
+    return superellipsoid_distance(part_from_scan * p, h.a1, h.a2, h.a3, h.e1, h.e2, h.taper_x, h.taper_y);
+  });
+  if (!(off < scale.close + 0.005 * scale.diagonal)) return {};
+  Candidate c;
+  c.procedure = "superellipsoid", c.object_name = "superellipsoid_body";
+  Superellipsoid s{Expr::of("half_size_1"), Expr::of("half_size_2"), Expr::of("half_size_3"),
+                   Expr::of("exponent_1"), Expr::of("exponent_2"), 0, 0};
+  c.parameters = {
+      parameter("half_size_1", Quantity::length, h.a1, "half size along x"),
+      parameter("half_size_2", Quantity::length, h.a2, "half size along y"),
+      parameter("half_size_3", Quantity::length, h.a3, "half size along z"),
+      parameter("exponent_1", Quantity::ratio, h.e1, "seen from the side: 0.1 square, 1 round, 2 diamond"),
+      parameter("exponent_2", Quantity::ratio, h.e2, "seen from the top: 0.1 square, 1 round, 2 diamond")};
+  if (h.taper_x != 0 || h.taper_y != 0) {
+    s.taper_x = Expr::of("taper_x"), s.taper_y = Expr::of("taper_y");
+    c.parameters.push_back(parameter("taper_x", Quantity::ratio, h.taper_x, "growth of x from the middle to the top"));
+    c.parameters.push_back(parameter("taper_y", Quantity::ratio, h.taper_y, "growth of y from the middle to the top"));
+  }
+  c.shape = s;
+  c.scan_from_part = hypothesis.scan_from_shape;
+  return {c};
 }
 
 }  // namespace partscribe

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "core/ensure.h"
 #include "core/parallel.h"
 #include "geometry/kd_tree.h"
+#include "geometry/mesh_facets.h"
 #include "geometry/mesh_repair.h"
 #include "geometry/self_intersection.h"
 #include "geometry/thin.h"
@@ -422,24 +422,6 @@ class Contour {
   TriangleMesh mesh_;
 };
 
-/// The number of every triangle's piece, through shared vertices.
-std::vector<std::uint32_t> pieces(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const auto& t : mesh.triangles)
-    for (int k = 0; k < 2; ++k) {
-      const std::uint32_t a = root(t[k]), b = root(t[k + 1]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  std::vector<std::uint32_t> result;
-  for (const auto& t : mesh.triangles) result.push_back(root(t[0]));
-  return result;
-}
-
 /// Where triangles still cross (touching walls, filled holes), their vertices go to the mean of their neighbours.
 void smooth_crossings(TriangleMesh& mesh) {
   for (int round = 0; round < 8; ++round) {
@@ -484,16 +466,16 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
 
   // Pieces that the continuation made up, and specks, go.
   auto has_data = contour.supported(mesh, 2.6, -1);
-  const auto piece = pieces(mesh);
-  std::vector<double> whole(mesh.vertices.size(), 0), seen(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const double a = 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
-    whole[piece[t]] += a;
-    if (has_data[t]) seen[piece[t]] += a;
-  }
+  const MeshPieces pieces = pieces_of(mesh);
+  const auto& whole = pieces.area;
+  std::vector<double> seen(whole.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (has_data[t])
+      seen[pieces.of[t]] +=
+          0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
   const double largest = *std::max_element(seen.begin(), seen.end());
   double all = 0, all_seen = 0;
-  std::vector<std::uint8_t> keep(mesh.vertices.size(), 0);
+  std::vector<std::uint8_t> keep(whole.size(), 0);
   for (std::size_t p = 0; p < whole.size(); ++p) {
     if (whole[p] <= 0) continue;
     keep[p] = seen[p] >= 0.01 * largest && seen[p] >= 0.2 * whole[p];
@@ -508,7 +490,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   if (sheet) has_data = contour.supported(mesh, 1.25, 0.3);
   std::size_t at = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (keep[piece[t]] && (!sheet || has_data[t])) mesh.triangles[at++] = mesh.triangles[t];
+    if (keep[pieces.of[t]] && (!sheet || has_data[t])) mesh.triangles[at++] = mesh.triangles[t];
   mesh.triangles.resize(at);
   RepairOptions repair_options;
   repair_options.separation = 0.05 * cell;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/statistics.h"
 #include "fit/all_points.h"
 #include "fit/normal_equations.h"
 #include "fit/uncertainty.h"
@@ -22,9 +23,7 @@ std::vector<Vec3> selected(const std::vector<Vec3>& points, std::size_t most) {
 
 double median_scale(std::vector<double> d) {
   for (auto& v : d) v = std::abs(v);
-  const auto middle = d.begin() + static_cast<std::ptrdiff_t>(d.size() / 2);
-  std::nth_element(d.begin(), middle, d.end());
-  return 1.4826 * *middle;
+  return 1.4826 * median_in_place(d);
 }
 
 /// Scale of the residuals for each point: that of all, but in the first rounds that of its face where it is larger. A

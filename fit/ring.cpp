@@ -6,18 +6,13 @@
 #include <complex>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "geometry/quadric_distance.h"
 
 namespace partscribe {
 namespace {
 
 constexpr std::size_t most_points = 600;
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 struct Start {
   Pose scan_from_part;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/disjoint_sets.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "core/statistics.h"
 #include "geometry/kd_tree.h"
 
 namespace partscribe {
@@ -15,13 +17,6 @@ namespace {
 constexpr std::size_t least_neighbours = 20, most_neighbours = 90;
 constexpr int drawn_planes = 25;
 constexpr double good_share = 0.72;  // of the neighbours on a point's plane; a ball of strays reaches 0.6 by chance
-
-double median_of(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 /// The plane near a point that holds most of its neighbours.
 struct LocalPlane {
@@ -85,7 +80,7 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Neighbo
   plane.share = asked == 0 ? 0 : double(off.size()) / double(asked);
   // A small dense dot is thin in every direction.
   if (across < 0.15 * plane.radius) plane.share = 0;
-  plane.residual = median_of(std::move(off));
+  plane.residual = median(std::move(off));
   return plane;
 }
 
@@ -140,25 +135,19 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, double sigma, C
     }
     result.strays += found;
     // Of a Gaussian cut off at the band; curved pieces lie above the median of these medians.
-    if (residuals.size() > 50) result.sigma = std::min(result.sigma, 1.4826 * median_of(residuals) * 1.03);
+    if (residuals.size() > 50) result.sigma = std::min(result.sigma, 1.4826 * median(residuals) * 1.03);
     if (found * 500 < count || pass == last_pass) {
       // Pieces that hang together by planes that hold each other's points.
-      std::vector<std::uint32_t> parent(count), members(count, 0);
-      for (std::size_t i = 0; i < count; ++i) parent[i] = static_cast<std::uint32_t>(i);
-      const auto root = [&](std::uint32_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-      };
+      DisjointSets pieces(count);
       for (std::size_t i = 0; i < count; ++i)
         for (const auto& m : neighbours[i]) {
           const LocalPlane& plane = planes[m.index];
           if (stray[i] || stray[m.index] || plane.share < good_share || m.sq_distance > plane.radius * plane.radius) continue;
           if (std::abs(plane.normal.dot(kept[i] - plane.middle)) < band(1.4 * result.sigma, std::sqrt(m.sq_distance)))
-            parent[root(static_cast<std::uint32_t>(i))] = root(m.index);
+            pieces.unite(static_cast<std::uint32_t>(i), m.index);
         }
-      for (std::size_t i = 0; i < count; ++i) ++members[root(static_cast<std::uint32_t>(i))];
       for (std::size_t i = 0; i < count; ++i)
-        if (!stray[i] && 100 * members[root(static_cast<std::uint32_t>(i))] < 3 * count)
+        if (!stray[i] && 100 * std::size_t{pieces.size(static_cast<std::uint32_t>(i))} < 3 * count)
           result.stray[source[i]] = 1, ++result.strays;
       break;
     }

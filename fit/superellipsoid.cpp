@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "core/number.h"
+#include "core/statistics.h"
 
 namespace partscribe {
 
@@ -263,9 +264,7 @@ State ball_start(const std::vector<Vec3>& points) {
     s.a = Vec3::Constant(std::clamp(r, 0.05, 4.0));
     std::vector<double> d(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) d[i] = std::abs((points[i] - s.centre).norm() - r);
-    std::vector<double> sorted = d;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(d.size() / 2), sorted.end());
-    const double scale = std::max(1e-6, 2.5 * sorted[d.size() / 2]);
+    const double scale = std::max(1e-6, 2.5 * median(d));
     for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * std::pow(d[i] / scale, 2));
   }
   return s;

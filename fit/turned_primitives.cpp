@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "core/statistics.h"
 
 namespace partscribe {
 namespace {
@@ -14,12 +15,6 @@ constexpr int draws = 300;
 struct Point {
   Vec2 position, normal;
 };
-
-double percentile(std::vector<double> v, double share) {
-  const auto at = v.begin() + static_cast<std::ptrdiff_t>(share * double(v.size() - 1));
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
-}
 
 Parameter length(const std::string& name, double value, const std::string& note) {
   Parameter p;
@@ -90,7 +85,7 @@ double end_height(const std::vector<Point>& points, const Line& wall, double hei
         p.position.x() < wall.radius_at(height) + reach)
       level.push_back(p.position.y());
   seen = level.size() >= 15;
-  return seen ? percentile(level, 0.5) : height;
+  return seen ? quantile(level, 0.5) : height;
 }
 
 struct Circle {
@@ -153,7 +148,7 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
       if (std::abs(n.dot(p.position - wall.point)) < band && std::abs(n.dot(p.normal)) > 0.9)
         heights.push_back(p.position.y()), radii.push_back(p.position.x());
     // The outermost may be strays in the wall's continuation.
-    double low = percentile(heights, 0.003), high = percentile(heights, 0.997);
+    double low = quantile(heights, 0.003), high = quantile(heights, 0.997);
     const double reach = std::max(0.06 * size, 2 * band);
     bool low_seen = false, high_seen = false;
     low = end_height(points, wall, low, reach, low_seen), high = end_height(points, wall, high, reach, high_seen);
@@ -163,7 +158,7 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
       Candidate rod;
       rod.procedure = "cylinder", rod.object_name = "rod";
       rod.shape = Cylinder{Expr::of("radius"), Expr::of("height")};
-      rod.parameters = {length("radius", percentile(radii, 0.5), "radius of the cylinder"),
+      rod.parameters = {length("radius", quantile(radii, 0.5), "radius of the cylinder"),
                         length("height", high - low, "height of the cylinder" + open)};
       placed(rod, low, false);
       if (std::abs(at_low - at_high) < 4 * band) result.push_back(rod);

@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "fit/correlation.h"
 #include "fit/group_effects.h"
 #include "fit/refine.h"
@@ -247,8 +248,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
         smoothing_deviation(candidate, all, correlation.smoothing, distance, context.threads);
     fill(result.filter, effect_of(smoothed, all, sums.weight, kernel, context.threads));
   }
-  std::nth_element(sigmas.begin(), sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2), sigmas.end());
-  result.floor = floor_share * sigmas[sigmas.size() / 2];
+  result.floor = floor_share * median_in_place(sigmas);
   return result;
 }
 

@@ -1,3 +1,4 @@
+#include "core/statistics.h"
 #include "fit/triangulate.h"
 
 #include <Eigen/Geometry>
@@ -31,11 +32,6 @@ double signed_distance(const MeshDistance& distance, const TriangleMesh& mesh, c
   return triangle_normal(mesh, hit.triangle).dot(p - hit.point) < 0 ? -hit.distance : hit.distance;
 }
 
-double median(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
-
 /// The largest local robust mean of the kept points' signed distances.
 double local_max(const PointCloud& all, const TriangleMesh& mesh, Vec3* where = nullptr) {
   PointCloud cloud;
@@ -56,15 +52,9 @@ double local_max(const PointCloud& all, const TriangleMesh& mesh, Vec3* where = 
       if (std::abs(cloud.normals[n.index].dot(cloud.normals[i])) > 0.7 && values.size() < 25)
         values.push_back(off[n.index]);
     if (values.size() < 12) continue;
-    const double m = median(values);
-    std::vector<double> spread;
-    for (const double v : values) spread.push_back(std::abs(v - m));
-    const double limit = 2.5 * 1.4826 * median(spread);
-    double sum = 0, count = 0;
-    for (const double v : values)
-      if (std::abs(v - m) <= limit) sum += v, ++count;
-    if (count > 0 && std::abs(sum / count) > std::abs(worst)) {
-      worst = sum / count;
+    const double mean = robust_mean(values).mean;
+    if (std::abs(mean) > std::abs(worst)) {
+      worst = mean;
       if (where) *where = cloud.points[i];
     }
   }
