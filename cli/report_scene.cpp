@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/statistics.h"
 #include "geometry/kd_tree.h"
 
 namespace partscribe {
@@ -28,8 +29,7 @@ double spacing_of(const PointCloud& cloud) {
     tree.nearest(cloud.points[i], 5, found);
     distances.push_back(std::sqrt(found.back().sq_distance));
   }
-  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-  return distances[distances.size() / 2];
+  return median_in_place(distances);
 }
 
 std::vector<ReportView> views_of(const std::optional<Model>& model, const PointCloud& cloud) {

@@ -8,6 +8,7 @@
 #include "geometry/decimate.h"
 #include "geometry/kd_tree.h"
 #include "geometry/mesh_distance.h"
+#include "geometry/mesh_facets.h"
 #include "verify/samples.h"
 
 namespace partscribe {
@@ -15,26 +16,6 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 constexpr double cos_smooth = 0.8660254;  // 30 degrees
-
-struct EdgeUse {
-  std::uint64_t key;
-  std::uint32_t triangle;
-};
-
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-}
-
-std::vector<EdgeUse> edge_uses(const std::vector<Triangle>& triangles) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) uses.push_back({edge_key(triangles[t][k], triangles[t][(k + 1) % 3]), t});
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
-  });
-  return uses;
-}
 
 /// A mesh of bearable size, and how far it may lie from `mesh`.
 TriangleMesh thinned(const TriangleMesh& mesh, const SurfaceOptions& options, double& error, Context& context) {
@@ -60,8 +41,7 @@ TriangleMesh thinned(const TriangleMesh& mesh, const SurfaceOptions& options, do
 
 /// Splits vertices so that each has one normal: triangles around a vertex that bend by less than 30 degrees share it.
 void split_creases(const TriangleMesh& mesh, DeviationSurface& surface) {
-  std::vector<Vec3> normals(mesh.triangles.size());
-  for (std::size_t t = 0; t < normals.size(); ++t) normals[t] = triangle_normal(mesh, t);
+  const auto normals = triangle_normals(mesh);
   std::vector<std::uint32_t> first(mesh.vertices.size() + 1, 0);
   for (const auto& triangle : mesh.triangles)
     for (const auto v : triangle) ++first[v + 1];
@@ -115,14 +95,11 @@ void drop_loose_ends(std::vector<std::array<std::uint32_t, 2>>& edges, std::size
 /// Creases and borders of `mesh`; indices of its vertices.
 std::vector<std::array<std::uint32_t, 2>> drawn_edges(const TriangleMesh& mesh) {
   std::vector<std::array<std::uint32_t, 2>> edges;
-  const auto uses = edge_uses(mesh.triangles);
-  for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
-    for (end = i; end < uses.size() && uses[end].key == uses[i].key;) ++end;
-    if (end - i == 2 &&
-        triangle_normal(mesh, uses[i].triangle).dot(triangle_normal(mesh, uses[i + 1].triangle)) > cos_smooth)
-      continue;
-    edges.push_back({static_cast<std::uint32_t>(uses[i].key >> 32), static_cast<std::uint32_t>(uses[i].key & 0xffffffffu)});
-  }
+  const auto normals = triangle_normals(mesh);
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    if (around.size() != 2 || normals[around[0].triangle].dot(normals[around[1].triangle]) <= cos_smooth)
+      edges.push_back({around[0].low(), around[0].high()});
+  });
   drop_loose_ends(edges, mesh.vertices.size());
   return edges;
 }
@@ -135,8 +112,7 @@ bool refine(DeviationSurface& surface, double longest, std::size_t most) {
     std::vector<std::uint64_t> keys;
     for (std::size_t i = 0; i < uses.size(); ++i) {
       if (i && uses[i].key == uses[i - 1].key) continue;
-      const auto a = uses[i].key >> 32, b = uses[i].key & 0xffffffffu;
-      if ((surface.points[a] - surface.points[b]).norm() > longest) keys.push_back(uses[i].key);
+      if ((surface.points[uses[i].low()] - surface.points[uses[i].high()]).norm() > longest) keys.push_back(uses[i].key);
     }
     if (keys.empty()) return true;
     const auto begin = static_cast<std::uint32_t>(surface.points.size());

@@ -12,9 +12,9 @@
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
 #include <map>
-#include <numeric>
 
 #include "codegen/brep_shapes.h"
+#include "core/disjoint_sets.h"
 
 namespace partscribe {
 namespace {
@@ -40,24 +40,19 @@ struct Piece {
 
 /// For each polygon the number of its connected piece, counted in order of first appearance.
 std::vector<int> pieces_of(const std::vector<Polygon>& polygons) {
-  std::vector<std::size_t> parent(polygons.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> first;
-  for (std::size_t i = 0; i < polygons.size(); ++i) {
+  DisjointSets pieces(polygons.size());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> first;
+  for (std::uint32_t i = 0; i < polygons.size(); ++i) {
     for (std::size_t k = 0; k < polygons[i].size(); ++k) {
       const auto [a, b] = std::minmax(polygons[i][k], polygons[i][(k + 1) % polygons[i].size()]);
       const auto [known, fresh] = first.insert({{a, b}, i});
-      if (!fresh) parent[root(i)] = root(known->second);
+      if (!fresh) pieces.unite(i, known->second);
     }
   }
-  std::map<std::size_t, int> number;
+  std::map<std::uint32_t, int> number;
   std::vector<int> result(polygons.size());
-  for (std::size_t i = 0; i < polygons.size(); ++i) {
-    result[i] = number.insert({root(i), static_cast<int>(number.size())}).first->second;
+  for (std::uint32_t i = 0; i < polygons.size(); ++i) {
+    result[i] = number.insert({pieces.root(i), static_cast<int>(number.size())}).first->second;
   }
   return result;
 }

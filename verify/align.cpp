@@ -10,6 +10,8 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
+#include "geometry/mesh_facets.h"
 #include "geometry/thin.h"
 #include "verify/facets.h"
 #include "verify/model_to_data.h"
@@ -66,12 +68,6 @@ std::vector<Vec3> spread(const std::vector<Vec3>& points, std::size_t count) {
   return chosen;
 }
 
-double share_of(std::vector<double> values, double share) {
-  const auto at = values.begin() + long(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 struct Trial {
   Pose pose;           // artifact from scan
   double error = 0;    // mm, root mean square of the nearer `trimmed` of the distances
@@ -99,7 +95,7 @@ class Fitting {
         }
       }, 256);
       for (std::size_t i = 0; i < count; ++i) sizes[i] = std::abs(distance[i]);
-      const double limit = share_of(sizes, trimmed);
+      const double limit = quantile(sizes, trimmed);
       double sum = 0;
       std::size_t used = 0;
       for (const double s : sizes)
@@ -108,7 +104,7 @@ class Fitting {
       if (step == steps) break;
 
       // Welsch weights at the scale of the middle of the distances; early, while all are far, nearly even ones.
-      const double scale = std::max({3 * 1.4826 * share_of(sizes, 0.5), 3 * noise_, 1e-9 * size_});
+      const double scale = std::max({3 * 1.4826 * quantile(sizes, 0.5), 3 * noise_, 1e-9 * size_});
       Mat6 normal = Mat6::Zero();
       Vec6 right = Vec6::Zero();
       Vec3 center = Vec3::Zero();
@@ -151,7 +147,7 @@ void describe(Alignment& alignment, const std::vector<Vec3>& points) {
 void measure(Alignment& alignment, const std::vector<Vec3>& points, const MeshDistance& surface, double noise) {
   std::vector<double> sizes;
   for (const auto& p : points) sizes.push_back(surface.closest(alignment.scan_to_artifact * p).distance);
-  const double limit = std::max(5 * 1.4826 * share_of(sizes, 0.5), 5 * noise);
+  const double limit = std::max(5 * 1.4826 * quantile(sizes, 0.5), 5 * noise);
   double sum = 0;
   for (const double s : sizes)
     if (s <= limit) sum += s * s, ++alignment.points;
@@ -210,7 +206,7 @@ bool fit_plane(std::vector<Vec3> points, Datum& datum) {
     datum.points = points.size();
     std::vector<double> off;
     for (const auto& p : points) off.push_back(std::abs(datum.seen_normal.dot(p - datum.seen_middle)));
-    const double limit = 3 * 1.4826 * share_of(off, 0.5) + 1e-12;
+    const double limit = 3 * 1.4826 * quantile(off, 0.5) + 1e-12;
     std::erase_if(points, [&](const Vec3& p) { return std::abs(datum.seen_normal.dot(p - datum.seen_middle)) > limit; });
   }
   return true;
@@ -331,8 +327,7 @@ std::optional<std::string> hint_at_frame(const ScanSource& source, const VerifyO
   if (!found) return {};
   const auto moved = transformed(verdict.mesh, found->scan_to_artifact.inverse());
   const MeshDistance surface(moved);
-  std::vector<Vec3> normals(moved.triangles.size());
-  for (std::size_t t = 0; t < normals.size(); ++t) normals[t] = triangle_normal(moved, t);
+  const auto normals = triangle_normals(moved);
   const auto field = data_to_model(source, surface, normals, options, context);
   if (!field.faults.empty()) return {};
   const auto area = model_to_data(source, field, moved, surface, normals, options, context);

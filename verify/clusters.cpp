@@ -1,8 +1,8 @@
 #include "verify/clusters.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "core/disjoint_sets.h"
 #include "geometry/kd_tree.h"
 
 namespace partscribe {
@@ -16,27 +16,20 @@ std::vector<std::vector<std::uint32_t>> clusters_of(const std::vector<Vec3>& pla
                                                     const std::function<bool(std::uint32_t, std::uint32_t)>& alike) {
   std::vector<std::vector<std::uint32_t>> result;
   if (places.empty()) return result;
-  std::vector<std::uint32_t> parent(places.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets sets(places.size());
   const KdTree tree(places);
   std::vector<Neighbour> near;
   for (std::uint32_t i = 0; i < places.size(); ++i) {
     tree.nearest(places[i], neighbours, near);
     for (const auto& n : near) {
       const double limit = std::min(reach[i], reach[n.index]);
-      if (n.index == i || n.sq_distance > limit * limit || !alike(i, n.index)) continue;
-      const auto a = root(i), b = root(n.index);
-      parent[std::max(a, b)] = std::min(a, b);
+      if (n.index != i && n.sq_distance <= limit * limit && alike(i, n.index)) sets.unite(i, n.index);
     }
   }
   std::vector<std::uint32_t> number(places.size(), 0);
   for (std::uint32_t i = 0; i < places.size(); ++i) {
-    if (root(i) == i) number[i] = static_cast<std::uint32_t>(result.size()), result.emplace_back();
-    result[number[root(i)]].push_back(i);
+    if (sets.root(i) == i) number[i] = static_cast<std::uint32_t>(result.size()), result.emplace_back();
+    result[number[sets.root(i)]].push_back(i);
   }
   return result;
 }

@@ -6,32 +6,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/mesh_facets.h"
+
 namespace partscribe {
 namespace {
 
 constexpr double same_plane = 0.99;   // cosine; flatness decides, this keeps folds apart
 constexpr std::uint32_t none = ~0u;
 constexpr std::size_t most_corners = 256;  // that a width is taken from
-
-/// One edge as one triangle uses it.
-struct Use {
-  std::uint64_t edge;
-  std::uint32_t triangle, from, to;
-};
-
-std::vector<Use> edge_uses(const TriangleMesh& mesh) {
-  std::vector<Use> uses;
-  uses.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-      uses.push_back({std::min(a, b) << 32 | std::max(a, b), t, std::uint32_t(a), std::uint32_t(b)});
-    }
-  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
-    return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
-  });
-  return uses;
-}
 
 double width_across(const TriangleMesh& mesh, const Facet& facet, const Vec3& place, const Vec3& direction) {
   double width = 0;
@@ -48,11 +30,11 @@ double width_across(const TriangleMesh& mesh, const Facet& facet, const Vec3& pl
 Facets flat_pieces(const TriangleMesh& mesh, double flatness) {
   Facets result;
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-  const auto uses = edge_uses(mesh);
+  const auto uses = edge_uses(mesh.triangles);
   std::vector<std::array<std::uint32_t, 3>> beside(count, {none, none, none});
   std::vector<std::uint8_t> filled(count, 0);
   for (std::size_t i = 0; i + 1 < uses.size(); ++i) {
-    if (uses[i].edge != uses[i + 1].edge) continue;
+    if (uses[i].key != uses[i + 1].key) continue;
     const auto a = uses[i].triangle, b = uses[i + 1].triangle;
     if (filled[a] < 3) beside[a][filled[a]++] = b;
     if (filled[b] < 3) beside[b][filled[b]++] = a;
@@ -110,12 +92,12 @@ Facets flat_pieces(const TriangleMesh& mesh, double flatness) {
   };
   std::vector<Shared> shared;
   for (std::size_t i = 0; i + 1 < uses.size(); ++i) {
-    if (uses[i].edge != uses[i + 1].edge) continue;
+    if (uses[i].key != uses[i + 1].key) continue;
     const auto a = result.facet_of[uses[i].triangle], b = result.facet_of[uses[i + 1].triangle];
     if (a == b) continue;
-    const Use& use = uses[a < b ? i : i + 1];
-    shared.push_back({std::min(a, b), std::max(a, b), use.from, use.to,
-                      (mesh.vertices[use.to] - mesh.vertices[use.from]).norm()});
+    const EdgeUse& use = uses[a < b ? i : i + 1];
+    shared.push_back({std::min(a, b), std::max(a, b), use.from(), use.to(),
+                      (mesh.vertices[use.to()] - mesh.vertices[use.from()]).norm()});
   }
   std::sort(shared.begin(), shared.end(), [](const Shared& a, const Shared& b) {
     if (a.first != b.first) return a.first < b.first;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "verify/facets.h"
 #include "verify/fit_facets.h"
 #include "verify/words.h"
@@ -349,9 +350,9 @@ class Recogniser {
       for (const auto f : piece)
         if (patch_of_[f] == none) areas.push_back(facet(f).area);
       if (areas.size() < 3) continue;
-      std::nth_element(areas.begin(), areas.begin() + long(areas.size() / 2), areas.end());
+      const double middle = median_in_place(areas);
       for (const auto f : piece)
-        if (patch_of_[f] == none) company[f] = static_cast<std::uint32_t>(areas.size()), typical[f] = areas[areas.size() / 2];
+        if (patch_of_[f] == none) company[f] = static_cast<std::uint32_t>(areas.size()), typical[f] = middle;
     }
     Members planes;
     for (std::uint32_t f = 0; f < parts_.facets.size(); ++f) {

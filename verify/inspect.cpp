@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "verify/words.h"
 
 namespace partscribe {
@@ -162,9 +163,7 @@ class Inspector {
       shifts.push_back(std::abs(distance(m, p - off * surface_normal(nominal_, p))));
     }
     // The few largest may belong to a neighbour.
-    const auto place = shifts.begin() + long(static_cast<double>(shifts.size() - 1) * 0.98);
-    std::nth_element(shifts.begin(), place, shifts.end());
-    found_.shift = *place;
+    found_.shift = quantile(std::move(shifts), 0.98);
     found_.sigma_shift = std::hypot(f.sigma_point, std::hypot(f.sigma_radius + f.sigma_tube, f.sigma_axis * reach));
     if (feature_.arc < radians(180) && nominal_.kind != PrimitiveKind::plane && nominal_.kind != PrimitiveKind::sphere)
       found_.sigma_shift = std::min(found_.sigma_shift, 0.5 * tolerance_);  // radius and place err together

@@ -16,9 +16,10 @@
 #include <TopoDS_Shape.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
-#include <numeric>
 
+#include "core/disjoint_sets.h"
 #include "geometry/mesh_distance.h"
+#include "geometry/mesh_facets.h"
 
 namespace partscribe {
 namespace {
@@ -30,23 +31,16 @@ Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 class NodeUnion {
  public:
   std::uint32_t add(const Vec3& p) {
-    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
     points_.push_back(p);
-    return parent_.back();
+    return sets_.add();
   }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);  // the first node's place is the place of all
-  }
+  std::uint32_t root(std::uint32_t i) { return sets_.root(i); }  // the first node's place is the place of all
+  void unite(std::uint32_t a, std::uint32_t b) { sets_.unite(a, b); }
   const Vec3& point(std::uint32_t i) const { return points_[i]; }
-  std::size_t size() const { return parent_.size(); }
+  std::size_t size() const { return points_.size(); }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  DisjointSets sets_;
   std::vector<Vec3> points_;
 };
 
@@ -56,34 +50,21 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// across narrow spline faces uncontrolled. Border edges stay, so neighbours keep fitting.
 void split_inner_edges(const Geom_Surface& surface, const gp_Trsf& world_from_surface, double limit, std::uint32_t first,
                        NodeUnion& nodes, std::vector<gp_XY>& uv, std::vector<Triangle>& triangles) {
-  struct Use {
-    std::uint64_t edge;
-    std::uint32_t triangle;
-    int corner;
-  };
   for (int round = 0; round < 6; ++round) {
-    std::vector<Use> uses;
-    for (std::uint32_t t = 0; t < triangles.size(); ++t)
-      for (int k = 0; k < 3; ++k) {
-        const std::uint64_t a = triangles[t][std::size_t(k)], b = triangles[t][std::size_t((k + 1) % 3)];
-        uses.push_back({std::min(a, b) << 32 | std::max(a, b), t, k});
-      }
-    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
-      return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
-    });
+    const auto uses = edge_uses(triangles);
     constexpr std::uint32_t none = ~0u;
     std::vector<Triangle> middles(triangles.size(), {none, none, none});
     bool any = false;
     for (std::size_t i = 0; i + 1 < uses.size(); ++i) {
-      if (uses[i].edge != uses[i + 1].edge) continue;
-      const auto a = static_cast<std::uint32_t>(uses[i].edge >> 32), b = static_cast<std::uint32_t>(uses[i].edge);
+      if (uses[i].key != uses[i + 1].key) continue;
+      const auto a = uses[i].low(), b = uses[i].high();
       const gp_XY place = (uv[a - first] + uv[b - first]) / 2.0;
       const Vec3 exact = vec(surface.Value(place.X(), place.Y()).Transformed(world_from_surface));
       const Vec3 chord = nodes.point(b) - nodes.point(a);
       if (!((exact - nodes.point(a)).cross(chord).norm() > limit * chord.norm())) continue;
       const auto middle = nodes.add(exact);
       uv.push_back(place);
-      for (const auto& use : {uses[i], uses[i + 1]}) middles[use.triangle][std::size_t(use.corner)] = middle;
+      for (const auto& use : {uses[i], uses[i + 1]}) middles[use.triangle][use.side] = middle;
       any = true;
       ++i;
     }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/number.h"
+#include "geometry/mesh_facets.h"
 #include "verify/words.h"
 
 namespace partscribe {
@@ -56,31 +57,15 @@ enum class Fault { boundary, overloaded, inconsistent };
 
 /// ", near (1, 2, 3)": the middle of an edge with this fault, the same for any order of the triangles.
 std::string place_of(const TriangleMesh& mesh, Fault fault) {
-  struct Use {
-    std::uint64_t edge;
-    bool forward;
-  };
-  std::vector<Use> uses;
-  for (const auto& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = t[k], b = t[(k + 1) % 3];
-      uses.push_back({std::min(a, b) << 32 | std::max(a, b), a < b});
-    }
-  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.edge < b.edge; });
   std::optional<Vec3> place;
-  for (std::size_t i = 0; i < uses.size();) {
-    std::size_t end = i, forward = 0;
-    for (; end < uses.size() && uses[end].edge == uses[i].edge; ++end) forward += uses[end].forward;
-    const std::size_t count = end - i;
-    const bool found = fault == Fault::boundary     ? count == 1
-                       : fault == Fault::overloaded ? count > 2
-                                                    : count == 2 && forward != 1;
-    if (found) {
-      const Vec3 middle = 0.5 * (mesh.vertices[uses[i].edge >> 32] + mesh.vertices[uses[i].edge & 0xffffffffu]);
-      if (!place || std::lexicographical_compare(middle.data(), middle.data() + 3, place->data(), place->data() + 3)) place = middle;
-    }
-    i = end;
-  }
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    const bool found = fault == Fault::boundary     ? around.size() == 1
+                       : fault == Fault::overloaded ? around.size() > 2
+                                                    : around.size() == 2 && around[0].forward == around[1].forward;
+    if (!found) return;
+    const Vec3 middle = 0.5 * (mesh.vertices[around[0].low()] + mesh.vertices[around[0].high()]);
+    if (!place || std::lexicographical_compare(middle.data(), middle.data() + 3, place->data(), place->data() + 3)) place = middle;
+  });
   return place ? ", near " + Words(0.05).place(*place) : std::string();
 }
 
@@ -116,35 +101,17 @@ SolidCheck check_solid(const TriangleMesh& mesh) {
 }
 
 void orient_facets(TriangleMesh& mesh) {
-  struct Use {
-    std::uint64_t edge;
-    std::uint32_t triangle;
-    bool forward;
-  };
-  std::vector<Use> uses;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-      uses.push_back({std::min(a, b) << 32 | std::max(a, b), t, a < b});
-    }
-  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
-    return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
-  });
   struct Link {
     std::uint32_t other;
     bool agrees;
   };
   std::vector<std::vector<Link>> links(mesh.triangles.size());
-  for (std::size_t i = 0; i < uses.size();) {
-    std::size_t end = i;
-    while (end < uses.size() && uses[end].edge == uses[i].edge) ++end;
-    if (end - i == 2) {
-      const bool agrees = uses[i].forward != uses[i + 1].forward;
-      links[uses[i].triangle].push_back({uses[i + 1].triangle, agrees});
-      links[uses[i + 1].triangle].push_back({uses[i].triangle, agrees});
-    }
-    i = end;
-  }
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    if (around.size() != 2) return;
+    const bool agrees = around[0].forward != around[1].forward;
+    links[around[0].triangle].push_back({around[1].triangle, agrees});
+    links[around[1].triangle].push_back({around[0].triangle, agrees});
+  });
   std::vector<signed char> turn(mesh.triangles.size(), -1);
   for (std::uint32_t seed = 0; seed < turn.size(); ++seed) {
     if (turn[seed] >= 0) continue;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
+#include "core/disjoint_sets.h"
 #include "core/number.h"
 #include "core/parallel.h"
 #include "verify/chance.h"
@@ -115,12 +115,7 @@ class Judge {
 
   /// Windows that overlap become one cluster.
   std::vector<StrayCluster> grouped(const std::vector<Alarm>& alarms) const {
-    std::vector<std::uint32_t> parent(alarms.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    auto root = [&](std::uint32_t v) {
-      while (parent[v] != v) v = parent[v] = parent[parent[v]];
-      return v;
-    };
+    DisjointSets sets(alarms.size());
     std::vector<char> taken(alarms.size(), 0);
     std::vector<Neighbour> near;
     for (std::uint32_t i = 0; i < alarms.size(); ++i) {
@@ -128,8 +123,7 @@ class Judge {
       off_.within(scene_.off[i], alarms[i].radius, near);
       for (const auto& n : near) {
         taken[n.index] = 1;
-        const auto a = root(i), b = root(n.index);
-        parent[std::max(a, b)] = std::min(a, b);
+        sets.unite(i, n.index);
       }
     }
     std::vector<StrayCluster> clusters;
@@ -138,7 +132,7 @@ class Judge {
     std::vector<Box3> boxes;
     for (std::uint32_t i = 0; i < alarms.size(); ++i) {
       if (!taken[i]) continue;
-      const auto r = root(i);
+      const auto r = sets.root(i);
       if (r == i) number[r] = static_cast<std::uint32_t>(clusters.size()), clusters.emplace_back(), least.push_back(2), boxes.emplace_back();
       StrayCluster& cluster = clusters[number[r]];
       cluster.members.push_back(i);

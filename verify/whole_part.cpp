@@ -11,6 +11,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "verify/samples.h"
 
 namespace partscribe {
@@ -99,8 +100,7 @@ class Seeker {
         middle += q;
       }
       middle /= double(pairs.size());
-      std::nth_element(sizes.begin(), sizes.begin() + long(sizes.size() / 2), sizes.end());
-      const double reach = std::max(4.5 * sizes[sizes.size() / 2], 3 * near_ * to.scale);
+      const double reach = std::max(4.5 * median_in_place(sizes), 3 * near_ * to.scale);
       const double arm = std::max(size(points_) * to.scale, 1e-9);  // so that all unknowns are lengths
       Mat7 h = Mat7::Zero();
       Vec7 g = Vec7::Zero();
