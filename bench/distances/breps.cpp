@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "core/random.h"
+#include "core/statistics.h"
 #include "measure.h"
 #include "verify/brep_distance.h"
 

@@ -3,9 +3,6 @@
 
 #include <time.h>
 
-#include <algorithm>
-#include <vector>
-
 namespace bench {
 
 struct Seconds {
@@ -22,11 +19,6 @@ Seconds seconds_of(Work&& work) {
   const double cpu = now(CLOCK_PROCESS_CPUTIME_ID), wall = now(CLOCK_MONOTONIC);
   work();
   return {now(CLOCK_PROCESS_CPUTIME_ID) - cpu, now(CLOCK_MONOTONIC) - wall};
-}
-
-inline double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace bench

@@ -10,6 +10,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "core/statistics.h"
 #include "geometry/mesh_distance.h"
 #include "geometry/spatial_order.h"
 #include "measure.h"

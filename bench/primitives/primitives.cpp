@@ -1,12 +1,12 @@
 // Fits of single primitives beside Ceres, PCL, CGAL and GeometricTools: time, exactness, basin, and distance from the
 // Cramer-Rao bound. `bench_primitives [trials]`; processor time throughout, all contestants in this one run.
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "peers.h"
 #include "scenes.h"
 
@@ -39,11 +39,6 @@ std::vector<peers::Peer> contestants() {
           {"CGAL", peers::cgal_fits()}, {"GTE", peers::gte_fits()},     {"GTE min.", peers::gte_minimizer_fits()}};
 }
 
-double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
-}
-
 void print_cell(double value, const char* format) {
   char text[32];
   if (std::isnan(value))
@@ -59,7 +54,7 @@ void print_times(const std::vector<peers::Peer>& all, std::size_t count) {
   Random random(1);
   for (const PrimitiveKind kind : kinds) {
     const Primitive truth = scenes::example(kind, 100, random);
-    const std::vector<Vec3> points = scenes::scan(truth, count, 2 * pi, 0.02, random);
+    const std::vector<Vec3> points = scenes::scan(truth, count, 2 * pi, 0.02, random).points;
     const Primitive start = scenes::start(truth, 0.1, 0.1, random);
     std::vector<peers::Fit> fits;
     for (const peers::Peer& peer : all)
@@ -107,7 +102,7 @@ void print_exactness(const std::vector<peers::Peer>& all) {
     Random random(2);
     for (const PrimitiveKind kind : kinds) {
       const Primitive truth = scenes::example(kind, offset, random);
-      const std::vector<Vec3> points = scenes::scan(truth, 2000, 2 * pi, 0, random);
+      const std::vector<Vec3> points = scenes::scan(truth, 2000, 2 * pi, 0, random).points;
       const Primitive start = scenes::start(truth, 0.1, 0.1, random);
       std::printf("%-10s", name_of(kind));
       for (const peers::Peer& peer : all) {
@@ -132,7 +127,7 @@ void print_basin(const std::vector<peers::Peer>& all) {
         bool any = false;
         for (int trial = 0; trial < 60 && peer.prepare; ++trial) {
           const Primitive truth = scenes::example(kind, 100, random);
-          const std::vector<Vec3> points = scenes::scan(truth, 500, 2 * pi, 0.02, random);
+          const std::vector<Vec3> points = scenes::scan(truth, 500, 2 * pi, 0.02, random).points;
           const peers::Fit fit = peer.prepare({kind, points, scenes::start(truth, angle, share, random)});
           if (!fit) break;
           any = true;
@@ -166,8 +161,8 @@ void print_statistics(const std::vector<peers::Peer>& all, int trials) {
         for (int trial = 0; trial < own && all[i].prepare; ++trial) {
           const Primitive truth = scenes::example(kind, 100, random);
           Random same = random;
-          const std::vector<Vec3> exact = scenes::scan(truth, 500, arc, 0, same);
-          const std::vector<Vec3> points = scenes::scan(truth, 500, arc, 0.02, random);
+          const std::vector<Vec3> exact = scenes::scan(truth, 500, arc, 0, same).points;
+          const std::vector<Vec3> points = scenes::scan(truth, 500, arc, 0.02, random).points;
           const Primitive start = scenes::start(truth, 0.1, 0.1, random);
           const double limit = scenes::bound(truth, exact, 0.02), value = scenes::number(truth, truth);
           double error = 0;

@@ -58,9 +58,9 @@ Primitive example(PrimitiveKind kind, double offset, Random& random) {
   return p;
 }
 
-std::vector<Vec3> scan(const Primitive& p, std::size_t count, double arc, double sigma, Random& random) {
+Scan scan(const Primitive& p, std::size_t count, double arc, double sigma, Random& random) {
   const partscribe::Mat3 turn = partscribe::rotation_onto_axis(p.axis);
-  std::vector<Vec3> points;
+  Scan scan;
   for (std::size_t i = 0; i < count; ++i) {
     const double a = random.uniform(-arc / 2, arc / 2);
     const Vec3 across(std::cos(a), std::sin(a), 0), up = Vec3::UnitZ();
@@ -91,7 +91,7 @@ std::vector<Vec3> scan(const Primitive& p, std::size_t count, double arc, double
         break;
       }
       case PrimitiveKind::torus: {
-        const double b = random.uniform(-pi, pi);
+        const double widest = p.radius < p.tube ? std::acos(-p.radius / p.tube) : pi, b = random.uniform(-widest, widest);
         n = std::cos(b) * across + std::sin(b) * up;
         q = p.radius * across + p.tube * n;
         break;
@@ -99,9 +99,10 @@ std::vector<Vec3> scan(const Primitive& p, std::size_t count, double arc, double
     }
     const Vec3 noise =
         n == Vec3::Zero() ? Vec3(random.normal(), random.normal(), random.normal()) : Vec3(random.normal() * n);
-    points.push_back(p.point + turn * (q + sigma * noise));
+    scan.points.push_back(p.point + turn * (q + sigma * noise));
+    scan.normals.push_back(turn * n);
   }
-  return points;
+  return scan;
 }
 
 Primitive start(const Primitive& truth, double angle, double share, Random& random) {

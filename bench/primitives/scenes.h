@@ -18,8 +18,14 @@ inline constexpr PrimitiveKind kinds[] = {PrimitiveKind::plane,  PrimitiveKind::
 /// Radius 20 (torus 30 and 10), cone of 0.4 rad, `offset` mm from the origin in a random direction.
 Primitive example(PrimitiveKind kind, double offset, Random& random);
 
-/// Noise along the normal; of lines and circles in all three coordinates.
-std::vector<Vec3> scan(const Primitive& truth, std::size_t count, double arc, double sigma, Random& random);
+struct Scan {
+  std::vector<Vec3> points;
+  std::vector<Vec3> normals;  // exact; zero for lines and circles
+};
+
+/// Points over `arc` radians about the axis (planes: 60 mm square; of a sphere also `arc` from pole to pole; of a tube
+/// wider than its ring the outside). Noise along the normal; of lines and circles in all three coordinates.
+Scan scan(const Primitive& truth, std::size_t count, double arc, double sigma, Random& random);
 
 /// The truth turned by `angle` about a random axis across its own, moved by `share` of its size and scaled by 1 +-
 /// share.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/recovery/score.h"
+#include "core/statistics.h"
 
 using namespace partscribe;
 using namespace partscribe::recovery;
@@ -15,13 +16,6 @@ namespace {
 
 const char* usage =
     "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest] [--verbose]\n";
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose) {
   std::map<Answer, std::size_t> answers;

@@ -5,83 +5,16 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "bench/primitives/scenes.h"
 #include "core/number.h"
 #include "core/random.h"
 
 using namespace partscribe;
+using scenes::example, scenes::kinds, scenes::Scan;
 
 namespace {
 
-const PrimitiveKind kinds[] = {PrimitiveKind::plane,  PrimitiveKind::line,     PrimitiveKind::circle,
-                               PrimitiveKind::sphere, PrimitiveKind::cylinder, PrimitiveKind::cone,
-                               PrimitiveKind::torus};
-
 Vec3 direction(Random& random) { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); }
-
-struct Scan {
-  std::vector<Vec3> points, normals;
-};
-
-/// Points of a primitive over `arc` radians about its axis (a plane: 60 mm square), with noise as its residuals see it.
-Scan scan_of(const Primitive& p, std::size_t count, double arc, double sigma, Random& random) {
-  const Mat3 turn = rotation_onto_axis(p.axis);
-  Scan scan;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double a = random.uniform(-arc / 2, arc / 2);
-    const Vec3 across(std::cos(a), std::sin(a), 0), up = Vec3::UnitZ();
-    Vec3 q = Vec3::Zero(), n = Vec3::Zero(), noise = Vec3(random.normal(), random.normal(), random.normal()) * sigma;
-    switch (p.kind) {
-      case PrimitiveKind::plane:
-        q = Vec3(random.uniform(-30, 30), random.uniform(-30, 30), 0), n = up;
-        break;
-      case PrimitiveKind::line:
-        q = random.uniform(-30, 30) * up;
-        break;
-      case PrimitiveKind::circle:
-        q = p.radius * across;
-        break;
-      case PrimitiveKind::sphere: {
-        const double z = std::sin(std::min(arc, pi) / 2) * random.uniform(-1, 1);
-        n = std::sqrt(1 - z * z) * across + z * up;
-        q = p.radius * n;
-        break;
-      }
-      case PrimitiveKind::cylinder:
-        q = p.radius * across + random.uniform(-20, 20) * up, n = across;
-        break;
-      case PrimitiveKind::cone: {
-        const double h = random.uniform(-15, 15);
-        q = (p.radius + h * std::tan(p.half_angle)) * across + h * up;
-        n = std::cos(p.half_angle) * across - std::sin(p.half_angle) * up;
-        break;
-      }
-      case PrimitiveKind::torus: {
-        // Of a tube wider than its ring only the outside is there.
-        const double b = (p.radius < p.tube ? std::acos(-p.radius / p.tube) : pi) * random.uniform(-1, 1);
-        n = std::cos(b) * across + std::sin(b) * up;
-        q = p.radius * across + p.tube * n;
-        break;
-      }
-    }
-    if (n != Vec3::Zero()) noise = sigma * random.normal() * n;
-    scan.points.push_back(p.point + turn * (q + noise));
-    scan.normals.push_back(turn * n);
-  }
-  return scan;
-}
-
-Primitive example(PrimitiveKind kind, double offset, Random& random) {
-  Primitive p;
-  p.kind = kind;
-  p.point = offset * direction(random);
-  p.axis = direction(random);
-  if (kind == PrimitiveKind::circle || kind == PrimitiveKind::sphere || kind == PrimitiveKind::cylinder ||
-      kind == PrimitiveKind::cone)
-    p.radius = 20;
-  if (kind == PrimitiveKind::cone) p.half_angle = 0.4;
-  if (kind == PrimitiveKind::torus) p.radius = 30, p.tube = 10;
-  return p;
-}
 
 /// Error over sigma of every number that the kind has.
 std::vector<double> scores(const PrimitiveFit& fit, const Primitive& truth) {
@@ -133,7 +66,7 @@ TEST_CASE("primitive fit: every kind is recovered within four of the sigmas that
     for (const double arc : {2 * pi, pi / 3})
       for (int trial = 0; trial < 10; ++trial) {
         const Primitive truth = example(kind, 100, random);
-        const Scan scan = scan_of(truth, 500, arc, 0.02, random);
+        const Scan scan = scenes::scan(truth, 500, arc, 0.02, random);
         const PrimitiveFit fit = fitted(kind, scan);
         INFO(name_of(kind) << " over " << degrees(arc) << " degrees");
         CHECK(fit.converged);
@@ -150,7 +83,7 @@ TEST_CASE("primitive fit: radii scatter as the Cramer-Rao bound says") {
     const int trials = 300;
     for (int trial = 0; trial < trials; ++trial) {
       const Primitive truth = example(kind, 100, random);
-      const double error = fitted(kind, scan_of(truth, 500, 2 * pi, 0.02, random)).primitive.radius - truth.radius;
+      const double error = fitted(kind, scenes::scan(truth, 500, 2 * pi, 0.02, random)).primitive.radius - truth.radius;
       sum += error * error;
     }
     const double bound = 0.02 / std::sqrt(500.0);
@@ -165,7 +98,7 @@ TEST_CASE("primitive fit: intervals of 95 % cover the truth in 95 of 100 scans")
     int inside = 0, all = 0;
     for (int trial = 0; trial < 300; ++trial) {
       const Primitive truth = example(kind, 100, random);
-      const Scan scan = scan_of(truth, 200, trial % 2 ? pi / 3 : 2 * pi, 0.02, random);
+      const Scan scan = scenes::scan(truth, 200, trial % 2 ? pi / 3 : 2 * pi, 0.02, random);
       PrimitiveFitOptions options;
       options.start = truth;
       options.sigma = trial % 3 ? 0 : 0.02;  // estimated or given
@@ -184,7 +117,7 @@ TEST_CASE("primitive fit: a hundred metres from the origin exact points give exa
   Random random(4);
   for (const PrimitiveKind kind : kinds) {
     const Primitive truth = example(kind, 1e5, random);
-    const Scan scan = scan_of(truth, 1000, 2 * pi, 0, random);
+    const Scan scan = scenes::scan(truth, 1000, 2 * pi, 0, random);
     const PrimitiveFit fit = fitted(kind, scan);
     INFO(name_of(kind));
     CHECK(std::abs(fit.primitive.radius - truth.radius -
@@ -203,7 +136,7 @@ TEST_CASE("primitive fit: the basin reaches starts a radian and half the size aw
   for (const PrimitiveKind kind : kinds)
     for (int trial = 0; trial < 30; ++trial) {
       const Primitive truth = example(kind, 100, random);
-      const Scan scan = scan_of(truth, 300, 2 * pi, 0.02, random);
+      const Scan scan = scenes::scan(truth, 300, 2 * pi, 0.02, random);
       PrimitiveFitOptions options;
       options.start = truth;
       options.start->axis = rotation_of(direction(random).cross(truth.axis).normalized()) * truth.axis;
@@ -219,7 +152,7 @@ TEST_CASE("primitive fit: the order of the points moves only the last bits") {
   Random random(6);
   for (const PrimitiveKind kind : kinds) {
     const Primitive truth = example(kind, 100, random);
-    Scan scan = scan_of(truth, 3000, pi, 0.02, random);
+    Scan scan = scenes::scan(truth, 3000, pi, 0.02, random);
     const Primitive a = fitted(kind, scan).primitive;
     for (std::size_t i = scan.points.size() - 1; i > 0; --i)
       std::swap(scan.points[i], scan.points[random.below(i + 1)]);
@@ -239,7 +172,7 @@ TEST_CASE("primitive fit: too few points and undefined numbers give no fit") {
     INFO(name_of(kind));
     CHECK_FALSE(fit_primitive(kind, {}, {}, {}));
     CHECK_FALSE(fit_primitive(kind, {Vec3::Zero()}, {}, {}));
-    Scan scan = scan_of(example(kind, 10, random), 100, 2 * pi, 0.02, random);
+    Scan scan = scenes::scan(example(kind, 10, random), 100, 2 * pi, 0.02, random);
     scan.points[57].y() = std::nan("");
     CHECK_FALSE(fit_primitive(kind, scan.points, {}, {}));
     scan.points[57].y() = INFINITY;
@@ -275,7 +208,7 @@ TEST_CASE("primitive fit: a stated noise of half the true one is found out by th
     PrimitiveFitOptions options;
     options.sigma = 0.01;
     options.start = truth;
-    inside += std::abs(scores(fitted(truth.kind, scan_of(truth, 200, pi, 0.02, random), options), truth)[0]) < 1.96;
+    inside += std::abs(scores(fitted(truth.kind, scenes::scan(truth, 200, pi, 0.02, random), options), truth)[0]) < 1.96;
   }
   CHECK(inside < 160);
 }
@@ -301,7 +234,7 @@ TEST_CASE("primitive fit: nearly flat, nearly straight and nearly round data kee
     for (int trial = 0; trial < 8; ++trial) {
       Primitive truth = example(c.kind, 100, random);
       truth.radius = c.radius, truth.tube = c.tube, truth.half_angle = c.half_angle;
-      const PrimitiveFit fit = fitted(c.kind, scan_of(truth, 2000, c.arc, 0.01, random));
+      const PrimitiveFit fit = fitted(c.kind, scenes::scan(truth, 2000, c.arc, 0.01, random));
       INFO(c.name);
       CHECK(fit.converged);
       CHECK(fit.determined);
@@ -315,7 +248,7 @@ TEST_CASE("primitive fit: robust weights see through one wild point in five") {
   for (const PrimitiveKind kind : kinds)
     for (int trial = 0; trial < 12; ++trial) {
       const Primitive truth = example(kind, 100, random);
-      Scan scan = scan_of(truth, 500, trial % 2 ? pi / 2 : 2 * pi, 0.02, random);
+      Scan scan = scenes::scan(truth, 500, trial % 2 ? pi / 2 : 2 * pi, 0.02, random);
       for (std::size_t i = 0; i < scan.points.size(); i += 5)
         scan.points[i] += Vec3(random.uniform(-10, 10), random.uniform(-10, 10), random.uniform(-10, 10));
       PrimitiveFitOptions options;
@@ -335,8 +268,8 @@ TEST_CASE("primitive fit: points with a sigma of their own count by it") {
   Random random(12);
   for (const PrimitiveKind kind : kinds) {
     const Primitive truth = example(kind, 100, random);
-    Scan scan = scan_of(truth, 400, 2 * pi, 0.02, random);
-    const Scan rough = scan_of(truth, 400, 2 * pi, 0.5, random);
+    Scan scan = scenes::scan(truth, 400, 2 * pi, 0.02, random);
+    const Scan rough = scenes::scan(truth, 400, 2 * pi, 0.5, random);
     const PrimitiveFit good = fitted(kind, scan);
     scan.points.insert(scan.points.end(), rough.points.begin(), rough.points.end());
     std::vector<double> sigmas(800, 0.02);
@@ -367,7 +300,7 @@ TEST_CASE("primitive fit: planes look along the normals, and starts keep their s
   Random random(13);
   for (const double sense : {1.0, -1.0}) {
     Primitive truth = example(PrimitiveKind::plane, 10, random);
-    Scan scan = scan_of(truth, 100, 2 * pi, 0.02, random);
+    Scan scan = scenes::scan(truth, 100, 2 * pi, 0.02, random);
     for (Vec3& n : scan.normals) n *= sense;
     const auto fit = fit_primitive(PrimitiveKind::plane, scan.points, scan.normals, {});
     REQUIRE(fit);
@@ -377,7 +310,7 @@ TEST_CASE("primitive fit: planes look along the normals, and starts keep their s
     options.start = truth;
     options.start->axis *= sense;
     CHECK(
-        fitted(truth.kind, scan_of(truth, 100, 2 * pi, 0.02, random), options).primitive.axis.dot(sense * truth.axis) >
+        fitted(truth.kind, scenes::scan(truth, 100, 2 * pi, 0.02, random), options).primitive.axis.dot(sense * truth.axis) >
         0.999);
   }
 }
@@ -404,7 +337,7 @@ TEST_CASE("primitive fit: whatever the points, the numbers are finite") {
     const PrimitiveKind kind = kinds[random.below(7)];
     Primitive truth = example(kinds[random.below(7)], std::pow(10, random.uniform(-3, 6)), random);
     const double arc = std::pow(10, random.uniform(-4, 0.8)), size = std::pow(10, random.uniform(-6, 6));
-    std::vector<Vec3> points = scan_of(truth, random.below(60), arc, random.below(2) ? 0.02 : 0, random).points;
+    std::vector<Vec3> points = scenes::scan(truth, random.below(60), arc, random.below(2) ? 0.02 : 0, random).points;
     const auto squash = random.below(4);
     for (Vec3& q : points) {
       if (squash < 2) q.z() = 0;
