@@ -284,6 +284,7 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   const double reach = reach_of(input);
   std::vector<ConvexFace> faces = planes_of(input, robust_middle(points), reach);
   context.report("plane faces", 0.5);
+  context.say("plane faces: " + print_number(double(faces.size())) + " directions");
   if (faces.size() < 3) return {};
 
   // A face is a supporting plane: one with many points outside it belongs to a hollow. Strays have no say.
@@ -324,8 +325,15 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.points > b.points; });
   std::size_t on = 0;
   for (std::size_t k = 0; k < points.size(); ++k) on += surface[k] && std::abs(convex_distance(faces, points[k])) < 1.5 * reach;
-  if (static_cast<double>(on) < (0.97 - allowed) * static_cast<double>(surface_points)) return {};
-  if (!close_body(faces, input, reach)) return {};
+  const double share = static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(surface_points, 1));
+  context.say("plane faces: " + print_number(double(faces.size())) + " hold " + print_number(snapped(100 * share, 0.1)) + " % of the points");
+  if (share < 0.97 - allowed) return {};
+  const std::size_t scanned = faces.size();
+  if (!close_body(faces, input, reach)) {
+    context.say("plane faces: the data do not tell how the body is closed");
+    return {};
+  }
+  if (faces.size() > scanned) context.say("plane faces: closed by " + print_number(double(faces.size() - scanned)) + " that were not scanned");
 
   // Planes that only touch the body say nothing.
   const auto body = convex_polyhedron(planes_only(faces));

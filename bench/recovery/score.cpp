@@ -175,6 +175,8 @@ Score recovered(const Case& c, Context& context) {
       }
       if (most < best) best = most, score.ratios = ratios;
     }
+    // Nearly equal exponents: another axis in the middle writes the same surface within the noise.
+    if (best > 1 && c.kind == "superellipsoid" && score.surface_error < 2) best = -1, score.ratios.clear();
     worst = best;
   }
   const double off = sizes[static_cast<std::size_t>(0.95 * count)];

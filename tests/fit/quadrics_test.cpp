@@ -38,7 +38,10 @@ FitInput scanned(const Vec3& radii, double noise, double outliers, double least,
 
 std::vector<Candidate> proposed(const FitInput& input) {
   Context context;
-  return propose_quadrics(input, recover_superellipsoid(input.cloud.points, context), context);
+  const SuperellipsoidFit hypothesis = recover_superellipsoid(input.cloud.points, context);
+  std::vector<Candidate> all = propose_quadrics(input, hypothesis, context);
+  for (auto& c : propose_superellipsoids(input, hypothesis)) all.push_back(std::move(c));
+  return all;
 }
 
 const Candidate* find(const std::vector<Candidate>& candidates, const std::string& procedure) {
