@@ -3,14 +3,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "geometry/mesh_facets.h"
 #include "verify/data_to_model.h"
 #include "verify/findings.h"
 #include "verify/inspect.h"
 #include "verify/model_to_data.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -18,36 +19,16 @@ namespace {
 std::string shown(double v) { return print_number(snapped(v, 0.01)); }
 std::string shown(const Vec3& p) { return "(" + shown(p.x()) + ", " + shown(p.y()) + ", " + shown(p.z()) + ")"; }
 
-std::vector<Vec3> facet_normals(const TriangleMesh& mesh) {
-  std::vector<Vec3> normals(mesh.triangles.size());
-  for (std::size_t t = 0; t < normals.size(); ++t) normals[t] = triangle_normal(mesh, t);
-  return normals;
-}
-
 /// Area of separate bodies that no point supports: nobody can have scanned a part and missed one of its pieces
 /// altogether. Cavities (pieces of negative volume) are hidden by nature and do not count.
 double unsupported_bodies(const TriangleMesh& mesh, const SurfaceField& field) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& t : mesh.triangles)
-    for (const auto v : {t[1], t[2]}) parent[std::max(root(t[0]), root(v))] = std::min(root(t[0]), root(v));
-  std::vector<double> areas(parent.size(), 0), volumes(parent.size(), 0);
-  std::vector<char> supported(parent.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto r = root(mesh.triangles[t][0]);
-    const Vec3 o = mesh.vertices[r], a = mesh.corner(t, 0) - o, b = mesh.corner(t, 1) - o, c = mesh.corner(t, 2) - o;
-    areas[r] += 0.5 * (b - a).cross(c - a).norm();
-    volumes[r] += a.dot(b.cross(c)) / 6;
-  }
+  const MeshPieces pieces = pieces_of(mesh);
+  std::vector<char> supported(pieces.area.size(), 0);
   for (std::size_t i = 0; i < field.samples.size(); ++i)
-    if (field.support[i] == Support::supported) supported[root(mesh.triangles[field.samples[i].triangle][0])] = 1;
+    if (field.support[i] == Support::supported) supported[pieces.of[field.samples[i].triangle]] = 1;
   double sum = 0;
-  for (std::uint32_t v = 0; v < parent.size(); ++v)
-    if (root(v) == v && !supported[v] && volumes[v] > 0) sum += areas[v];
+  for (std::size_t p = 0; p < pieces.area.size(); ++p)
+    if (!supported[p] && pieces.volume[p] > 0) sum += pieces.area[p];
   return sum;
 }
 
@@ -136,7 +117,7 @@ std::vector<Finding> inspect_rows(Compared& compared, const RowOf& row, const Ve
 
 void compare(const ScanSource& source, const FaceNames* names, const VerifyOptions& options, ArtifactVerdict& verdict,
              Context& context) {
-  const auto normals = facet_normals(verdict.mesh);
+  const auto normals = triangle_normals(verdict.mesh);
   const MeshDistance surface(verdict.mesh);
   const PointField points = data_to_model(source, surface, normals, options, context, verdict.exact.get());
   context.report("compare", 0.6);
@@ -162,6 +143,10 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
   if (field.summary.contradicted > field.allowed_contradiction)
     faults.push_back(shown(field.summary.contradicted) + " mm^2 of the model's surface contradict the scan, near " +
                      shown(field.worst));
+  for (const auto& cluster : field.passages.clusters)
+    faults.push_back(counted(cluster.members.size(), "point") + " were seen through the model's surface at " +
+                     shown(field.passages.places[cluster.members.front()]) + ": " + std::to_string(cluster.most) +
+                     " where this scan's strays explain " + shown(cluster.expected));
   if (const double inside = surface_inside_bodies(verdict.mesh, surface, normals, field, context.threads);
       inside > field.allowed_contradiction)
     faults.push_back("bodies of the artifact overlap: " + shown(inside) + " mm^2 of surface lie inside another body");

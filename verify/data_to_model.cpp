@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "geometry/thin.h"
 #include "verify/chance.h"
 #include "verify/strays.h"
@@ -28,29 +28,6 @@ std::string shown(double mm) { return print_number(snapped(mm, 0.0001)); }
 std::string shown(const Vec3& p) {
   return "(" + print_number(snapped(p.x(), 0.01)) + ", " + print_number(snapped(p.y(), 0.01)) + ", " +
          print_number(snapped(p.z(), 0.01)) + ")";
-}
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + long(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-struct RobustMean {
-  double mean = 0, spread = 0;
-};
-
-/// The mean of those within 2.5 scaled median absolute deviations of the median.
-RobustMean robust_mean(const std::vector<double>& values) {
-  std::vector<double> work = values;
-  const double middle = median_of(work);
-  for (std::size_t i = 0; i < values.size(); ++i) work[i] = std::abs(values[i] - middle);
-  const double spread = 1.4826 * median_of(work);
-  double sum = 0;
-  std::size_t count = 0;
-  for (const double v : values)
-    if (std::abs(v - middle) <= 2.5 * spread + 1e-12) sum += v, ++count;
-  return {count ? sum / static_cast<double>(count) : middle, spread};
 }
 
 using Cell = std::array<std::int64_t, 3>;
@@ -99,7 +76,7 @@ class Comparison {
   std::size_t size() const { return source_.points.size(); }
 
   void measure() {
-    field_.distance.resize(size()), field_.triangle.resize(size()), field_.stray.assign(size(), 0);
+    field_.distance.resize(size()), field_.triangle.resize(size()), field_.stray.assign(size(), 0), field_.crowded.assign(size(), 0);
     surface_.for_each_closest(source_.points, context_.threads, Sign::inside_negative, [&](std::size_t i, const MeshHit& hit) {
       field_.distance[i] = hit.distance, field_.triangle[i] = hit.triangle;
     });
@@ -299,7 +276,7 @@ class Comparison {
       std::uint32_t nearest = members.front();
       for (const auto m : members) {
         if ((scene.off[m] - middle).squaredNorm() < (scene.off[nearest] - middle).squaredNorm()) nearest = m;
-        if (index[m] != ScanSource::nowhere) field_.stray[index[m]] = 0;
+        if (index[m] != ScanSource::nowhere) field_.stray[index[m]] = 0, field_.crowded[index[m]] = 1;
       }
       take_worst(mean, scene.off[nearest]);
       if (c < most_clusters_told)

@@ -28,6 +28,7 @@ struct PointField {
   std::vector<std::uint32_t> triangle;   ///< nearest
   std::vector<std::uint32_t> place;      ///< index into places
   std::vector<std::uint8_t> stray;       ///< 1: counted as rejected
+  std::vector<std::uint8_t> crowded;     ///< 1: off the model, together with more others than strays explain
   std::vector<Place> places;
   DataToModel summary;
   double quantile = 0;                   ///< standard errors that no place of a true model is off by, in 1999 of 2000 scans

@@ -102,14 +102,9 @@ class Finder {
     }
     // Strays that were found to be a surface of their own stand for themselves.
     for (std::uint32_t i = 0; i < c_.points.distance.size(); ++i) {
-      const auto& place = places[c_.points.place[i]];
-      const double d = c_.points.distance[i];
-      if (c_.points.stray[i] || !(std::abs(d) > far_) || explained(c_.points.place[i])) continue;
-      const bool with_its_place = place.surface && std::abs(place.mean) > tolerance_;
-      const double off = std::abs(d - place.mean);
-      if (with_its_place || !(off > std::max({5 * place.spread, 5 * c_.source.noise, 0.5 * tolerance_}))) continue;
+      if (!c_.points.crowded[i] || explained(c_.points.place[i])) continue;
       Spot spot;
-      spot.point = i, spot.place = c_.points.place[i], spot.deviation = d;
+      spot.point = i, spot.place = c_.points.place[i], spot.deviation = c_.points.distance[i];
       spots_.push_back(spot);
     }
     parallel_for(spots_.size(), threads_, [&](std::size_t begin, std::size_t end) {
@@ -418,7 +413,8 @@ class Finder {
 
   void group_samples(Support state) {
     const bool contradicted = state == Support::contradicted;
-    if (contradicted && c_.field.summary.contradicted <= c_.field.allowed_contradiction) return;
+    const bool passed = !c_.field.passages.clusters.empty();
+    if (contradicted && !passed && c_.field.summary.contradicted <= c_.field.allowed_contradiction) return;
     std::vector<Vec3> places;
     std::vector<std::uint32_t> index;
     for (std::uint32_t i = 0; i < c_.field.samples.size(); ++i)
@@ -427,7 +423,7 @@ class Finder {
     const auto groups = clusters_of(places, reach, [&](std::uint32_t a, std::uint32_t b) {
       return !contradicted || c_.sample_row[index[a]] == c_.sample_row[index[b]];
     });
-    const double least = contradicted ? 0.5 * c_.field.allowed_contradiction
+    const double least = contradicted ? passed ? 0 : 0.5 * c_.field.allowed_contradiction
                                       : std::max(c_.field.allowed_contradiction, 1e-3 * c_.field.summary.area);
     for (const auto& group : groups) {
       Finding f;
@@ -494,7 +490,20 @@ class Finder {
         if (votes[v] > 0 && ++count <= 3) views += (views.empty() ? "" : ", ") + std::to_string(v + 1);
     if (count > 3) return counted(count, "view") + " saw what lies behind it";
     if (count > 0) return (count == 1 ? "view " : "views ") + views + " saw what lies behind it";
+    if (const auto through = passages_near(some)) return counted(through, "point") + " were seen through it";
     return "it would hide surface that was scanned";
+  }
+
+  /// Points that were seen through the artifact near the samples.
+  std::size_t passages_near(const std::vector<std::uint32_t>& samples) const {
+    const double reach = 3 * c_.source.spacing;
+    std::size_t count = 0;
+    for (const auto& cluster : c_.field.passages.clusters)
+      for (const auto m : cluster.members)
+        count += std::any_of(samples.begin(), samples.end(), [&](std::uint32_t i) {
+          return (c_.field.samples[i].point - c_.field.passages.places[m]).squaredNorm() < reach * reach;
+        });
+    return count;
   }
 
   std::string why_not_scanned(const std::vector<std::uint32_t>& members) const {
@@ -533,6 +542,9 @@ class Finder {
     for (const auto& p : c_.source.set_aside)
       if (c_.surface.closest(p).distance > far_) places.push_back(p);
     const std::vector<double> reach(places.size(), 3 * c_.source.spacing);
+    std::vector<Vec3> samples;
+    for (const auto& s : c_.field.samples) samples.push_back(s.point);
+    const KdTree tree(samples);
     for (const auto& group : clusters_of(places, reach, [](std::uint32_t, std::uint32_t) { return true; })) {
       if (group.size() < 20) continue;
       Finding f;
@@ -540,28 +552,26 @@ class Finder {
       f.points = group.size();
       Vec3 middle = Vec3::Zero();
       Box3 box;
-      for (const auto i : group) middle += places[i], box.add(places[i]);
+      std::map<std::int32_t, double> rows;
+      for (const auto i : group) {
+        middle += places[i], box.add(places[i]);
+        rows[c_.sample_row[tree.nearest_one(places[i]).index]] += 1;
+      }
       middle /= static_cast<double>(group.size());
-      const MeshHit hit = c_.surface.closest(middle);
+      // In the middle of a ring there is nothing: the member nearest to it stands for all.
+      Vec3 member = places[group.front()];
+      for (const auto i : group)
+        if ((places[i] - middle).squaredNorm() < (member - middle).squaredNorm()) member = places[i];
+      const MeshHit hit = c_.surface.closest(member);
       f.place = hit.point, f.extent = box.diagonal(), f.deviation = hit.distance;
-      if (hit.distance > 0) f.direction = (middle - hit.point) / hit.distance;
+      if (hit.distance > 0) f.direction = (member - hit.point) / hit.distance;
       f.area = static_cast<double>(f.points) * c_.source.spacing * c_.source.spacing;
-      f.feature = name_of_row(row_at(hit));
+      f.feature = name_of_row(most_of(rows));
       f.reason = "its points were set aside as outliers although they crowd";
       f.text = (f.feature.empty() ? "the surface" : f.feature) + ": " + counted(f.points, "rejected point") +
-               " crowd " + words_.mm(f.deviation) + " mm away at " + words_.place(middle);
+               " crowd " + words_.mm(f.deviation) + " mm away at " + words_.place(member);
       found_.push_back(std::move(f));
     }
-  }
-
-  std::int32_t row_at(const MeshHit& hit) const {
-    std::int32_t row = -1;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < c_.field.samples.size(); ++i) {
-      const double d = (c_.field.samples[i].point - hit.point).squaredNorm();
-      if (d < nearest) nearest = d, row = c_.sample_row[i];
-    }
-    return row;
   }
 
   void sort_by_badness() {

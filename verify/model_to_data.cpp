@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "geometry/mesh_facets.h"
 
 namespace partscribe {
 namespace {
@@ -14,39 +14,13 @@ namespace {
 constexpr std::size_t sample_count = 60000;
 constexpr double widest_drop_out = 10;          // spacings, radius of a dark or shiny place that a scanner may lose
 constexpr double widest_drop_out_share = 0.03;  // of the part's size
-
-/// Which body every triangle belongs to, and which bodies enclose material.
-struct Bodies {
-  std::vector<std::uint32_t> of;     // per triangle
-  std::vector<double> volume;        // per body
-};
-
-Bodies bodies_of(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& t : mesh.triangles)
-    for (const auto v : {t[1], t[2]}) parent[std::max(root(t[0]), root(v))] = std::min(root(t[0]), root(v));
-  Bodies bodies;
-  std::vector<std::uint32_t> number(parent.size(), 0);
-  for (std::uint32_t v = 0; v < parent.size(); ++v)
-    if (root(v) == v) number[v] = static_cast<std::uint32_t>(bodies.volume.size()), bodies.volume.push_back(0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto r = root(mesh.triangles[t][0]);
-    const Vec3 o = mesh.vertices[r], a = mesh.corner(t, 0) - o, b = mesh.corner(t, 1) - o, c = mesh.corner(t, 2) - o;
-    bodies.of.push_back(number[r]);
-    bodies.volume[number[r]] += a.dot(b.cross(c)) / 6;
-  }
-  return bodies;
-}
+constexpr double passage_reach = 2;             // spacings around a passed place where surface is refuted with it
+constexpr double false_alarm = 0.0005;          // chance of refusing a true model because strays seem seen through it
 
 class Coverage {
  public:
   Coverage(const ScanSource& source, const PointField& points, const MeshDistance& surface,
-           const std::vector<Vec3>& normals, const Bodies& bodies, double tolerance, double size)
+           const std::vector<Vec3>& normals, const MeshPieces& bodies, double tolerance, double size)
       : source_(source), points_(points), surface_(surface), normals_(normals), bodies_(bodies), tolerance_(tolerance), size_(size),
         far_(tolerance + 3 * source.noise) {}
 
@@ -80,7 +54,7 @@ class Coverage {
   const PointField& points_;
   const MeshDistance& surface_;
   const std::vector<Vec3>& normals_;
-  const Bodies& bodies_;
+  const MeshPieces& bodies_;
   double tolerance_, size_, far_;
 
   /// At least `wanted` points within reach along the surface and within the tolerance across it, on a face that
@@ -175,8 +149,27 @@ void contradict_unanswered(const ScanSource& source, const Coverage& coverage, d
     if (taken[i]) field.support[index[i]] = Support::contradicted;
 }
 
+/// Samples without data where points were seen through the surface.
+void contradict_passed(const ScanSource& source, const std::vector<Vec3>& normals, SurfaceField& field) {
+  std::vector<Vec3> places;
+  std::vector<std::uint32_t> triangles;
+  for (const auto& cluster : field.passages.clusters)
+    for (const auto m : cluster.members) places.push_back(field.passages.places[m]), triangles.push_back(field.passages.triangles[m]);
+  if (places.empty()) return;
+  const KdTree tree(places);
+  const double reach = passage_reach * source.spacing;
+  std::vector<Neighbour> near;
+  for (std::size_t i = 0; i < field.samples.size(); ++i) {
+    if (field.support[i] != Support::not_scanned) continue;
+    tree.within(field.samples[i].point, reach, near);
+    const Vec3& normal = normals[field.samples[i].triangle];
+    if (std::any_of(near.begin(), near.end(), [&](const Neighbour& n) { return normals[triangles[n.index]].dot(normal) > 0.7; }))
+      field.support[i] = Support::contradicted;
+  }
+}
+
 /// How many other bodies hold the place: crossings out of them less crossings into them along a ray.
-int bodies_around(const Vec3& place, const Vec3& direction, std::uint32_t own, const Bodies& bodies,
+int bodies_around(const Vec3& place, const Vec3& direction, std::uint32_t own, const MeshPieces& bodies,
                   const MeshDistance& surface, const std::vector<Vec3>& normals, double size) {
   int around = 0;
   Vec3 from = place;
@@ -193,7 +186,7 @@ int bodies_around(const Vec3& place, const Vec3& direction, std::uint32_t own, c
 
 double surface_inside_bodies(const TriangleMesh& mesh, const MeshDistance& surface, const std::vector<Vec3>& normals,
                              const SurfaceField& field, int threads) {
-  const Bodies bodies = bodies_of(mesh);
+  const MeshPieces bodies = pieces_of(mesh);
   if (std::count_if(bodies.volume.begin(), bodies.volume.end(), [](double v) { return v > 0; }) < 2) return 0;
   const std::size_t step = 10, count = field.samples.size() / step;
   std::vector<char> inside(count, 0);
@@ -221,7 +214,7 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
   SurfaceField field;
   field.samples = even_samples(mesh, sample_count);
   field.support.assign(field.samples.size(), Support::not_scanned);
-  const Bodies bodies = bodies_of(mesh);
+  const MeshPieces bodies = pieces_of(mesh);
   const Coverage coverage(source, points, surface, normals, bodies, options.tolerance, mesh.bounds().diagonal());
   parallel_for(field.samples.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
@@ -229,6 +222,8 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
       field.support[i] = coverage.support_of(field.samples[i].point, field.samples[i].triangle, near);
   }, 256);
   if (!source.sights.empty()) contradict_unanswered(source, coverage, mesh.bounds().diagonal(), normals, field, context.threads);
+  field.passages = passages_through(source, points, surface, normals, options.tolerance, false_alarm, context.threads);
+  contradict_passed(source, normals, field);
   field.summary.area = area(mesh);
   const double each = field.samples.empty() ? 0 : field.summary.area / static_cast<double>(field.samples.size());
   std::size_t counts[3] = {0, 0, 0};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "verify/data_to_model.h"
+#include "verify/passages.h"
 #include "verify/samples.h"
 
 namespace partscribe {
@@ -18,6 +19,7 @@ struct SurfaceField {
   ModelToData summary;
   Vec3 worst = Vec3::Zero();          ///< middle of the contradicted samples nearest to one another; a place to look
   double allowed_contradiction = 0;   ///< mm^2
+  Passages passages;                  ///< scanned points that it would have hidden
 };
 
 SurfaceField model_to_data(const ScanSource& source, const PointField& points, const TriangleMesh& mesh,

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/statistics.h"
 #include "geometry/kd_tree.h"
 
 namespace partscribe {
@@ -45,9 +46,7 @@ double pitch_of(const std::vector<Vec3>& plane_points) {
     tree.nearest(plane_points[i], 2, near);
     if (near.size() == 2 && near[1].sq_distance > 0) gaps.push_back(std::sqrt(near[1].sq_distance));
   }
-  if (gaps.empty()) return 0;
-  std::nth_element(gaps.begin(), gaps.begin() + long(gaps.size() / 2), gaps.end());
-  return gaps[gaps.size() / 2];
+  return median_in_place(gaps);
 }
 
 std::optional<SightMap> map_of(const PointCloud& cloud, const View* stated, const ViewPoints& view) {
@@ -90,9 +89,9 @@ std::optional<SightMap> map_of(const PointCloud& cloud, const View* stated, cons
     box.add(plane.back());
   }
   if (plane.size() < 100) return std::nullopt;
-  const double pitch = pitch_of(plane);
-  if (!(pitch > 0)) return std::nullopt;
-  map.cell = 1.5 * pitch;  // so that a surface leaves hardly a cell empty
+  map.pitch = pitch_of(plane);
+  if (!(map.pitch > 0)) return std::nullopt;
+  map.cell = 1.5 * map.pitch;  // so that a surface leaves hardly a cell empty
   const Vec3 size = box.size();
   while ((size.x() / map.cell + 3) * (size.y() / map.cell + 3) > double(most_cells)) map.cell *= 1.3;
   map.x0 = box.low.x() - map.cell, map.y0 = box.low.y() - map.cell;
@@ -128,7 +127,10 @@ std::vector<SightMap> sight_maps(const PointCloud& cloud, const std::vector<View
     split[place].rays.push_back(ray);
   }
   for (std::size_t v = 0; v < split.size(); ++v)
-    if (auto map = map_of(cloud, v < views.size() ? &views[v] : nullptr, split[v])) maps.push_back(std::move(*map));
+    if (auto map = map_of(cloud, v < views.size() ? &views[v] : nullptr, split[v])) {
+      map->view = static_cast<std::int32_t>(v);
+      maps.push_back(std::move(*map));
+    }
   return maps;
 }
 

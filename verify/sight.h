@@ -13,7 +13,9 @@ namespace partscribe {
 struct SightMap {
   Pose view_from_world;         ///< the view looks along its z axis
   bool parallel = false;        ///< orthographic; otherwise all rays start at the view's origin
-  double cell = 1;              ///< mm (parallel) or tangent of an angle
+  std::int32_t view = 0;        ///< its number among the scan's views
+  double pitch = 1;             ///< between neighbouring rays: mm (parallel) or tangent of an angle
+  double cell = 1;              ///< as pitch, of the map
   double x0 = 0, y0 = 0;
   int width = 0, height = 0;
   std::vector<float> depth;     ///< row by row; infinite where no ray returned

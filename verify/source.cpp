@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "geometry/thin.h"
 #include "verify/samples.h"
 
@@ -15,13 +16,6 @@ namespace {
 constexpr int noise_neighbours = 24;
 constexpr std::size_t noise_places = 6000;
 constexpr std::size_t enough_points = 20000;  // a mesh with fewer vertices is sampled as well
-
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + long(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Heights of the neighbourhood over its own quadratic surface; false if it has none.
 bool heights_over_quadric(const std::vector<Vec3>& points, const std::vector<Neighbour>& group, std::vector<double>& heights) {
@@ -59,7 +53,7 @@ double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& gr
   if (!heights_over_quadric(points, group, heights)) return 0;
   for (auto& h : heights) h = std::abs(h);
   const double freedom = std::sqrt(double(group.size()) / (double(group.size()) - 6));
-  return 1.4826 * median_of(heights) * freedom;
+  return 1.4826 * median_in_place(heights) * freedom;
 }
 
 /// One view's surface is sparser than that of all views together, and three times sparser still where it is seen at
@@ -87,12 +81,12 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
       closer[i] = scatter(source.points, near);
     }
   }, 64);
-  source.spacing = median_of(spacings);
+  source.spacing = median(spacings);
   // Where features are hardly wider than the larger neighbourhoods, their shape counts as scatter: the smaller ones see
   // less of it.
   std::erase(noises, -1.0), std::erase(closer, -1.0);
-  source.noise = std::min(median_of(noises), median_of(closer));
-  source.sparsest = view.empty() ? 4 * source.spacing : 3 * source.spacing * std::sqrt(median_of(overlaps));
+  source.noise = std::min(median(noises), median(closer));
+  source.sparsest = view.empty() ? 4 * source.spacing : 3 * source.spacing * std::sqrt(median(overlaps));
   // What remains of an exact surface is rounding, not noise.
   double largest = 0;
   for (const auto& p : source.points) largest = std::max(largest, p.cwiseAbs().maxCoeff());
@@ -195,6 +189,12 @@ ScanSource prepare_source(const Scan& scan, Context& context) {
     if (any_ray) source.rays.push_back(rays[i]);
   }
   source.tree = std::make_unique<KdTree>(source.points);
+  for (const auto k : source.kept_place) {
+    std::int32_t sight = -1;
+    for (std::size_t s = 0; s < source.sights.size() && k != ScanSource::nowhere && sight < 0; ++s)
+      if (source.sights[s].view == (cloud.view.empty() ? 0 : cloud.view[kept[k]])) sight = static_cast<std::int32_t>(s);
+    source.sight.push_back(sight);
+  }
   std::vector<std::int32_t> view;
   if (!cloud.view.empty() && scan.mesh.empty())
     for (const auto k : source.kept_place) view.push_back(cloud.view[kept[k]]);

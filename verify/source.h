@@ -19,6 +19,7 @@ struct ScanSource {
   std::vector<std::uint32_t> kept_place; ///< of each point, its number among the kept points of the cloud; nowhere: added
   std::vector<Vec3> normals;             ///< empty, or as points; unit or zero, of unknown sign
   std::vector<Vec3> rays;                ///< empty, or as points; unit or zero
+  std::vector<std::int32_t> sight;       ///< of each point, the map of its view among `sights`, or -1
   std::vector<Vec3> set_aside;           ///< points that a filter rejected
   std::size_t kept = 0;                  ///< points of the cloud that were kept
   std::unique_ptr<KdTree> tree;          ///< over points

@@ -1,6 +1,7 @@
 /// The damage suite: every kind of damage through every backend on every part; prints the tables of the manual.
 ///
-/// bench_damage [--most N] [--log FILE] [--parts a,b,...] [--backends a,b,...] [--models-only | --files-only] [--in-turn]
+/// bench_damage [--most N] [--log FILE] [--parts a,b,...] [--backends a,b,...] [--kinds "a,b,..."]
+///              [--models-only | --files-only] [--in-turn]
 /// --in-turn: damages of models through one backend each, in turn, instead of through all; for a quicker look.
 #include <cstdio>
 #include <fstream>
@@ -36,6 +37,7 @@ int main(int count, char** arguments) {
     else if (option == "--log") log.open(value), ++i;
     else if (option == "--parts") parts = split(value), ++i;
     else if (option == "--backends") options.backends = split(value), ++i;
+    else if (option == "--kinds") options.kinds = split(value), ++i;
     else if (option == "--threads") options.threads = std::stoi(value), ++i;
     else return std::fprintf(stderr, "unknown option %s\n", option.c_str()), 2;
   }

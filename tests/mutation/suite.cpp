@@ -168,6 +168,9 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
 
   std::vector<DamageCase> cases;
   std::map<std::string, Artifact> artifacts;
+  auto asked = [&](const std::string& kind) {
+    return options.kinds.empty() || std::find(options.kinds.begin(), options.kinds.end(), kind) != options.kinds.end();
+  };
   auto wanted = [&](const std::string& backend) { return !(subject.sheet && backend == "mesh"); };
   auto add = [&](const std::string& backend, const std::string& kind, const std::string& damage, bool harmless, const Path& file) -> DamageCase& {
     auto& c = cases.emplace_back();
@@ -195,13 +198,16 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
     std::map<Mutation::Kind, std::vector<Mutation>> by_kind;
     for (auto& m : mutations_of(truth)) by_kind[m.kind].push_back(std::move(m));
     for (auto& [kind, list] : by_kind) {
+      const bool harmless = kind == Mutation::Kind::harmless;
+      const std::string row = harmless ? "a tenth of T" : name_of(kind);
+      if (!asked(row)) continue;
       thin_out(list, options.most);
       for (const auto& m : list) {
-        const Harm harm = kind == Mutation::Kind::harmless ? Harm{} : harm_of(truth, m.model, 0.9 * truth.tolerance);
+        const Harm harm = harmless ? Harm{} : harm_of(truth, m.model, 0.9 * truth.tolerance);
         for (std::size_t b = 0; b < (options.in_turn ? 1 : options.backends.size()); ++b) {
           const auto& backend = options.backends[(turn + b) % options.backends.size()];
           if (!wanted(backend)) continue;
-          auto& c = add(backend, kind == Mutation::Kind::harmless ? "a tenth of T" : name_of(kind), m.name, kind == Mutation::Kind::harmless, put_model(m.model, backend));
+          auto& c = add(backend, row, m.name, harmless, put_model(m.model, backend));
           c.moved = m.moved;
           c.harm = harm;
           c.whole = of_whole_part(kind);
@@ -227,6 +233,7 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
       std::map<std::string, std::vector<FileDamage>> by_kind;
       for (auto& d : file_damages(file)) by_kind[d.kind].push_back(std::move(d));
       for (auto& [kind, list] : by_kind) {
+        if (!asked(kind)) continue;
         thin_out(list, kind == "harmless edits" ? 2 * options.most : options.most);
         for (auto& d : list) {
           Artifact damaged = artifact;

@@ -37,6 +37,7 @@ struct SuiteOptions {
   bool in_turn = false;       ///< each damage of a model through one backend only, which change in turn
   std::size_t turn = 0;       ///< the backend to begin with
   std::vector<std::string> backends = {"openscad", "alpha1", "iges", "step", "mesh"};
+  std::vector<std::string> kinds;  ///< rows of the table to try; empty: all
   bool models = true, files = true;
   int threads = 2;
 };

@@ -1,0 +1,91 @@
+#include "verify/passages.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <optional>
+
+#include "core/parallel.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t block = 256;       // points of one parallel task
+constexpr double flattest_sight = 0.26;  // cosine of 75 degrees: sensors lose steeper surface and see what is behind it
+
+/// A sensor's line of sight to one scanned point.
+struct Sight {
+  Vec3 from, ray;
+  double length = 0;  // mm, to the point
+  double pixel = 0;   // mm, to the neighbouring line at the point
+};
+
+class Finder {
+ public:
+  Finder(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals, double margin)
+      : source_(source), surface_(surface), normals_(normals), margin_(margin) {
+    for (const auto& p : source.points) box_.add(p);
+  }
+
+  /// The first place where the surface would have hidden the point, if it would.
+  std::optional<MeshHit> passage(std::size_t point) const {
+    const auto sight = sight_of(point);
+    if (!sight) return {};
+    const auto hit = first_hit(*sight, Vec3::Zero());
+    if (!hit) return {};
+    const double cosine = -normals_[hit->triangle].dot(sight->ray);
+    if (cosine < flattest_sight || (sight->length - hit->distance) * cosine <= margin_) return {};
+    const Vec3 side = sight->ray.unitOrthogonal(), up = sight->ray.cross(side);
+    for (const Vec3& d : {side, Vec3(-side), up, Vec3(-up)})
+      if (!first_hit(*sight, sight->pixel * d)) return {};
+    return hit;
+  }
+
+ private:
+  const ScanSource& source_;
+  const MeshDistance& surface_;
+  const std::vector<Vec3>& normals_;
+  double margin_;
+  Box3 box_;
+
+  std::optional<Sight> sight_of(std::size_t point) const {
+    const auto number = source_.sight[point];
+    if (number < 0) return {};
+    const SightMap& map = source_.sights[static_cast<std::size_t>(number)];
+    const Vec3 &p = source_.points[point], &ray = source_.rays[point];
+    if (map.parallel) return Sight{p - 2 * box_.diagonal() * ray, ray, 2 * box_.diagonal(), map.pitch};
+    const Vec3 from = map.view_from_world.inverse().translation;
+    const double length = (p - from).norm();
+    return Sight{from, (p - from) / length, length, map.pitch * (map.view_from_world * p).z()};
+  }
+
+  std::optional<MeshHit> first_hit(const Sight& sight, const Vec3& aside) const {
+    if (sight.length <= margin_) return {};
+    return surface_.first_hit(sight.from + aside, sight.ray, sight.length - margin_);
+  }
+};
+
+}  // namespace
+
+Passages passages_through(const ScanSource& source, const PointField& points, const MeshDistance& surface,
+                          const std::vector<Vec3>& normals, double tolerance, double false_alarm, int threads) {
+  Passages result;
+  if (source.sights.empty()) return result;
+  const Finder finder(source, surface, normals, tolerance + 3 * source.noise);
+  std::vector<std::vector<MeshHit>> hits(source.points.size() / block + 1);
+  parallel_for(source.points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (const auto hit = finder.passage(i)) hits[begin / block].push_back(*hit);
+  }, block);
+  StrayScene scene;
+  for (const auto& of_block : hits)
+    for (const auto& hit : of_block) {
+      result.places.push_back(hit.point), result.triangles.push_back(hit.triangle);
+      scene.foot_normals.push_back(normals[hit.triangle]);
+    }
+  scene.off = scene.feet = result.places;
+  scene.source = &source, scene.is_off = &points.stray, scene.triangle = &points.triangle, scene.normals = &normals;
+  result.clusters = clusters_beyond_chance(scene, false_alarm, threads);
+  return result;
+}
+
+}  // namespace partscribe
