@@ -116,15 +116,18 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   return j;
 }
 
-/// The shortest description that meets the tolerance comes first, unless a longer one pays: it must come clearly closer
-/// to the data everywhere and cost less in total. `judged` is sorted by description.
-void put_best_first(std::vector<Judged>& judged) {
+/// The shortest description that meets the tolerance comes first, unless a longer one pays: it must cost less in total, and
+/// come clearly closer to the data everywhere or explain points that the shorter one leaves to chance. `judged` is sorted
+/// by description.
+void put_best_first(std::vector<Judged>& judged, std::size_t points) {
   constexpr double clearly = 0.7;
+  const std::size_t few = std::max<std::size_t>(20, points / 200);
   std::size_t best = 0;
-  for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i)
-    if (judged[i].evidence.local_max < clearly * judged[best].evidence.local_max &&
-        judged[i].evidence.total() < judged[best].evidence.total())
-      best = i;
+  for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i) {
+    const CandidateEvidence &a = judged[i].evidence, &b = judged[best].evidence;
+    const bool pays = a.local_max < clearly * b.local_max || a.unexplained + few < b.unexplained;
+    if (pays && a.total() < b.total()) best = i;
+  }
   if (best > 0)
     std::rotate(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(best),
                 judged.begin() + static_cast<std::ptrdiff_t>(best) + 1);
@@ -210,7 +213,7 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
     if (a.meets != b.meets) return a.meets;
     return a.meets ? a.evidence.description < b.evidence.description : a.evidence.local_max < b.evidence.local_max;
   });
-  put_best_first(search.judged);
+  put_best_first(search.judged, input.cloud.size());
 }
 
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
@@ -270,14 +273,15 @@ void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& op
   if (!context.cancelled) choose(search, input, options, context);
 }
 
-/// The scan without its strays, where there are many. The planes that tell them from surfaces also give better normals and
+/// The scan without its strays. The planes that tell them from surfaces also give better normals and
 /// noise than neighbourhoods that hold them.
 std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context& context) {
+  constexpr std::size_t least_strays = 9;  // fewer never judge a candidate
   if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return std::nullopt;
   const SurfacePoints found = surface_points_of(input.cloud.points, input.sampling.sigma, context);
   PointCloud& cloud = input.cloud;
   const std::size_t n = cloud.size();
-  if (double(found.strays) < 0.01 * double(n) || n - found.strays < 50) return std::nullopt;
+  if (found.strays < least_strays || n - found.strays < 50) return std::nullopt;
   context.say("strays: " + print_number(double(found.strays)) + " of " + print_number(double(n)) + " points set aside");
   const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
   std::vector<Vec3> strays;
@@ -316,10 +320,11 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   if (!prepared) return prepared.error();
   FitInput input = std::move(*prepared);
   // Strays keep procedures away, or bend them; but telling them from surfaces costs small and strongly bent faces, so the
-  // scan as it is has its turn after the scan without them.
+  // scan as it is has its turn too: after the scan without them, but before it where they are few.
   std::vector<Attempt> attempts;
-  if (auto cleaned = without_strays(scan, input, context)) attempts.push_back(std::move(*cleaned));
+  auto cleaned = without_strays(scan, input, context);
   attempts.push_back({std::move(input), scan.cloud.rejected, {}});
+  if (cleaned) attempts.insert(cleaned->input.stray_share < 0.01 ? attempts.end() : attempts.begin(), std::move(*cleaned));
   std::size_t chosen = attempts.size();
   for (const bool last_resort : {false, true})
     for (std::size_t i = 0; i < attempts.size() && chosen == attempts.size(); ++i) {

@@ -72,6 +72,7 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     const double u = d[i] / sigma;
     result.misfit += 0.5 * std::min(u * u / 2, 12.0);
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
+    else if (std::abs(d[i]) > input.tolerance) ++result.unexplained;
   }
   // Where strays were set aside, some are left: what lies on no plane with its neighbours does not judge a candidate,
   // nor do the few worst points, a tenth of the share of the strays that were recognised.

@@ -13,6 +13,7 @@ struct CandidateEvidence {
   double local_max = 0;           ///< mm, largest local robust mean of the signed distance
   Vec3 worst = Vec3::Zero();      ///< where
   double misfit = 0;              ///< nats: sum of min(u^2 / 2, 12) / 2 over the points (neighbours are correlated)
+  std::size_t unexplained = 0;    ///< points beyond the tolerance and 4 sigmas
   double description = 0;         ///< nats: what writing the procedure down costs
   double total() const { return misfit + description; }
 };

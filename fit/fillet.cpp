@@ -41,10 +41,11 @@ std::vector<Vec3> face_directions(std::vector<Vec3> normals, std::size_t most) {
 struct Start {
   Pose scan_from_part;
   double width = 0, height = 0, length = 0, miss = 1e300;
+  double concave = 0;  // share of the points near the concave side and no other
 };
 
 /// The fillet whose corner lies low along x and y, ends included, and how far the points are from it.
-Start start_in(const Mat3& rotation, const std::vector<Vec3>& points) {
+Start start_in(const Mat3& rotation, const std::vector<Vec3>& points, double reach) {
   Start start;
   Vec3 low, high;
   for (int k = 0; k < 3; ++k) {
@@ -62,7 +63,13 @@ Start start_in(const Mat3& rotation, const std::vector<Vec3>& points) {
   const ModelDistance distance(model);
   const Pose part_from_scan = start.scan_from_part.inverse();
   std::vector<double> misses;
-  for (const auto& p : points) misses.push_back(std::abs(distance(part_from_scan * p).distance));
+  for (const auto& p : points) {
+    const Vec3 q = part_from_scan * p;
+    const double d = std::abs(distance(q).distance);
+    misses.push_back(d);
+    const double inside = std::min({q.x(), q.y(), q.z(), size.z() - q.z()});
+    if (d < reach && inside > 2 * reach) start.concave += 1 / double(points.size());
+  }
   start.miss = quantile(misses, 0.6);
   return start;
 }
@@ -86,6 +93,7 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
     if (cloud.normals[i].squaredNorm() > 0.5) normals.push_back(cloud.normals[i]);
   }
   const auto directions = face_directions(normals, 5);
+  const double close = std::max({3 * input.tolerance, 3 * input.sampling.sigma, 0.01 * input.bounds.diagonal()});
   Start best;
   for (const auto& x : directions)
     for (const auto& y : directions) {
@@ -96,16 +104,17 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
         rotation.col(0) = side_x * x;
         rotation.col(1) = (y - y.dot(x) * x).normalized();
         rotation.col(2) = rotation.col(0).cross(rotation.col(1));
-        const Start start = start_in(rotation, points);
+        const Start start = start_in(rotation, points, close);
         if (start.miss < best.miss) best = start;
         rotation.col(1) = -rotation.col(1), rotation.col(2) = -rotation.col(2);
-        const Start other = start_in(rotation, points);
+        const Start other = start_in(rotation, points, close);
         if (other.miss < best.miss) best = other;
       }
     }
   context.report("fillets", 1);
-  const double close = std::max({3 * input.tolerance, 3 * input.sampling.sigma, 0.01 * input.bounds.diagonal()});
-  if (!(best.miss < close)) return result;
+  // Without its concave side it is a block like any other.
+  constexpr double least_concave = 0.03;
+  if (!(best.miss < close) || best.concave < least_concave) return result;
   Candidate c;
   c.procedure = "fillet", c.object_name = "fillet_body";
   c.scan_from_part = best.scan_from_part;

@@ -182,11 +182,18 @@ double edges_reached(const ConvexPolyhedron& body, const std::vector<ConvexFace>
   return asked == 0 ? 0 : static_cast<double>(reached) / static_cast<double>(asked);
 }
 
-/// The plane with outward normal `normal` at the end of the data; only points on scanned faces have a say.
-ConvexFace closing_face(const std::vector<ConvexFace>& faces, const FitInput& input, double reach, const Vec3& normal) {
-  std::vector<double> v;
+/// Points on scanned faces: only they say where the data end.
+std::vector<Vec3> points_on(const std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
+  std::vector<Vec3> on;
   for (const Vec3& p : input.cloud.points)
-    if (std::abs(convex_distance(faces, p)) < 1.5 * reach) v.push_back(normal.dot(p));
+    if (std::abs(convex_distance(faces, p)) < 1.5 * reach) on.push_back(p);
+  return on;
+}
+
+/// The plane with outward normal `normal` at the end of the points.
+ConvexFace closing_face(const std::vector<Vec3>& on, const Vec3& normal) {
+  std::vector<double> v;
+  for (const Vec3& p : on) v.push_back(normal.dot(p));
   if (v.empty()) return {normal, 0, 0};
   // The few outermost may be outliers that happen to lie on the planes of the other faces.
   const std::size_t skipped = std::min(v.size() - 1, 4 + v.size() / 1000);
@@ -195,10 +202,85 @@ ConvexFace closing_face(const std::vector<ConvexFace>& faces, const FitInput& in
   return {normal, *at, 0};
 }
 
-/// Adds unscanned faces until the body is bounded, if the data say where they are.
-bool close_body(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
-  if (body_of(faces, input)) return true;
-  if (faces.size() < 3) return false;
+/// Area of the scanned faces, cut off at a box well around the data where nothing else bounds them.
+double scanned_area(std::vector<ConvexFace> faces, const Box3& around) {
+  for (int k = 0; k < 3; ++k)
+    faces.push_back({Vec3::Unit(k), around.high[k], 0}), faces.push_back({-Vec3::Unit(k), -around.low[k], 0});
+  const auto body = convex_polyhedron(planes_only(faces));
+  if (!body) return 1e300;
+  double area = 0;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (faces[f].points > 0) area += polygon_area(*body, f);
+  return area;
+}
+
+/// Turns the last face, always at the end of the points, to where the scanned faces become smallest.
+double turn_last(std::vector<ConvexFace>& faces, const std::vector<Vec3>& on, const Box3& around) {
+  double best = scanned_area(faces, around);
+  for (double step = 0.3; step > 0.01;) {
+    const Vec3 n = faces.back().normal, u = n.unitOrthogonal(), v = n.cross(u);
+    bool better = false;
+    for (int k = 0; k < 8; ++k) {
+      const double angle = k * pi / 4;
+      const ConvexFace before = faces.back();
+      faces.back() = closing_face(on, (n + step * (std::cos(angle) * u + std::sin(angle) * v)).normalized());
+      const double area = scanned_area(faces, around);
+      if (area < best * (1 - 1e-6)) best = area, better = true;
+      else faces.back() = before;
+    }
+    if (!better) step /= 2;
+  }
+  return best;
+}
+
+/// The smallest body around the points: unscanned faces, each where it cuts most off the scanned ones. Where the hidden
+/// side has more faces than these, nothing in the data tells.
+bool close_freely(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
+  constexpr std::size_t most_added = 5;
+  constexpr int directions = 80;
+  constexpr double worth_it = 0.04;  // of the area
+  const std::vector<Vec3> all = points_on(faces, input, reach);
+  std::vector<Vec3> on;
+  for (std::size_t i = 0, step = std::max<std::size_t>(1, all.size() / 4000); i < all.size(); i += step) on.push_back(all[i]);
+  Box3 around;
+  const Vec3 margin = Vec3::Constant(0.3 * input.bounds.diagonal());
+  around.add(input.bounds.low - margin), around.add(input.bounds.high + margin);
+  const std::size_t scanned = faces.size();
+  double area = scanned_area(faces, around);
+  while (faces.size() < scanned + most_added) {
+    std::vector<ConvexFace> best = faces;
+    double least = area;
+    for (int k = 0; k < directions; ++k) {  // even on the sphere (Fibonacci's lattice)
+      const double z = 1 - (2 * k + 1.0) / directions, r = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
+      std::vector<ConvexFace> trial = faces;
+      trial.push_back(closing_face(on, {r * std::cos(angle), r * std::sin(angle), z}));
+      const double now = scanned_area(trial, around);
+      if (now < least) least = now, best = std::move(trial);
+    }
+    if (best.size() == faces.size()) break;
+    least = turn_last(best, on, around);
+    const bool bounded = body_of(faces, input).has_value();
+    if (bounded && least > (1 - worth_it) * area) break;
+    faces = std::move(best), area = least;
+  }
+  // Each once more, now that the others stand; one that cuts little is dropped.
+  for (std::size_t k = scanned; k < faces.size(); ++k) {
+    std::rotate(faces.begin() + static_cast<std::ptrdiff_t>(scanned), faces.begin() + static_cast<std::ptrdiff_t>(scanned) + 1, faces.end());
+    area = turn_last(faces, on, around);
+  }
+  for (std::size_t k = faces.size(); k-- > scanned;) {
+    std::vector<ConvexFace> fewer = faces;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
+    if (!body_of(fewer, input) || scanned_area(fewer, around) > (1 + worth_it) * area) continue;
+    faces = std::move(fewer), area = scanned_area(faces, around);
+  }
+  return body_of(faces, input).has_value();
+}
+
+/// Adds unscanned faces that are opposite or square to scanned ones, until the body is bounded; false if the data do not
+/// reach the edges that this gives.
+bool close_regularly(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
+  const std::vector<Vec3> on = points_on(faces, input, reach);
   // One missing face: the areas times normals of a closed body sum to zero, so the scanned ones name the last. What
   // is measured so is rough; opposite to a face or square to two it is taken as exactly that.
   std::vector<std::vector<ConvexFace>> trials;
@@ -207,21 +289,21 @@ bool close_body(std::vector<ConvexFace>& faces, const FitInput& input, double re
   if (missing.norm() > 0) {
     missing.normalize();
     for (const ConvexFace& f : faces)
-      if (-f.normal.dot(missing) > 0.9) trials.push_back({closing_face(faces, input, reach, -f.normal)});
+      if (-f.normal.dot(missing) > 0.9) trials.push_back({closing_face(on, -f.normal)});
     for (std::size_t i = 0; i < faces.size(); ++i)
       for (std::size_t j = i + 1; j < faces.size(); ++j) {
         const Vec3 n = faces[i].normal.cross(faces[j].normal);
         if (n.norm() < 0.3) continue;
         const Vec3 m = n.dot(missing) < 0 ? Vec3(-n.normalized()) : Vec3(n.normalized());
-        if (m.dot(missing) > 0.96) trials.push_back({closing_face(faces, input, reach, m)});
+        if (m.dot(missing) > 0.96) trials.push_back({closing_face(on, m)});
       }
-    trials.push_back({closing_face(faces, input, reach, missing)});
+    trials.push_back({closing_face(on, missing)});
   }
   // Several missing: the one opposite to each face that has none, and those square to two.
   std::vector<ConvexFace> opposite;
   for (const ConvexFace& f : faces)
     if (std::none_of(faces.begin(), faces.end(), [&](const ConvexFace& g) { return g.normal.dot(f.normal) < -0.9; }))
-      opposite.push_back(closing_face(faces, input, reach, -f.normal));
+      opposite.push_back(closing_face(on, -f.normal));
   for (const ConvexFace& f : opposite) trials.push_back({f});
   if (opposite.size() > 1) trials.push_back(opposite);
   std::vector<ConvexFace> likely = opposite;
@@ -235,7 +317,7 @@ bool close_body(std::vector<ConvexFace>& faces, const FitInput& input, double re
           const Vec3 unit = n.normalized();
           const auto near = [&](const ConvexFace& f) { return f.normal.dot(unit) > 0.97; };
           if (likely.size() < 14 && std::none_of(faces.begin(), faces.end(), near) && std::none_of(likely.begin(), likely.end(), near))
-            likely.push_back(closing_face(faces, input, reach, unit));
+            likely.push_back(closing_face(on, unit));
         }
       }
     for (std::size_t i = 0; i < likely.size(); ++i) {
@@ -329,7 +411,8 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   context.say("plane faces: " + print_number(double(faces.size())) + " hold " + print_number(snapped(100 * share, 0.1)) + " % of the points");
   if (share < 0.97 - allowed) return {};
   const std::size_t scanned = faces.size();
-  if (!close_body(faces, input, reach)) {
+  const bool closed = faces.size() >= 3 && (body_of(faces, input) || close_regularly(faces, input, reach) || close_freely(faces, input, reach));
+  if (!closed) {
     context.say("plane faces: the data do not tell how the body is closed");
     return {};
   }
