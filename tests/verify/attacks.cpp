@@ -120,6 +120,36 @@ TEST_CASE("attack: a thin wall that the model lacks is missed") {
   }
 }
 
+TEST_CASE("attack: a lid on a hole of a few pixels is refused, because points behind it were seen") {
+  const double thick = 8, radius = 3, lid = 1.5;
+  const auto truth = holed_plate(25, thick, radius, 5, -3);
+  // The wall ends below the lid, which closes the hole at its top.
+  TriangleMesh closed = truth;
+  const auto n = static_cast<std::uint32_t>(truth.vertices.size() / 4);
+  for (std::uint32_t j = n; j-- > 0;) closed.triangles.erase(closed.triangles.begin() + 8 * j + 6, closed.triangles.begin() + 8 * j + 8);
+  const auto below = static_cast<std::uint32_t>(closed.vertices.size()), bottom = below + n, top = bottom + 1;
+  for (std::uint32_t j = 0; j < n; ++j) closed.vertices.push_back(truth.vertices[2 * n + j] - lid * Vec3::UnitZ());
+  closed.vertices.emplace_back(5, -3, thick - lid), closed.vertices.emplace_back(5, -3, thick);
+  for (std::uint32_t j = 0; j < n; ++j) {
+    const auto k = (j + 1) % n;
+    closed.triangles.push_back({k, j, below + j}), closed.triangles.push_back({k, below + j, below + k});
+    closed.triangles.push_back({below + k, below + j, bottom}), closed.triangles.push_back({2 * n + j, 2 * n + k, top});
+  }
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Scan scan;
+    for (int v = 0; v < 12; ++v) {
+      const double a = pi * v / 6, up = v % 2 ? -1 : 1;
+      add_view(scan, truth, Vec3(std::cos(a), std::sin(a), up).normalized(), 1.5, sigma, 20 * seed + std::uint64_t(v));
+    }
+    INFO("seed " << seed);
+    const auto right = verdict_on(truth, scan, at(T)), wrong = verdict_on(closed, scan, at(T));
+    INFO(all_reasons(right) << all_reasons(wrong));
+    CHECK(right.verdict == Outcome::verified);
+    CHECK(wrong.verdict == Outcome::out_of_tolerance);
+    CHECK(all_reasons(wrong).find("seen through") != std::string::npos);
+  }
+}
+
 TEST_CASE("attack: a thin sheet inside the material is refused at any depth from half a tolerance on") {
   const auto scan = plate_scan();
   for (const double depth : {0.5 * T, T, 2 * T, 5 * T}) {
