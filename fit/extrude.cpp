@@ -7,7 +7,10 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/end_rims.h"
+#include "fit/evidence.h"
 #include "fit/sketch_builder.h"
+#include "geometry/kd_tree.h"
 
 namespace partscribe {
 namespace {
@@ -159,17 +162,18 @@ void simplify(Candidate& candidate) {
   }
 }
 
+double weight_of(const Chain& chain) {
+  double weight = 0;
+  for (const auto& node : chain.nodes) weight += node.weight;
+  return weight;
+}
+
 /// Closed chains, the outer one first and counter-clockwise, holes clockwise; none if a large piece stays open.
 std::vector<Chain> rings_of(const std::vector<PlanePoint>& points, double noise, double cell) {
   ChainOptions options;
   options.noise = noise;
   options.cell = cell;
   auto chains = chains_of(points, options);
-  auto weight_of = [](const Chain& chain) {
-    double weight = 0;
-    for (const auto& node : chain.nodes) weight += node.weight;
-    return weight;
-  };
   double total = 0;
   for (const auto& chain : chains) total += weight_of(chain);
   std::vector<Chain> rings;
@@ -188,6 +192,123 @@ std::vector<Chain> rings_of(const std::vector<PlanePoint>& points, double noise,
                    [](const Chain& a, const Chain& b) { return std::abs(chain_area(a)) > std::abs(chain_area(b)); });
   for (std::size_t i = 0; i < rings.size(); ++i)
     if ((chain_area(rings[i]) > 0) != (i == 0)) std::reverse(rings[i].nodes.begin(), rings[i].nodes.end());
+  return rings;
+}
+
+/// Distances to a fixed set of places in the plane.
+class Nearby {
+ public:
+  explicit Nearby(const std::vector<PlanePoint>& points) : flat_(flat(points)), tree_(flat_) {}
+  bool within(const Vec2& p, double reach) const {
+    return !flat_.empty() && tree_.nearest_one({p.x(), p.y(), 0}).sq_distance < reach * reach;
+  }
+
+ private:
+  static std::vector<Vec3> flat(const std::vector<PlanePoint>& points) {
+    std::vector<Vec3> result;
+    for (const auto& p : points) result.emplace_back(p.position.x(), p.position.y(), 0);
+    return result;
+  }
+  std::vector<Vec3> flat_;
+  KdTree tree_;
+};
+
+struct Circle {
+  Vec2 center;
+  double radius;
+};
+
+/// True if the end faces lie around the circle and not in it.
+bool is_hole(const Circle& c, const std::vector<Vec2>& ends) {
+  constexpr double inner = 0.85, from = 1.1, to = 1.5;
+  constexpr std::size_t enough = 8;
+  std::size_t inside = 0, around = 0;
+  for (const Vec2& p : ends) {
+    const double r = (p - c.center).norm() / c.radius;
+    inside += r < inner, around += r > from && r < to;
+  }
+  const double area_ratio = inner * inner / (to * to - from * from);
+  return around >= enough && double(inside) < 0.2 * area_ratio * double(around);
+}
+
+/// Round holes of which at least some 70 degrees of wall were seen.
+std::vector<Circle> partly_seen_holes(const std::vector<PlanePoint>& walls, const std::vector<Vec2>& ends,
+                                      const ChainOptions& chain_options, double floor) {
+  constexpr double least_sweep = 1.2;
+  constexpr std::size_t least_nodes = 6;
+  ChainOptions unbridged = chain_options;
+  unbridged.bridge = false;
+  ProfileOptions options;
+  options.floor = floor;
+  std::vector<Circle> holes;
+  for (const Chain& chain : chains_of(walls, unbridged))
+    for (const auto& piece : segments_of(chain, options)) {
+      if (!piece.arc || std::abs(piece.sweep) < least_sweep || piece.nodes < least_nodes) continue;
+      const Circle circle{piece.center, piece.radius};
+      const auto same = [&](const Circle& h) {
+        return (h.center - circle.center).norm() + std::abs(h.radius - circle.radius) < 0.3 * circle.radius;
+      };
+      if (is_hole(circle, ends) && std::none_of(holes.begin(), holes.end(), same)) holes.push_back(circle);
+    }
+  return holes;
+}
+
+Chain ring_of(const Circle& circle, double noise) {
+  constexpr int count = 36;
+  Chain ring;
+  ring.closed = true;
+  for (int k = 0; k < count; ++k) {
+    const double angle = -2 * pi * k / count;  // clockwise
+    const Vec2 out(std::cos(angle), std::sin(angle));
+    ChainNode node;
+    node.position = circle.center + circle.radius * out;
+    node.tangent = {out.y(), -out.x()};
+    node.sigma = noise, node.weight = 1;
+    ring.nodes.push_back(node);
+  }
+  return ring;
+}
+
+/// Of the rims of both end faces what may stand for a wall that was not seen: nothing lies farther out, no wall is near.
+std::vector<PlanePoint> outer_rims(const std::vector<Vec2> (&ends)[2], const std::vector<PlanePoint>& walls, double cell) {
+  const Nearby wall(walls);
+  std::vector<PlanePoint> result;
+  for (const auto& end : ends)
+    for (const auto& p : rim_of(end)) {
+      if (wall.within(p.position, 2 * cell)) continue;
+      const Vec2 along(-p.normal.y(), p.normal.x());
+      const auto beyond = [&](const Vec2& q) {
+        const Vec2 d = q - p.position;
+        return d.dot(p.normal) > 2 * cell && std::abs(d.dot(along)) < cell;
+      };
+      const bool inside = std::any_of(end.begin(), end.end(), beyond) ||
+                          std::any_of(walls.begin(), walls.end(), [&](const PlanePoint& w) { return beyond(w.position); });
+      if (!inside) result.push_back(p);
+    }
+  return result;
+}
+
+/// Rings where walls were hidden: round holes from a part of their wall, the outline from walls and, if asked for, from rims
+/// of the end faces.
+std::vector<Chain> rings_of_parts(const std::vector<PlanePoint>& walls, const std::vector<Vec2> (&ends)[2], bool with_rims,
+                                  double noise, double cell, double floor) {
+  ChainOptions options;
+  options.noise = noise, options.cell = cell;
+  std::vector<Vec2> both = ends[0];
+  both.insert(both.end(), ends[1].begin(), ends[1].end());
+  const std::vector<Circle> holes = partly_seen_holes(walls, both, options, floor);
+  std::vector<PlanePoint> outline;
+  const auto keep = [&](const PlanePoint& p) {
+    if (std::none_of(holes.begin(), holes.end(), [&](const Circle& h) { return (p.position - h.center).norm() < h.radius + 2 * cell; }))
+      outline.push_back(p);
+  };
+  for (const auto& p : walls) keep(p);
+  if (with_rims)
+    for (const auto& p : outer_rims(ends, walls, cell)) keep(p);
+  std::vector<Chain> rings = rings_of(outline, noise, cell);
+  if (rings.empty()) return rings;
+  rings.resize(1);
+  for (const auto& hole : holes) rings.push_back(ring_of(hole, noise));
   return rings;
 }
 
@@ -264,10 +385,14 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
                 " % of the normals along or across one direction");
     const Mat3 frame = rotation_onto_axis(sweep.direction);
     std::vector<PlanePoint> points;
-    const double margin = 0.5 * input.tolerance;
+    std::vector<Vec2> ends[2];
+    const double margin = 0.5 * input.tolerance, thick = std::max(2.5 * input.sampling.sigma, input.tolerance);
     Vec2 low = Vec2::Constant(1e300), high = -low;
     for (std::size_t i = 0; i < input.cloud.size(); ++i) {
       const Vec3 q = frame.transpose() * input.cloud.points[i], n = frame.transpose() * input.cloud.normals[i];
+      if (std::abs(n.z()) > 0.9)
+        for (const bool top : {false, true})
+          if (std::abs(q.z() - (top ? sweep.high : sweep.low)) < thick) ends[top].push_back(q.head<2>());
       if (std::abs(n.z()) > side_sine || q.z() < sweep.low - margin || q.z() > sweep.high + margin) continue;
       points.push_back({q.head<2>(), n.head<2>().normalized()});
       low = low.cwiseMin(q.head<2>()), high = high.cwiseMax(q.head<2>());
@@ -276,10 +401,18 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     const double outline = 2 * (high - low).sum();
     const double noise = std::max(input.sampling.sigma, 1e-6 * outline);
     const double fine = std::max({outline / 700, 1.5 * noise, 6 * outline / double(points.size())});
+    const std::size_t before = candidates.size();
     add_outlines(input, sweep, frame, rings_of(points, noise, fine), outline, candidates);
     // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
     if (1.5 * input.tolerance > 1.6 * fine)
       add_outlines(input, sweep, frame, rings_of(points, noise, 1.5 * input.tolerance), outline, candidates);
+    const auto met = [&](const Candidate& c) { return evidence_of(c, input, context).local_max < 3 * input.tolerance; };
+    if (std::any_of(candidates.begin() + static_cast<std::ptrdiff_t>(before), candidates.end(), met)) continue;
+    // Some walls were not seen.
+    const double coarse = std::max({fine, 1.5 * input.tolerance, 5 * input.thin_spacing});
+    for (const bool with_rims : {false, true})
+      for (const double cell : {std::max(fine, 3 * input.thin_spacing), coarse})
+        add_outlines(input, sweep, frame, rings_of_parts(points, ends, with_rims, noise, cell, 0.35 * input.tolerance), outline, candidates);
   }
   return candidates;
 }
