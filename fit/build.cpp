@@ -111,6 +111,8 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
   else if (j.coverage.contradicted > 0.001)
     j.reason = print_number(snapped(100 * j.coverage.contradicted, 0.1)) + " % of its surface lies off the scanned mesh";
+  else if (j.coverage.thin > 0.3)
+    j.reason = print_number(std::round(100 * j.coverage.thin)) + " % of its walls are thinner than noise can tell";
   else
     j.meets = true;
   return j;

@@ -21,7 +21,9 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
   const double reach = 4 * input.thin_spacing + input.tolerance;
   std::optional<MeshDistance> source;
   if (input.scan && !input.scan->mesh.empty() && topology(input.scan->mesh).closed()) source.emplace(input.scan->mesh);
-  std::vector<char> seen(samples, 2), off(samples, 0);
+  // A wall thinner than the band that noise makes of a face puts half the points on either side and explains noise.
+  const double depth = 3 * input.sampling.sigma;
+  std::vector<char> seen(samples, 2), off(samples, 0), thin(samples, 0);
   parallel_for(
       samples, context.threads,
       [&](std::size_t begin, std::size_t end) {
@@ -31,6 +33,7 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
           for (int k = 0; k < 3; ++k)
             p[k] = input.bounds.center()[k] + (random.uniform() - 0.5) * 1.2 * input.bounds.size()[k];
           double d = 0;
+          Vec3 outward = Vec3::Zero();
           for (int step = 0; step < 12; ++step) {
             const Vec3 q = part_from_scan * p;
             d = distance(q).distance;
@@ -40,17 +43,19 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
             for (int k = 0; k < 3; ++k)
               g[k] = (distance(q + Vec3::Unit(k) * h).distance - distance(q - Vec3::Unit(k) * h).distance) / (2 * h);
             if (!(g.norm() > 1e-6)) break;
-            p -= candidate.scan_from_part.rotation * (g.normalized() * d);
+            outward = g.normalized();
+            p -= candidate.scan_from_part.rotation * (outward * d);
           }
           if (std::abs(d) > 1e-3 * size) continue;  // did not reach the surface
           seen[i] = std::sqrt(tree.nearest_one(p).sq_distance) < reach;
+          thin[i] = depth > 0 && seen[i] && distance(part_from_scan * p - depth * outward).distance > 0;
           off[i] = source && !source->closest_within(p, input.tolerance);
         }
       },
       64);
-  double good = 0, bad = 0, all = 0;
-  for (std::size_t i = 0; i < samples; ++i) good += seen[i] == 1, bad += off[i], all += seen[i] != 2;
-  return all > 0 ? Coverage{good / all, bad / all} : Coverage{};
+  double good = 0, bad = 0, slim = 0, all = 0;
+  for (std::size_t i = 0; i < samples; ++i) good += seen[i] == 1, bad += off[i], slim += thin[i], all += seen[i] != 2;
+  return all > 0 ? Coverage{good / all, bad / all, good > 0 ? slim / good : 0} : Coverage{};
 }
 
 }  // namespace partscribe

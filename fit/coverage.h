@@ -8,6 +8,7 @@ namespace partscribe {
 struct Coverage {
   double covered = 0;       ///< share of places on the surface with data nearby
   double contradicted = 0;  ///< share that is farther than the tolerance from a closed source mesh
+  double thin = 0;          ///< share, of places with data nearby, whose opposite side is nearer than noise can tell
 };
 
 /// Random places in the bounding box are drawn onto the surface along the distance gradient.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/disjoint_sets.h"
+#include "core/statistics.h"
 
 namespace partscribe {
 namespace {
@@ -17,6 +18,12 @@ struct Cell {
 };
 
 using CellKey = std::pair<std::int64_t, std::int64_t>;
+
+/// Main direction of a sum of n n^T.
+Vec2 main_direction(const Eigen::Matrix2d& m) {
+  const double angle = 0.5 * std::atan2(2 * m(0, 1), m(0, 0) - m(1, 1));
+  return {std::cos(angle), std::sin(angle)};
+}
 
 /// Nodes: a cell's points averaged; cells that a curve only grazes are given to their neighbours.
 std::vector<ChainNode> nodes_of(const std::vector<PlanePoint>& points, const ChainOptions& o) {
@@ -74,8 +81,8 @@ std::vector<ChainNode> nodes_of(const std::vector<PlanePoint>& points, const Cha
     const Eigen::Matrix2d m = cell.normals / cell.count;
     const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1));
     const double spread = std::hypot(half, m(0, 1));
-    const double angle = 0.5 * std::atan2(2 * m(0, 1), m(0, 0) - m(1, 1));
-    node.tangent = {-std::sin(angle), std::cos(angle)};
+    const Vec2 normal = main_direction(m);
+    node.tangent = {-normal.y(), normal.x()};
     node.corner = mean - spread > 0.06;  // variance of the directions: some 14 degrees
     node.sigma = o.noise / std::sqrt(cell.count);
     nodes.push_back(node);
@@ -88,7 +95,63 @@ std::vector<ChainNode> nodes_of(const std::vector<PlanePoint>& points, const Cha
 
 constexpr std::size_t none = ~std::size_t(0);
 
+/// Points by square cells of a plane.
+class PlaneGrid {
+ public:
+  PlaneGrid(const std::vector<PlanePoint>& points, double edge) : edge_(edge) {
+    for (std::size_t i = 0; i < points.size(); ++i) cells_[key_of(points[i].position)].push_back(i);
+  }
+  /// Of the cells around a place.
+  template <class Visit>
+  void near(const Vec2& place, const Visit& visit) const {
+    const CellKey key = key_of(place);
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) {
+        const auto found = cells_.find({key.first + dx, key.second + dy});
+        if (found == cells_.end()) continue;
+        for (const std::size_t i : found->second) visit(i);
+      }
+  }
+
+ private:
+  CellKey key_of(const Vec2& p) const {
+    return {std::llround(std::floor(p.x() / edge_)), std::llround(std::floor(p.y() / edge_))};
+  }
+  double edge_;
+  std::map<CellKey, std::vector<std::size_t>> cells_;
+};
+
 }  // namespace
+
+std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach) {
+  constexpr int rounds = 3;
+  constexpr double alike = 0.85;  // cosine between normals of one side of a corner
+  constexpr std::size_t least = 4;
+  for (int round = 0; round < rounds; ++round) {
+    const PlaneGrid grid(points, reach);
+    std::vector<PlanePoint> moved = points;
+    std::vector<double> support(points.size(), 0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const PlanePoint& p = points[i];
+      const auto of_same_side = [&](const auto& visit) {
+        grid.near(p.position, [&](std::size_t j) {
+          if ((points[j].position - p.position).norm() < reach && std::abs(points[j].normal.dot(p.normal)) > alike) visit(points[j]);
+        });
+      };
+      Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
+      of_same_side([&](const PlanePoint& q) { normals += q.normal * q.normal.transpose(), support[i] += 1; });
+      const Vec2 n = main_direction(normals);
+      std::vector<double> offsets;
+      of_same_side([&](const PlanePoint& q) { offsets.push_back(n.dot(q.position - p.position)); });
+      moved[i] = {p.position + robust_mean(offsets).mean * n, n};
+    }
+    const double enough = std::max(double(least), 0.1 * median(support));
+    points.clear();
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      if (support[i] >= enough) points.push_back(moved[i]);
+  }
+  return points;
+}
 
 double length_of(const Chain& chain) {
   double sum = 0;
@@ -186,6 +249,7 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
   std::vector<std::pair<std::size_t, double>> bridges;
   for (const auto& gap : gaps) {
     if (ends_of(gap.a) == 0 || ends_of(gap.b) == 0) continue;
+    if (!o.bridge && gap.length > reach) break;
     const bool same = chained.root(gap.a) == chained.root(gap.b);
     // A ring is closed over a gap only when the gap is small beside the ring; a profile's ends may belong to the axis.
     if (same && gap.length > (o.axis >= 0 ? 6 * o.cell : 0.35 * double(chained.size(gap.a)) * o.cell)) continue;

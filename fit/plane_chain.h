@@ -32,11 +32,17 @@ struct ChainOptions {
   double cell = 0;     ///< mm between nodes
   double noise = 0;    ///< mm, of one point
   double axis = -1;    ///< >= 0: ends within this of x = 0 end on the axis and are not joined to others
+  bool bridge = true;  ///< join ends over missing data
 };
 
 /// Chains by decreasing length. Ends that face each other over missing data are joined, nearest first.
 std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainOptions& options);
 
 double length_of(const Chain& chain);
+
+/// The points moved onto the middle of the band that noise made of their curve, along the mean normal of those within
+/// `reach` mm that face the same way; points that stand almost alone are left out. Corners stay: the two sides of one
+/// face different ways.
+std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach);
 
 }  // namespace partscribe

@@ -2,9 +2,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "fit/sketch_builder.h"
 #include "fit/turned_primitives.h"
 
@@ -13,11 +15,31 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+constexpr double on_axis = 0.02;  // of the half diagonal; nearer to the axis a normal says nothing
+
+/// Of the normals, those that meet the axis as well as their noise lets them.
+double share_of_normals(const FitInput& input, const Axis& axis) {
+  const double least = on_axis * 0.5 * input.bounds.diagonal();
+  std::vector<double> misses;
+  double near = 0;
+  for (std::size_t i = 0; i < input.cloud.size(); ++i) {
+    if (input.surface_share.size() == input.cloud.size() && input.surface_share[i] < 0.8f) continue;  // perhaps a stray
+    const Vec3 across = axis.direction.cross(input.cloud.points[i] - axis.point);
+    const double rho = across.norm();
+    if (rho < least) near += 1;
+    else misses.push_back(std::abs(input.cloud.normals[i].dot(across)) / rho);
+  }
+  if (misses.empty()) return 0;
+  const double noise = 1.4826 * median(misses), window = std::clamp(3 * noise, 0.14, 0.35);
+  const double good = near + double(std::count_if(misses.begin(), misses.end(), [&](double m) { return m < window; }));
+  return good / (near + double(misses.size()));
+}
+
 Axis solved_axis(const FitInput& input, Axis axis, bool have_start) {
   const auto& cloud = input.cloud;
   const Vec3 c = input.bounds.center();
   const double size = 0.5 * input.bounds.diagonal();
-  const double least = 0.02 * size;
+  const double least = on_axis * size;
   double width = have_start ? 0.35 : 1e9;  // sine of the angle by which a normal may miss the axis
   for (int round = 0; round < 12; ++round) {
     Matrix6 m = Matrix6::Zero();
@@ -59,19 +81,128 @@ Axis solved_axis(const FitInput& input, Axis axis, bool have_start) {
   Eigen::Index largest;
   axis.direction.cwiseAbs().maxCoeff(&largest);
   if (axis.direction[largest] < 0) axis.direction = -axis.direction;
-  double good = 0, asked = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (input.surface_share.size() == cloud.size() && input.surface_share[i] < 0.8f) continue;  // perhaps a stray
-    asked += 1;
-    const Vec3 across = axis.direction.cross(cloud.points[i] - axis.point);
-    const double rho = across.norm();
-    good += rho < least || std::abs(cloud.normals[i].dot(across)) < 0.14 * rho;
-  }
-  axis.share = good / std::max(asked, 1.0);
+  axis.share = share_of_normals(input, axis);
   return axis;
 }
 
-/// The axis of the same direction that circles about it fit best: averages out what the normals' noise left.
+/// Radius (x) and height (y) about an axis, with the direction away from it.
+struct Turned {
+  Vec2 place = Vec2::Zero();
+  Vec3 away = Vec3::Zero();
+};
+
+Turned turned(const Vec3& p, const Axis& axis) {
+  const Vec3 d = p - axis.point;
+  const double h = d.dot(axis.direction);
+  const Vec3 radial = d - h * axis.direction;
+  const double rho = radial.norm();
+  return {{rho, h}, rho > 0 ? Vec3(radial / rho) : Vec3::Zero()};
+}
+
+using Matrix4 = Eigen::Matrix<double, 4, 4>;
+using Vector4 = Eigen::Matrix<double, 4, 1>;
+
+/// A point's residual from the profile near it, with its derivatives by two shifts and two tilts of the axis.
+struct AxisRow {
+  double along = 0, residual = 0, weight = 0;
+  Vector4 by_axis = Vector4::Zero();
+};
+
+/// The same motions less what a shift, a tilt and a bend of the profile do as well.
+void take_out_profile(std::vector<AxisRow>& rows) {
+  Mat3 m = Mat3::Zero();
+  Eigen::Matrix<double, 3, 5> r = Eigen::Matrix<double, 3, 5>::Zero();
+  const auto basis = [](const AxisRow& row) { return Vec3(1, row.along, row.along * row.along); };
+  Eigen::Matrix<double, 1, 5> both;
+  for (const auto& row : rows) {
+    const Vec3 b = basis(row);
+    both << row.residual, row.by_axis.transpose();
+    m += row.weight * b * b.transpose(), r += row.weight * b * both;
+  }
+  m.diagonal().array() += 1e-9 * m.trace();
+  const Eigen::Matrix<double, 3, 5> fit = m.ldlt().solve(r);
+  for (auto& row : rows) {
+    both = basis(row).transpose() * fit;
+    row.residual -= both[0], row.by_axis -= both.tail<4>().transpose();
+  }
+}
+
+/// The axis about which the points near each place of the profile scatter least: normals' noise leaves it some
+/// hundredths of the size off, which splits straight walls of the profile.
+Axis settled_axis(const FitInput& input, Axis axis) {
+  constexpr int rounds = 8, classes = 4;
+  constexpr std::size_t least_points = 12;
+  const auto& cloud = input.cloud;
+  const double size = input.bounds.diagonal(), edge = std::max(size / 40, 6 * input.sampling.sigma);
+  axis.point += axis.direction * axis.direction.dot(input.bounds.center() - axis.point);
+  double scale = edge / 3;
+  for (int round = 0; round < rounds; ++round) {
+    const Vec3 e1 = axis.direction.unitOrthogonal(), e2 = axis.direction.cross(e1);
+    struct Entry {
+      std::array<std::int64_t, 3> cell;
+      std::size_t index;
+    };
+    std::vector<Entry> entries;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Turned t = turned(cloud.points[i], axis);
+      const Vec2 n(cloud.normals[i].dot(t.away), cloud.normals[i].dot(axis.direction));
+      if (n.norm() < 0.9) continue;
+      const double angle = std::atan2(n.y(), n.x()) / pi * classes + 2 * classes + 0.5;
+      entries.push_back({{std::llround(std::floor(t.place.x() / edge)), std::llround(std::floor(t.place.y() / edge)),
+                          std::llround(std::floor(angle)) % classes},
+                         i});
+    }
+    std::sort(entries.begin(), entries.end(),
+              [](const Entry& a, const Entry& b) { return a.cell != b.cell ? a.cell < b.cell : a.index < b.index; });
+    Matrix4 h = Matrix4::Zero();
+    Vector4 g = Vector4::Zero();
+    std::vector<double> sizes;
+    for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+      while (end < entries.size() && entries[end].cell == entries[begin].cell) ++end;
+      if (end - begin < least_points) continue;
+      std::vector<Turned> members;
+      std::vector<double> xs, ys;
+      Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
+      for (std::size_t k = begin; k < end; ++k) {
+        members.push_back(turned(cloud.points[entries[k].index], axis));
+        const Vec3& n3 = cloud.normals[entries[k].index];
+        const Vec2 n(n3.dot(members.back().away), n3.dot(axis.direction));
+        normals += n * n.transpose();
+        xs.push_back(members.back().place.x()), ys.push_back(members.back().place.y());
+      }
+      const double angle = 0.5 * std::atan2(2 * normals(0, 1), normals(0, 0) - normals(1, 1));
+      const Vec2 n(std::cos(angle), std::sin(angle)), middle(median(xs), median(ys));
+      std::vector<AxisRow> rows;
+      for (const auto& t : members) {
+        AxisRow row;
+        row.along = (t.place - middle).dot(Vec2(-n.y(), n.x())) / edge;
+        row.residual = n.dot(t.place - middle);
+        row.weight = std::exp(-0.5 * row.residual * row.residual / (scale * scale));
+        const double tilt = n.y() * t.place.x() - n.x() * t.place.y();
+        row.by_axis = Vector4(-n.x() * t.away.dot(e1), -n.x() * t.away.dot(e2), tilt * t.away.dot(e1) / size,
+                              tilt * t.away.dot(e2) / size);
+        rows.push_back(row);
+      }
+      take_out_profile(rows);
+      for (const auto& row : rows) {
+        sizes.push_back(std::abs(row.residual));
+        const double w = std::exp(-0.5 * row.residual * row.residual / (scale * scale));
+        h += w * row.by_axis * row.by_axis.transpose(), g += w * row.residual * row.by_axis;
+      }
+    }
+    if (sizes.size() < 50) return axis;
+    // What the data leave open stays as it was.
+    h.diagonal().array() += 1e-6 * h.trace();
+    const Vector4 step = -h.ldlt().solve(g);
+    if (!step.allFinite() || step.norm() > 0.1 * size) return axis;
+    axis.point += step[0] * e1 + step[1] * e2;
+    axis.direction = (axis.direction + (step[2] * e1 + step[3] * e2) / size).normalized();
+    scale = std::max(3 * 1.4826 * median(sizes), input.sampling.sigma);
+  }
+  axis.share = share_of_normals(input, axis);
+  return axis;
+}
+
 struct PlaneData {
   std::vector<PlanePoint> points;
   double height_low = 1e300, height_high = -1e300, radius_high = 0;
@@ -164,6 +295,39 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
   return loop;
 }
 
+/// What noise makes of steps and corners made square again: a piece shorter than `blur` mm between two walls becomes a
+/// shoulder; one between a wall and a flat is left out. Nothing if there is none.
+std::optional<LoopPieces> with_square_steps(const LoopPieces& loop, double blur) {
+  const auto runs_along = [](const ProfileSegment& s, int axis) {
+    return !s.arc && !s.spline && std::abs(s.direction[axis]) > 0.98;
+  };
+  LoopPieces result = loop;
+  result.segments.clear();
+  bool changed = false;
+  for (std::size_t i = 0; i < loop.segments.size(); ++i) {
+    ProfileSegment s = loop.segments[i];
+    const bool slant = i > 0 && i + 1 < loop.segments.size() && !s.spline && s.length() < blur &&
+                       !runs_along(s, 0) && !runs_along(s, 1);
+    if (slant) {
+      const auto &before = loop.segments[i - 1], &after = loop.segments[i + 1];
+      const auto walls = [&](int axis) { return runs_along(before, axis) && runs_along(after, axis); };
+      const auto corner = [&](int axis) { return runs_along(before, axis) && runs_along(after, 1 - axis); };
+      changed |= walls(0) || walls(1) || corner(0) || corner(1);
+      if (corner(0) || corner(1)) continue;
+      if (walls(0) || walls(1)) {
+        const int axis = walls(1) ? 0 : 1;
+        s.arc = false;
+        s.point = 0.5 * (s.start + s.end);
+        s.direction = Vec2::Unit(axis) * (s.end[axis] < s.start[axis] ? -1 : 1);
+        s.start[1 - axis] = s.end[1 - axis] = s.point[1 - axis];
+      }
+    }
+    result.segments.push_back(s);
+  }
+  if (!changed) return {};
+  return result;
+}
+
 /// Cylinder, cone, sphere or torus, if that is what the sketch is.
 void simplify(Candidate& candidate) {
   const auto* revolve = std::get_if<Revolve>(&candidate.shape);
@@ -229,43 +393,68 @@ void simplify(Candidate& candidate) {
   }
 }
 
-/// Adds a candidate for every level of detail at which the profile, in nodes of `cell` mm, splits differently.
-void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data, double outline, double noise,
-                  double cell, std::vector<Candidate>& candidates) {
+/// Nodes of a profile, and what they blur.
+struct ProfileNodes {
+  double cell = 0;   ///< mm between them
+  double noise = 0;  ///< mm, of one point
+  double blur = 0;   ///< mm; pieces shorter than this may be made of noise
+};
+
+Candidate turned_candidate(const FitInput& input, const Axis& axis, const LoopPieces& loop) {
+  SketchOptions options;
+  options.tolerance = input.tolerance;
+  options.revolve = true;
+  BuiltSketch built = build_sketch({loop}, options);
+  Candidate c;
+  c.procedure = "surface of revolution";
+  c.object_name = "turned_body";
+  c.parameters = std::move(built.parameters);
+  c.shape = Revolve{std::move(built.sketch)};
+  c.scan_from_part.rotation = rotation_onto_axis(axis.direction);
+  c.scan_from_part.translation = axis.point + axis.direction * built.origin.y();
+  simplify(c);
+  return c;
+}
+
+/// Adds a candidate for every level of detail at which the profile splits differently.
+void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data, double outline,
+                  const ProfileNodes& nodes, std::vector<Candidate>& candidates) {
   ChainOptions chain_options;
-  chain_options.noise = noise;
-  chain_options.cell = cell;
+  chain_options.noise = nodes.noise;
+  chain_options.cell = nodes.cell;
   // Near the axis a ring holds few points: the last nodes may be missing.
-  chain_options.axis = std::max(4 * cell + input.tolerance, 3 * input.thin_spacing);
+  chain_options.axis = std::max(4 * nodes.cell + input.tolerance, 3 * input.thin_spacing);
   const auto chains = chains_of(data.points, chain_options);
   if (chains.empty()) return;
-  std::vector<std::size_t> seen;  // what was proposed already: pieces and control points
-  for (const double share : {0.35, 0.15, 0.07, 0.03})
-    for (const double spline : {0.0, 0.15 * input.tolerance}) {
-      ProfileOptions profile_options;
-      profile_options.floor = share * input.tolerance;
-      profile_options.spline = spline;
-      profile_options.size = outline / 2;
-      auto loop = loop_of(chains[0], profile_options, cell, chain_options.axis, input.tolerance);
-      if (!loop || loop->segments.size() > 60) continue;
-      std::size_t key = loop->segments.size();
-      for (const auto& piece : loop->segments) key += 1000 * piece.curve.control.size();
-      if (std::find(seen.begin(), seen.end(), key) != seen.end()) continue;
-      seen.push_back(key);
-      SketchOptions sketch_options;
-      sketch_options.tolerance = input.tolerance;
-      sketch_options.revolve = true;
-      BuiltSketch built = build_sketch({*loop}, sketch_options);
-      Candidate c;
-      c.procedure = "surface of revolution";
-      c.object_name = "turned_body";
-      c.parameters = std::move(built.parameters);
-      c.shape = Revolve{std::move(built.sketch)};
-      c.scan_from_part.rotation = rotation_onto_axis(axis.direction);
-      c.scan_from_part.translation = axis.point + axis.direction * built.origin.y();
-      simplify(c);
-      candidates.push_back(std::move(c));
+  std::vector<std::array<std::size_t, 4>> seen;  // what was proposed already: pieces, arcs, walls, control points
+  const auto propose = [&](const LoopPieces& loop) {
+    if (loop.segments.size() > 60) return;
+    std::array<std::size_t, 4> key = {loop.segments.size(), 0, 0, 0};
+    for (const auto& s : loop.segments) {
+      key[1] += nodes.blur > 0 && s.arc;
+      key[2] += nodes.blur > 0 && !s.arc && !s.spline && s.direction.cwiseAbs().maxCoeff() > 0.98;
+      key[3] += s.curve.control.size();
     }
+    if (std::find(seen.begin(), seen.end(), key) != seen.end()) return;
+    seen.push_back(key);
+    candidates.push_back(turned_candidate(input, axis, loop));
+  };
+  for (const double share : {0.35, 0.15, 0.07, 0.03})
+    for (const double spline : {0.0, 0.15 * input.tolerance})
+      for (const bool arcs : {true, false}) {
+        // Blurred corners look like arcs.
+        if (!arcs && (spline > 0 || nodes.blur == 0)) continue;
+        ProfileOptions options;
+        options.floor = share * input.tolerance;
+        options.spline = spline;
+        options.size = outline / 2;
+        if (!arcs) options.arc_cost = 1e9;
+        const auto loop = loop_of(chains[0], options, nodes.cell, chain_options.axis, input.tolerance);
+        if (!loop) continue;
+        propose(*loop);
+        const auto square = nodes.blur > 0 ? with_square_steps(*loop, nodes.blur) : std::nullopt;
+        if (square) propose(*square);
+      }
 }
 
 }  // namespace
@@ -297,10 +486,12 @@ std::vector<Axis> revolution_axes(const FitInput& input, const std::vector<Vec3>
 
 std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector<Vec3>& start_directions,
                                         Context& context) {
+  constexpr double band_widths = 4;
   std::vector<Candidate> candidates;
   std::vector<Axis> axes = revolution_axes(input, start_directions);
   if (axes.size() > 2) axes.resize(2);
   for (Axis axis : axes) {
+    if (axis.share > 0.5) axis = settled_axis(input, axis);
     context.say("revolve: axis shared by " + print_number(snapped(100 * axis.share, 0.1)) + " % of the normals");
     if (axis.share < 0.8) continue;
     for (auto& primitive : propose_turned_primitives(input, axis)) candidates.push_back(std::move(primitive));
@@ -313,15 +504,19 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
         if (std::abs(p.normal.y()) > 0.97) (p.position.y() > middle ? up : down) += 1;
       if (up > 1.05 * down) axis.direction = -axis.direction;
     }
-    const PlaneData data = plane_data(input, axis);
+    PlaneData data = plane_data(input, axis);
     const double outline = 2 * (data.radius_high + data.height_high - data.height_low);
     const double noise = std::max(input.sampling.sigma, 1e-6 * outline);
-    const double fine =
-        std::max({outline / 700, 1.5 * noise, 6 * outline / double(std::max<std::size_t>(data.points.size(), 1))});
-    add_profiles(input, axis, data, outline, noise, fine, candidates);
+    const double bare = std::max(outline / 700, 6 * outline / double(std::max<std::size_t>(data.points.size(), 1)));
+    const double fine = std::max(bare, 1.5 * noise);
+    // Nodes narrower than the band that noise makes of a wall would lie side by side.
+    const bool wide = band_widths * noise > bare;
+    if (wide) data.points = sharpened(std::move(data.points), band_widths * noise);
+    const double blur = wide ? 5 * band_widths * noise : 0;
+    add_profiles(input, axis, data, outline, {fine, noise, blur}, candidates);
     // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
     if (1.5 * input.tolerance > 1.6 * fine)
-      add_profiles(input, axis, data, outline, noise, 1.5 * input.tolerance, candidates);
+      add_profiles(input, axis, data, outline, {1.5 * input.tolerance, noise, blur}, candidates);
   }
   return candidates;
 }

@@ -11,7 +11,7 @@ namespace partscribe {
 struct Axis {
   Vec3 point = Vec3::Zero();
   Vec3 direction = Vec3::UnitZ();
-  double share = 0;  ///< of the points whose normal meets the axis within 8 degrees
+  double share = 0;  ///< of the points whose normal meets the axis within 8 degrees, or as near as noise lets it
 };
 
 /// Axes by decreasing share. The normals of a surface of revolution meet its axis: a . (p x n) + m . n = 0

@@ -1,0 +1,118 @@
+/// Turned parts from points whose noise is a hundredth of the part: axis, profile, square steps.
+#include "fit/revolve.h"
+
+#include <catch2/catch.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "core/number.h"
+#include "fit/coverage.h"
+#include "fit/evidence.h"
+#include "fit/plane_chain.h"
+#include "fit/prepare.h"
+#include "fit/refine.h"
+#include "tests/fit/sampled.h"
+
+using namespace partscribe;
+
+namespace {
+
+/// A pin of three steps, the last a small one.
+Model stepped_pin() {
+  Loop loop;
+  loop.name = "profile";
+  loop.elements = {SketchPoint{0, 0, ""},   SketchPoint{20, 0, ""},  SketchPoint{20, 30, ""}, SketchPoint{9, 30, ""},
+                   SketchPoint{9, 60, ""}, SketchPoint{12, 60, ""}, SketchPoint{12, 74, ""}, SketchPoint{0, 74, ""}};
+  Model model;
+  model.objects.push_back({"part", Revolve{{{loop}}}, {}, {}, {}});
+  model.as_scanned = false;
+  return model;
+}
+
+FitInput noisy_input(Scan& scan, double noise, double tolerance, Context& context) {
+  scan = test::sampled(stepped_pin(), {.points = 4000, .noise = noise, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
+  auto input = prepare(scan, tolerance, context);
+  REQUIRE(input);
+  return *input;
+}
+
+double nearest_value(const Candidate& c, double value) {
+  double best = 1e300;
+  for (const auto& p : c.parameters)
+    if (std::abs(p.value - value) < std::abs(best - value)) best = p.value;
+  return best;
+}
+
+}  // namespace
+
+TEST_CASE("revolve: a stepped pin seen from one side comes with square steps at noise of a hundredth of its size") {
+  Context context;
+  Scan scan;
+  const FitInput input = noisy_input(scan, 0.7, 2.1, context);
+  auto candidates = propose_revolves(input, {Vec3(0.1, 0, 1), Vec3::UnitX()}, context);
+  const auto found = std::find_if(candidates.begin(), candidates.end(), [&](Candidate& c) {
+    if (!std::holds_alternative<Revolve>(c.shape) || c.parameters.size() > 6) return false;
+    refine(c, input, {.points = 6000, .uncertainty = false}, context);
+    return std::abs(nearest_value(c, 20) - 20) < 0.3 && std::abs(nearest_value(c, 9) - 9) < 0.3 &&
+           std::abs(nearest_value(c, 12) - 12) < 0.3 && evidence_of(c, input, context).local_max < input.tolerance;
+  });
+  CHECK(found != candidates.end());
+}
+
+TEST_CASE("revolve: the axis is settled by the points, beyond what noisy normals say of it") {
+  Context context;
+  Scan scan;
+  const FitInput input = noisy_input(scan, 0.7, 2.1, context);
+  const auto axes = revolution_axes(input, {Vec3(0.1, 0, 1)});
+  REQUIRE_FALSE(axes.empty());
+  const auto candidates = propose_revolves(input, {Vec3(0.1, 0, 1)}, context);
+  REQUIRE_FALSE(candidates.empty());
+  const auto angle = [](const Vec3& d) { return std::acos(std::min(1.0, std::abs(d.normalized().z()))) * 180 / pi; };
+  const Vec3 settled = candidates[0].scan_from_part.rotation.col(2);
+  INFO(angle(axes[0].direction) << " degrees by the normals, " << angle(settled) << " settled");
+  CHECK(angle(settled) < 0.2);
+}
+
+TEST_CASE("revolve: noisy normals lower no axis below the share at which it is used") {
+  Context context;
+  Scan scan;
+  const FitInput input = noisy_input(scan, 1.0, 3, context);
+  const auto axes = revolution_axes(input, {Vec3(0.1, 0, 1), Vec3::UnitX(), Vec3::UnitY()});
+  REQUIRE(axes.size() >= 2);
+  CHECK(axes[0].share > 0.8);
+  CHECK(axes[1].share < 0.8);
+}
+
+TEST_CASE("plane chain: a band of noise wider than the nodes becomes one chain around a corner") {
+  Random random(5);
+  std::vector<PlanePoint> points;
+  const double noise = 0.6, cell = 1;
+  for (int i = 0; i < 1500; ++i) {
+    const double s = random.uniform(0, 60), off = noise * random.normal(), turn = 0.05 * random.normal();
+    const Vec2 u(std::cos(turn), std::sin(turn)), v(-u.y(), u.x());
+    points.push_back(s < 30 ? PlanePoint{{s, off}, v} : PlanePoint{{30 + off, s - 30}, u});
+  }
+  const ChainOptions options{.cell = cell, .noise = noise};
+  const auto bare = chains_of(points, options), sharp = chains_of(sharpened(points, 4 * noise), options);
+  REQUIRE_FALSE(sharp.empty());
+  CHECK(length_of(sharp[0]) == Approx(60).margin(4));
+  CHECK(std::abs(length_of(bare[0]) - 60) > 10);
+  for (const auto& node : sharp[0].nodes)
+    CHECK(std::min(std::abs(node.position.y()), std::abs(node.position.x() - 30)) < noise);
+}
+
+TEST_CASE("coverage: walls thinner than the noise are thin, thick ones are not") {
+  Context context;
+  for (const double height : {0.8, 20.0}) {
+    Candidate disc;
+    disc.object_name = "disc";
+    disc.shape = Cylinder{20, height};
+    Scan scan = test::sampled(bare_model(disc), {.points = 4000, .noise = 0.4, .reach = 25, .seed = 2});
+    auto input = prepare(scan, 1.2, context);
+    REQUIRE(input);
+    input->sampling.sigma = 0.4;
+    const double thin = coverage_of(disc, *input, context).thin;
+    INFO("height " << height << ": " << thin);
+    CHECK((height < 1 ? thin > 0.4 : thin < 0.1));
+  }
+}
