@@ -18,6 +18,8 @@ struct EvaluateOptions {
   double tolerance = 0.1;     ///< mm; surfaces are meshed to a tenth of it
   double seconds = 600;       ///< limit for one program
   double memory_mb = 8192;
+  double scanned_size = 0;    ///< mm, diagonal of what was scanned; STEP and IGES shapes more than fifty times as large,
+                              ///< wrong in their unit, are meshed by as much more coarsely; 0: unknown
 };
 
 /// The evaluated geometry of one artifact.

@@ -1,11 +1,13 @@
 #include "verify/run_occt.h"
 
+#include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeSolid.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <IFSelect_ReturnStatus.hxx>
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Reader.hxx>
@@ -32,6 +34,7 @@
 #include <TopoDS_Solid.hxx>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 
 #include "core/number.h"
@@ -101,6 +104,16 @@ double one_way(const TriangleMesh& from, const MeshDistance& to) {
   return worst;
 }
 
+/// How finely to mesh the shape: a kilometre to a hundredth of a millimetre would take hours, and is no scanned part.
+double mesh_tolerance(const TopoDS_Shape& shape, const EvaluateOptions& options) {
+  constexpr double far_too_large = 50;
+  if (!(options.scanned_size > 0)) return options.tolerance;
+  Bnd_Box box;
+  BRepBndLib::Add(shape, box, Standard_False);
+  if (box.IsVoid()) return options.tolerance;
+  return options.tolerance * std::max(1.0, std::sqrt(box.SquareExtent()) / (far_too_large * options.scanned_size));
+}
+
 void take_shape(Evaluation& evaluation, const TopoDS_Shape& shape, double tolerance) {
   const TopoDS_Shape body = as_solids(shape);
   if (!BRepCheck_Analyzer(body).IsValid()) {
@@ -128,7 +141,8 @@ void take_shape(Evaluation& evaluation, const TopoDS_Shape& shape, double tolera
       }
 }
 
-void compare_with_tree(Evaluation& evaluation, IGESControl_Reader& reader, bool has_body, double tolerance) {
+void compare_with_tree(Evaluation& evaluation, IGESControl_Reader& reader, bool has_body,
+                       const EvaluateOptions& options) {
   TopoDS_Shape tree_shape;
   const IgesTree tree = evaluate_iges_tree(reader, tree_shape);
   if (!tree.present) return;
@@ -137,6 +151,7 @@ void compare_with_tree(Evaluation& evaluation, IGESControl_Reader& reader, bool 
     evaluation.complaints.push_back(std::move(why));
   };
   if (tree.fault) return refuse("the file's boolean tree cannot be evaluated: " + *tree.fault);
+  const double tolerance = mesh_tolerance(tree_shape, options);
   if (!has_body) return take_shape(evaluation, tree_shape, tolerance);
   const ShapeMesh meshed = mesh_shape(tree_shape, tolerance);
   if (meshed.mesh.empty()) return refuse("the file's boolean tree describes nothing");
@@ -220,8 +235,8 @@ Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& option
     }
     reader.TransferRoots();
     const bool has_body = reader.NbShapes() > 0 && count(reader.OneShape(), TopAbs_FACE) > 0;
-    if (has_body) take_shape(evaluation, reader.OneShape(), options.tolerance);
-    compare_with_tree(evaluation, reader, has_body, options.tolerance);
+    if (has_body) take_shape(evaluation, reader.OneShape(), mesh_tolerance(reader.OneShape(), options));
+    compare_with_tree(evaluation, reader, has_body, options);
     if (evaluation.mesh.empty() && !evaluation.failed) {
       evaluation.failed = true;
       evaluation.complaints.push_back("the file holds no surface");
@@ -251,7 +266,7 @@ Result<Evaluation> evaluate_step(const Path& path, const EvaluateOptions& option
       evaluation.complaints.push_back("the file holds no surface");
       return;
     }
-    take_shape(evaluation, reader.OneShape(), options.tolerance);
+    take_shape(evaluation, reader.OneShape(), mesh_tolerance(reader.OneShape(), options));
   });
 }
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int noise_neighbours = 24;
 constexpr std::size_t noise_places = 6000;
+constexpr double smooth = 3;           // times the noise: scatter about a quadric above which there is an edge
 constexpr std::size_t enough_points = 20000;  // a mesh with fewer vertices is sampled as well
 
 /// Heights of the neighbourhood over its own quadratic surface; false if it has none.
@@ -47,13 +48,17 @@ bool heights_over_quadric(const std::vector<Vec3>& points, const std::vector<Nei
   return group.size() > 6;
 }
 
-/// Scatter of the neighbourhood about its own quadratic surface: curvature does not count as noise, outliers hardly.
+/// Outliers hardly count.
+double scatter_of(std::vector<double> heights) {
+  const auto size = static_cast<double>(heights.size());
+  for (auto& h : heights) h = std::abs(h);
+  return 1.4826 * median_in_place(heights) * std::sqrt(size / (size - 6));
+}
+
+/// Scatter of the neighbourhood about its own quadratic surface: curvature does not count as noise.
 double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& group) {
   std::vector<double> heights;
-  if (!heights_over_quadric(points, group, heights)) return 0;
-  for (auto& h : heights) h = std::abs(h);
-  const double freedom = std::sqrt(double(group.size()) / (double(group.size()) - 6));
-  return 1.4826 * median_in_place(heights) * freedom;
+  return heights_over_quadric(points, group, heights) ? scatter_of(std::move(heights)) : 0;
 }
 
 /// One view's surface is sparser than that of all views together, and three times sparser still where it is seen at
@@ -94,8 +99,8 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
 }
 
 /// Views that were laid onto each other wrongly run beside each other: the offset along the normal between the means of
-/// two views in one neighbourhood, less what noise alone does to means. The root mean square over the middle nine
-/// tenths of all neighbourhoods that two views share.
+/// two views in one neighbourhood, less what noise alone does to means. The root mean square over the lower nine
+/// tenths of all smooth neighbourhoods that two views share: at an edge two views show two faces.
 double disagreement_of(const ScanSource& source, const std::vector<std::int32_t>& view, int threads) {
   if (view.empty()) return 0;
   const std::size_t places = std::min(noise_places, source.points.size());
@@ -109,6 +114,7 @@ double disagreement_of(const ScanSource& source, const std::vector<std::int32_t>
       if (!source.rays.empty()) std::erase_if(near, [&](const Neighbour& n) { return source.rays[n.index].dot(source.rays[at]) < -0.1; });
       std::vector<double> heights;
       if (near.size() < noise_neighbours || !heights_over_quadric(source.points, near, heights)) continue;
+      if (scatter_of(heights) > smooth * source.noise) continue;
       std::vector<std::pair<std::int32_t, double>> of_view;
       for (std::size_t k = 0; k < near.size(); ++k)
         if (std::abs(heights[k]) < std::max(20 * source.noise, source.spacing)) of_view.emplace_back(view[near[k].index], heights[k]);
@@ -215,7 +221,7 @@ int neighbours_for(const ScanSource& source, double tolerance) {
 
 double smallest_honest_tolerance(const ScanSource& source) {
   const double by_noise = 4 * 3.3 * source.noise / std::sqrt(static_cast<double>(most_neighbours(source)));
-  return std::max(by_noise, source.disagreement);
+  return std::max(by_noise, farthest_view * source.disagreement);
 }
 
 }  // namespace partscribe

@@ -44,8 +44,11 @@ int neighbours_for(const ScanSource& source, double tolerance);
 /// 100, or fewer where the cloud is so small that 100 points are no longer local.
 int most_neighbours(const ScanSource& source);
 
+/// A view may lie so many typical offsets between two views from the truth (measured: up to 2.8, of twelve views).
+inline constexpr double farthest_view = 3;
+
 /// The tolerance at which neighbours_for() reaches its limit: below it the scan cannot tell a deviation from noise. Nor
-/// can it where its views lie farther apart than the tolerance.
+/// can it where one of its views may lie farther off than the tolerance.
 double smallest_honest_tolerance(const ScanSource& source);
 
 /// The mean spacing of points whose 8th neighbour is at this distance.

@@ -144,7 +144,11 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
   if (artifacts.empty()) return usage_error("no artifact was given to verify");
 
   context.report("evaluate", 0);
-  const EvaluateOptions how{options.tolerance, options.seconds, options.memory_mb};
+  Box3 scanned;
+  for (const auto& p : scan.cloud.points)
+    if (p.allFinite()) scanned.add(p);
+  for (const auto& v : scan.mesh.vertices) scanned.add(v);
+  const EvaluateOptions how{options.tolerance, options.seconds, options.memory_mb, scanned.empty() ? 0 : scanned.diagonal()};
   std::vector<std::optional<Result<Evaluation>>> evaluations(artifacts.size());
   parallel_for(artifacts.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) evaluations[i].emplace(evaluate_artifact(artifacts[i], how, context));
@@ -203,7 +207,7 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
       result.verdict = Outcome::cannot_decide;
       result.reasons = {"this scan cannot decide at " + print_number(options.tolerance) +
                         " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm" +
-                        (source.disagreement > options.tolerance ? ", since its views lie " + shown(source.disagreement) + " mm apart" : "")};
+                        (farthest_view * source.disagreement > options.tolerance ? ", since its views lie " + shown(source.disagreement) + " mm apart" : "")};
     } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
       result.verdict = Outcome::cannot_decide;
       result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) + " points");

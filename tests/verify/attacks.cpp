@@ -258,7 +258,7 @@ TEST_CASE("attack: views that lie farther apart than the tolerance cannot decide
   SimulateOptions options;
   options.resolution = 96;
   options.sigma = sigma;
-  options.views = "cube";
+  options.views = "icosahedron";
   Context context;
   auto scan = simulate(surface_of(truth), options, context).merged;
   CHECK(verdict_on(truth, scan, at(T)).verdict == Outcome::verified);
