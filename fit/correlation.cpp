@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/number.h"
 #include "core/parallel.h"
@@ -18,9 +19,11 @@ constexpr std::array<double, 8> ring_ends = {1.2, 1.7, 2.2, 2.7, 3.5, 4.5, 5.5, 
 constexpr std::size_t rings = ring_ends.size();
 constexpr double significant = 3;
 constexpr double of_a_filter = 0.3;  // correlation of neighbours; a mean over 2 x 2 pixels makes it 0.5
+constexpr double least_part = 0.25;  // of the variance that is taken for smoothed noise
+constexpr double least_fall = 0.1;   // from the first ring to the second: a mean over 9 x 9 pixels
 
 struct RingSums {
-  std::array<double, rings> product{}, pairs{};
+  std::array<double, rings> product{}, pairs{}, square_lag{};
 };
 
 }  // namespace
@@ -73,6 +76,7 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
                 if (ring == rings) break;
                 parts[b].product[ring] += centre * residuals[member[m.index]];
                 parts[b].pairs[ring] += 1;
+                parts[b].square_lag[ring] += lag * lag;
               }
             }
         },
@@ -82,6 +86,7 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
       for (std::size_t k = 0; k < rings; ++k) {
         total.product[k] += parts[b].product[k];
         total.pairs[k] += parts[b].pairs[k];
+        total.square_lag[k] += parts[b].square_lag[k];
       }
     }
     centre_count += double(chosen.size());
@@ -94,17 +99,26 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
   double level = correlation(rings - 1);
   if (level < significant * chance(rings - 1)) level = 0;
   level = std::min(level, 0.95);
-  double sum = 1, neighbouring = 0;
+  double sum = 1;
+  std::vector<double> rhos;
   for (std::size_t k = 0; k + 1 < rings; ++k) {
     const double rho = (correlation(k) - level) / (1 - level);
     if (rho < significant * chance(k) / (1 - level)) break;
-    if (k == 0) neighbouring = rho;
+    rhos.push_back(rho);
     sum += rho * total.pairs[k] / centre_count;
   }
   result.points_per_independent = sum;
-  // White noise after a Gaussian of variance s^2 has autocorrelation exp(-h^2 / 4 s^2), which sums to 4 pi s^2 per
-  // pixel's area; for a mean over 3 x 3 pixels this is right within 5 %.
-  if (neighbouring > of_a_filter) result.smoothing = (sum - 1) * area / centre_count / (4 * pi);
+  if (rhos.size() < 2) return result;
+  // White noise after a Gaussian of variance s^2 has correlation A exp(-h^2 / 4 s^2). A is 1 unless something else shows
+  // at lag zero alone: rough spots, points that a filter left as they were. The first two rings give A and s^2.
+  const double near = total.square_lag[0] / total.pairs[0], far = total.square_lag[1] / total.pairs[1];
+  const double fall = std::max(std::log(rhos[0] / rhos[1]), least_fall);
+  const double part = std::clamp(rhos[0] * std::exp(near * fall / (far - near)), least_part, 1.0);
+  if (rhos[0] < of_a_filter * part) return result;
+  // For a mean over 3 x 3 pixels both are right within 8 %. Wide means fall off more slowly at first than a Gaussian, but
+  // their sum over all lags, 4 pi s^2, holds.
+  const double by_fall = (far - near) / (4 * fall), by_sum = (sum - 1) / part / (4 * pi);
+  result.smoothing = std::max(by_fall, by_sum) * area / centre_count;
   return result;
 }
 

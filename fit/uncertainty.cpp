@@ -9,8 +9,8 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "fit/correlation.h"
-#include "fit/group_effects.h"
 #include "fit/refine.h"
+#include "fit/smoothing.h"
 #include "geometry/mesh_distance.h"
 #include "model/distance.h"
 
@@ -19,9 +19,6 @@ namespace {
 
 /// Of the noise of one point: what is left of it in an instrument's own scale and straightness.
 constexpr double floor_share = 0.05;
-
-/// A known deviation along the normal, mm, one number per node.
-using Deviation = std::vector<double>;
 
 /// How far a deviation of the data moves the unknowns. What the kernel would set aside counts for little.
 Vector effect_of(const Deviation& deviation, const AllPoints& all, const std::vector<double>& weight,
@@ -87,41 +84,8 @@ Deviation chord_deviation(const Candidate& candidate, const AllPoints& all, cons
   return result;
 }
 
-/// What a smoothing of variance `smoothing` per axis does: it replaces each place by the mean of its surroundings, which
-/// bend away from the tangent plane. Rounded edges are no part of it: they move no face.
-Deviation smoothing_deviation(const Candidate& candidate, const AllPoints& all, double smoothing,
-                              const ModelDistance& distance, int threads) {
-  constexpr int directions = 8;
-  // On a slope a pixel covers more surface; far down, filters that keep steps do not reach across.
-  constexpr double least_cosine = 0.6;
-  const Pose part_from_scan = candidate.scan_from_part.inverse();
-  Deviation result;
-  result.assign(all.nodes.size(), 0);
-  parallel_for(all.nodes.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const double length = all.jacobian.gradients[k].norm();
-      if (!(length > 0.5)) continue;
-      const Vec3 normal = all.jacobian.gradients[k] / length;
-      const Vec3 foot = all.nodes[k].place - distance(part_from_scan * all.nodes[k].place).distance * normal;
-      const Mat3 frame = rotation_onto_axis(normal);
-      const int face = all.at.face[all.nodes[k].begin];
-      const double cosine = all.cosine.empty() ? 1 : std::max(all.cosine[all.nodes[k].begin], least_cosine);
-      const double radius = std::sqrt(smoothing * (1 + 1 / (cosine * cosine)));
-      double sum = 0;
-      for (int a = 0; a < directions / 2; ++a) {
-        const double angle = 2 * pi * a / directions;
-        const Vec3 off = radius * (std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1));
-        const ModelHit one = distance(part_from_scan * (foot + off)), other = distance(part_from_scan * (foot - off));
-        if (one.face == face && other.face == face) sum += (one.distance + other.distance) / directions;
-      }
-      result[k] = -sum;
-    }
-  });
-  return result;
-}
-
 /// Where the used points would be without their noise: across the ray of their view, on the surface where that is unknown.
-std::vector<Vec3> noise_free_places(const AllPoints& all) {
+std::vector<Vec3> noise_free_places(const AllPoints& all, const std::vector<char>& inside) {
   std::vector<Vec3> ray(static_cast<std::size_t>(all.group_count), Vec3::Zero());
   const bool across = all.by_view && !all.rays.empty();
   if (across) {
@@ -131,7 +95,7 @@ std::vector<Vec3> noise_free_places(const AllPoints& all) {
   std::vector<Vec3> places;
   for (std::size_t k = 0; k < all.nodes.size(); ++k)
     for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
-      if (!all.used[i]) continue;
+      if (!all.used[i] || !inside[k]) continue;
       const Vec3& r = ray[static_cast<std::size_t>(all.group[i])];
       places.push_back(across ? Vec3(all.points[i] - all.points[i].dot(r) * r)
                               : Vec3(all.points[i] - all.at.value[i] * all.jacobian.gradients[k]));
@@ -139,56 +103,112 @@ std::vector<Vec3> noise_free_places(const AllPoints& all) {
   return places;
 }
 
-/// Sums over the points of each node, and of each group, as if the kernel were least squares: a residual is
-/// psi(u) sigma / E psi', a weight 1 / sigma^2.
-struct Sums {
-  std::vector<double> weight, pull;  // per node
-  std::vector<GroupSums> groups;
+/// Statistics of the points of all nodes that are `inside`.
+struct Residuals {
+  double count = 0, slope = 0, square = 0;  ///< means of psi' and psi^2
+  double rms = 0;                           ///< mm, of those that count
+  double median_sigma = 0;                  ///< mm, of one point
+  Correlation correlation;
+  bool tell(std::size_t unknowns) const { return count > double(unknowns) && slope > 0 && square > 0; }
+  /// Variance of a residual of unit weight, for `unknowns` that were fitted; correlation left out.
+  double variance(std::size_t unknowns) const { return square / (slope * slope) * count / (count - double(unknowns)); }
+  double noise(std::size_t unknowns) const { return variance(unknowns) * correlation.points_per_independent; }
 };
 
-Sums sums_of(const AllPoints& all, const Unknowns& unknowns, const Welsch& kernel, double slope, int threads) {
-  constexpr std::size_t block = 256;
-  const std::size_t n = all.nodes.size(), blocks = (n + block - 1) / block, m = static_cast<std::size_t>(all.group_count);
-  const Eigen::Index columns = all.jacobian.rows.cols();
-  const GroupSums empty{Matrix::Zero(6, 6), Matrix::Zero(6, columns), Vector::Zero(6)};
-  Sums sums{std::vector<double>(n, 0), std::vector<double>(n, 0), std::vector<GroupSums>(m, empty)};
-  std::vector<std::vector<GroupSums>> parts(blocks);
-  parallel_for(
-      blocks, threads,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<double> weight(m), pull(m);
-        for (std::size_t b = begin; b < end; ++b) {
-          parts[b].assign(m, empty);
-          for (std::size_t k = b * block; k < std::min(n, (b + 1) * block); ++k) {
-            std::fill(weight.begin(), weight.end(), 0), std::fill(pull.begin(), pull.end(), 0);
-            for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
-              if (!all.used[i]) continue;
-              const double unit = 1 / all.sigma[i];
-              const auto g = static_cast<std::size_t>(all.group[i]);
-              weight[g] += unit * unit;
-              pull[g] += kernel.psi(all.at.value[i] * unit) * unit / slope;
-            }
-            const auto v = motion_row(all.nodes[k].place, all.jacobian.gradients[k], unknowns.center(), unknowns.size());
-            const Vector j = all.jacobian.rows.row(static_cast<Eigen::Index>(k)).transpose();
-            for (std::size_t g = 0; g < m; ++g) {
-              if (weight[g] == 0) continue;
-              sums.weight[k] += weight[g], sums.pull[k] += pull[g];
-              parts[b][g].motion += weight[g] * v * v.transpose();
-              parts[b][g].coupling += weight[g] * v * j.transpose();
-              parts[b][g].pull += pull[g] * v;
-            }
-          }
-        }
-      },
-      1);
-  for (const auto& part : parts)
-    for (std::size_t g = 0; g < m; ++g) {
-      sums.groups[g].motion += part[g].motion;
-      sums.groups[g].coupling += part[g].coupling;
-      sums.groups[g].pull += part[g].pull;
+Residuals residuals_of(const AllPoints& all, const std::vector<double>& value, const std::vector<char>& inside,
+                       const Welsch& kernel, int threads) {
+  Residuals result;
+  double weights = 0, squares = 0;
+  std::vector<double> psi, sigma;
+  std::vector<int> group;
+  for (std::size_t k = 0; k < all.nodes.size(); ++k)
+    for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
+      if (!all.used[i] || !inside[k]) continue;
+      const double u = value[i] / all.sigma[i], w = kernel.weight(u);
+      psi.push_back(kernel.psi(u)), sigma.push_back(all.sigma[i]);
+      result.slope += kernel.slope(u), result.square += psi.back() * psi.back();
+      weights += w, squares += w * value[i] * value[i];
+      group.push_back(all.by_view ? all.group[i] : 0);
     }
-  std::erase_if(sums.groups, [](const GroupSums& g) { return g.motion.trace() == 0; });
-  return sums;
+  result.count = double(psi.size());
+  result.slope /= std::max(result.count, 1.0), result.square /= std::max(result.count, 1.0);
+  // The weighted square underestimates a Gaussian's by 1 + 1/c^2.
+  result.rms = std::sqrt(squares / std::max(weights, 1e-300) * (1 + 1 / (kernel.c * kernel.c)));
+  result.median_sigma = median_in_place(sigma);
+  const int groups = all.by_view ? all.group_count : 1;
+  result.correlation = correlation_of(noise_free_places(all, inside), psi, group, groups, threads);
+  return result;
+}
+
+/// A scan whose noise hangs together: the noise alone, and what a smoothing may have done.
+struct SmoothedScan {
+  SmoothingModel model;
+  std::vector<char> inside;  ///< per node; 0 at rims, whose disturbance is neither noise nor views
+  Residuals residuals;       ///< of the points inside
+  Deviation flattened;       ///< of curved faces, if it was smoothed
+  double chance = 0;         ///< that it was
+  /// Per node: variance of a residual of unit weight, correlation included; empty: the same for all.
+  std::vector<double> noise;
+};
+
+/// Noise is that of points inside their faces, without what a smoothing explains of the residuals.
+SmoothedScan account_for_smoothing(const Candidate& candidate, const AllPoints& all, const Unknowns& unknowns,
+                                   const Welsch& kernel, const Residuals& raw, const ModelDistance& distance, int threads) {
+  constexpr double full_strength = 0.7;  // cosine; filters that keep steps are at their full strength there
+  constexpr double enough = 1000;        // points to know a correlation by
+  SmoothedScan result;
+  const double variance = raw.correlation.smoothing;
+  const SmoothingEffect effect = smoothing_effect(candidate, all, variance, distance, threads);
+  result.inside.resize(all.nodes.size());
+  for (std::size_t k = 0; k < all.nodes.size(); ++k) result.inside[k] = effect.rim[k] == 0;
+  result.model = smoothing_model(all, effect.face, raw.noise(unknowns.count()));
+  const PointSums sums = sums_of(all, result.model.rows, result.inside, unknowns, kernel, raw.slope, threads);
+  const Solution solution = solved(result.model, sums, threads);
+  const std::vector<double> rest = left_over(all, result.model, solution);
+  result.residuals = residuals_of(all, rest, result.inside, kernel, threads);
+  if (!result.residuals.tell(unknowns.count()))
+    return {{all.jacobian.rows}, std::vector<char>(all.nodes.size(), 1), raw, effect.face, 1, {}};
+
+  const auto by_rims = chance_by_rims(all, rest, effect.rim, result.residuals.correlation.points_per_independent);
+  if (by_rims)
+    result.chance = *by_rims;
+  else if (!all.cosine.empty())
+    result.chance = chance_by_incidence(result.model, solution, result.residuals.noise(unknowns.count()));
+  else
+    result.chance = 1;  // nobody knows
+  std::vector<char> front = result.inside, slope(front.size(), 0), facing(front.size(), 1);
+  if (!all.cosine.empty())
+    for (std::size_t k = 0; k < front.size(); ++k) {
+      facing[k] = all.cosine[all.nodes[k].begin] >= full_strength;
+      front[k] = result.inside[k] && facing[k], slope[k] = result.inside[k] && !facing[k];
+    }
+  auto correlation_in = [&](const std::vector<char>& nodes) {
+    const Residuals part = residuals_of(all, rest, nodes, kernel, threads);
+    return part.count < enough ? result.residuals.correlation : part.correlation;
+  };
+  const Correlation full = correlation_in(front), partial = correlation_in(slope);
+  result.flattened = effect.face;
+  for (double& d : result.flattened) d *= full.smoothing / variance;
+  for (const char f : facing)
+    result.noise.push_back(result.residuals.variance(unknowns.count()) * (f ? full : partial).points_per_independent);
+  return result;
+}
+
+/// Of views, or where they are unknown of regions or of views as they may have been, whichever leaves more open.
+Vector spread_by_groups(const AllPoints& all, const PointSums& whole, const GroupSums& unexplained,
+                        const Unknowns& unknowns, const Matrix& extended_inverse, const Matrix& h_inverse, double noise,
+                        int threads) {
+  const GroupEffects effects = group_effects(unexplained, extended_inverse, noise, Motions::apart);
+  Vector variance = covariance_of(effects, whole.groups, h_inverse).diagonal();
+  if (!all.by_view) {
+    GroupSums imagined = sums_of_imagined_views(all, all.jacobian.rows, whole, unknowns);
+    const NormalEquations normal = normal_equations(all.jacobian.rows, whole.weight, whole.pull, threads);
+    imagined.pull -= imagined.coupling * (h_inverse * normal.g);
+    // Shifts show only where faces meet askew; turns tell what to expect of them.
+    const GroupEffects tied = group_effects(imagined, h_inverse, noise, Motions::tied);
+    variance = variance.cwiseMax(covariance_of(tied, imagined, h_inverse).diagonal());
+  }
+  return variance.cwiseMax(0).cwiseSqrt();
 }
 
 }  // namespace
@@ -200,55 +220,50 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   result.noise.assign(parameters, 0);
   result.views = result.facets = result.filter = result.noise;
 
-  double slope = 0, square = 0, used = 0, weights = 0, squares = 0;
-  std::vector<double> residuals, sigmas;
-  std::vector<int> group;
-  for (std::size_t i = 0; i < all.points.size(); ++i) {
-    if (!all.used[i]) continue;
-    const double u = all.at.value[i] / all.sigma[i], psi = kernel.psi(u), w = kernel.weight(u);
-    slope += kernel.slope(u), square += psi * psi, used += 1;
-    weights += w, squares += w * all.at.value[i] * all.at.value[i];
-    residuals.push_back(psi), sigmas.push_back(all.sigma[i]);
-    group.push_back(all.by_view ? all.group[i] : 0);
-  }
-  if (used <= double(unknowns.count()) || !(slope > 0) || !(square > 0)) return result;
-  slope /= used, square /= used;
-  // The weighted square underestimates a Gaussian's by 1 + 1/c^2.
-  result.rms = std::sqrt(squares / std::max(weights, 1e-300) * (1 + 1 / (kernel.c * kernel.c)));
-
-  const Correlation correlation =
-      correlation_of(noise_free_places(all), residuals, group, all.by_view ? all.group_count : 1, context.threads);
-  result.points_per_independent = correlation.points_per_independent;
-  const double freedom = used / (used - double(unknowns.count()));
-  const double noise = square / (slope * slope) * correlation.points_per_independent * freedom;
-
-  const Sums sums = sums_of(all, unknowns, kernel, slope, context.threads);
-  const Matrix h_inverse =
-      pseudo_inverse(normal_equations(all.jacobian.rows, sums.weight, sums.pull, context.threads).h);
-  auto fill = [&](std::vector<double>& column, const Vector& spread) {
-    for (std::size_t k = 0; k < parameters; ++k) column[k] = spread[static_cast<Eigen::Index>(k)];
-  };
-  fill(result.noise, (noise * h_inverse.diagonal()).cwiseMax(0).cwiseSqrt());
+  const std::vector<char> everywhere(all.nodes.size(), 1);
+  const Residuals raw = residuals_of(all, all.at.value, everywhere, kernel, context.threads);
+  if (!raw.tell(unknowns.count())) return result;
+  result.rms = raw.rms;
 
   Values values;
   for (const auto& p : candidate.parameters) values[p.name] = p.value;
   const ModelDistance distance(bare_model(candidate), values);
   const bool sampled_facets =
       input.scan && !input.scan->mesh.empty() && input.scan->cloud.size() > input.scan->mesh.vertices.size();
-  // A drawn mesh was never registered.
-  if (!sampled_facets) {
-    const GroupEffects effects = group_effects(sums.groups, h_inverse, noise);
-    fill(result.views, effects.covariance.diagonal().cwiseMax(0).cwiseSqrt());
+  SmoothedScan scan{{all.jacobian.rows}, everywhere, raw, {}, 0, {}};
+  if (!sampled_facets && raw.correlation.smoothing > 0)
+    scan = account_for_smoothing(candidate, all, unknowns, kernel, raw, distance, context.threads);
+
+  const PointSums whole = sums_of(all, all.jacobian.rows, everywhere, unknowns, kernel, raw.slope, context.threads);
+  const Matrix h_inverse =
+      pseudo_inverse(normal_equations(all.jacobian.rows, whole.weight, whole.pull, context.threads).h);
+  const double noise = scan.residuals.noise(unknowns.count());
+  result.points_per_independent = scan.residuals.correlation.points_per_independent;
+  result.floor = floor_share * scan.residuals.median_sigma;
+  auto fill = [&](std::vector<double>& column, const Vector& spread) {
+    for (std::size_t k = 0; k < parameters; ++k) column[k] = spread[static_cast<Eigen::Index>(k)];
+  };
+  Vector variance = noise * h_inverse.diagonal();
+  if (!scan.noise.empty()) {
+    std::vector<double> weight = whole.weight;
+    for (std::size_t k = 0; k < weight.size(); ++k) weight[k] *= scan.noise[k];
+    const Matrix between = normal_equations(all.jacobian.rows, weight, whole.pull, context.threads).h;
+    variance = (h_inverse * between * h_inverse).diagonal();
   }
-  if (sampled_facets) {
+  fill(result.noise, variance.cwiseMax(0).cwiseSqrt());
+  if (sampled_facets) {  // a drawn mesh was never registered
     const Deviation chords = chord_deviation(candidate, all, input, distance, context.threads);
-    fill(result.facets, effect_of(chords, all, sums.weight, kernel, context.threads));
-  } else if (correlation.smoothing > 0) {
-    const Deviation smoothed =
-        smoothing_deviation(candidate, all, correlation.smoothing, distance, context.threads);
-    fill(result.filter, effect_of(smoothed, all, sums.weight, kernel, context.threads));
+    fill(result.facets, effect_of(chords, all, whole.weight, kernel, context.threads));
+    return result;
   }
-  result.floor = floor_share * median_in_place(sigmas);
+  PointSums sums = sums_of(all, scan.model.rows, scan.inside, unknowns, kernel, scan.residuals.slope, context.threads);
+  const Solution solution = solved(scan.model, sums, context.threads);
+  sums.groups.pull -= sums.groups.coupling * solution.unknowns;
+  fill(result.views,
+       spread_by_groups(all, whole, sums.groups, unknowns, solution.inverse, h_inverse, noise, context.threads));
+  if (scan.chance > 0)
+    fill(result.filter,
+         std::sqrt(scan.chance) * effect_of(scan.flattened, all, whole.weight, kernel, context.threads));
   return result;
 }
 

@@ -8,9 +8,9 @@ namespace partscribe {
 /// Standard deviations of the free parameters, in their own units, by cause.
 struct Uncertainty {
   std::vector<double> noise;    ///< falls with the number of independent points
-  std::vector<double> views;    ///< views, or regions where views are unknown, that disagree: registration, calibration
+  std::vector<double> views;    ///< views that disagree: registration, calibration; imagined ones where they are unknown
   std::vector<double> facets;   ///< chords of a coarse source mesh
-  std::vector<double> filter;   ///< smoothing that flattened what curves; noise that hangs together is taken to be smoothed
+  std::vector<double> filter;   ///< smoothing that flattened what curves, by how likely noise that hangs together was smoothed
   double floor = 0;             ///< mm, what no data can tell about the instrument
   double points_per_independent = 1;
   double rms = 0;               ///< mm, of the residuals that count

@@ -178,6 +178,8 @@ TEST_CASE("refine: neighbouring points that err together count as fewer") {
   const Pooled p = pooled(test::Trouble::correlated, 12, fine);
   CHECK(p.independent < 0.25);  // the noise is smoothed by a 3 x 3 kernel that leaves 1 in 7
   CHECK(p.noise_coverage > 0.88);
+  CHECK(p.total_coverage > 0.91);
+  CHECK(p.worst_ratio < 4);  // rims that nothing has rounded say that nothing was smoothed
 }
 
 TEST_CASE("refine: sigma holds the truth when poses are disturbed, and does not exaggerate") {
@@ -185,6 +187,15 @@ TEST_CASE("refine: sigma holds the truth when poses are disturbed, and does not 
   CHECK(p.noise_coverage < 0.8);  // the noise part alone would not
   CHECK(p.total_coverage > 0.91);
   CHECK(p.worst_ratio < 2);
+}
+
+TEST_CASE("refine: sigma holds the truth when poses are disturbed and nobody knows the views") {
+  test::TrialOptions unknown;
+  unknown.rays = false;
+  const Pooled p = pooled(test::Trouble::poses, 20, unknown);
+  CHECK(p.noise_coverage < 0.7);
+  CHECK(p.total_coverage > 0.88);
+  CHECK(p.worst_ratio < 3.5);
 }
 
 TEST_CASE("refine: sigma holds the truth under coarse facets and smoothing filters") {

@@ -1,0 +1,126 @@
+#include "fit/smoothing.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/number.h"
+#include "core/parallel.h"
+#include "core/statistics.h"
+
+namespace partscribe {
+
+SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& all, double variance,
+                                 const ModelDistance& distance, int threads) {
+  constexpr int directions = 8;
+  constexpr double reach = 1.5;  // of the circle that stands for the mean: a mean over 3 x 3 pixels takes in so much more
+  // On a slope a pixel covers more surface; far down, filters that keep steps do not reach across.
+  constexpr double least_cosine = 0.6;
+  const Pose part_from_scan = candidate.scan_from_part.inverse();
+  SmoothingEffect result{Deviation(all.nodes.size(), 0), Deviation(all.nodes.size(), 0)};
+  parallel_for(all.nodes.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const double length = all.jacobian.gradients[k].norm();
+      if (!(length > 0.5)) continue;
+      const Vec3 normal = all.jacobian.gradients[k] / length;
+      const Vec3 foot = all.nodes[k].place - distance(part_from_scan * all.nodes[k].place).distance * normal;
+      const Mat3 frame = rotation_onto_axis(normal);
+      const int face = all.at.face[all.nodes[k].begin];
+      const double cosine = all.cosine.empty() ? 1 : std::max(all.cosine[all.nodes[k].begin], least_cosine);
+      const double radius = std::sqrt(variance * (1 + 1 / (cosine * cosine)));
+      double own = 0, other = 0;
+      for (int a = 0; a < directions / 2; ++a) {
+        const double angle = 2 * pi * a / directions;
+        const Vec3 off = std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1);
+        const ModelHit one = distance(part_from_scan * (foot + radius * off));
+        const ModelHit two = distance(part_from_scan * (foot - radius * off));
+        if (one.face == face && two.face == face) own += (one.distance + two.distance) / directions;
+        for (const double side : {-reach * radius, reach * radius}) {
+          const ModelHit hit = distance(part_from_scan * (foot + side * off));
+          if (hit.face != face) other += hit.distance / directions;
+        }
+      }
+      result.face[k] = -own, result.rim[k] = -other;
+    }
+  });
+  return result;
+}
+
+std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<double>& residuals, const Deviation& rim,
+                                     double points_per_independent) {
+  constexpr double least_points = 50, share = 0.8, model_error = 0.05;
+  constexpr double of_quantile = 0.79;  // variance of its logarithm times the number of independent Gaussians
+  std::vector<double> inner, outer, predicted;
+  for (std::size_t k = 0; k < all.nodes.size(); ++k)
+    for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
+      if (!all.used[i]) continue;
+      (rim[k] == 0 ? inner : outer).push_back(std::abs(residuals[i]) / all.sigma[i]);
+      if (rim[k] != 0) predicted.push_back(std::abs(rim[k]) / all.sigma[i]);
+    }
+  if (double(outer.size()) < least_points || double(inner.size()) < least_points) return std::nullopt;
+  const double usual = quantile(inner, share), found = std::log(quantile(outer, share) / usual);
+  // Magnitudes are correlated by the square of what their Gaussians are.
+  const double alike = 1 + (points_per_independent - 1) / 2;
+  const double variance =
+      of_quantile * alike * (1 / double(outer.size()) + 1 / double(inner.size())) + model_error * model_error;
+  auto likelihood = [&](double expected) { return std::exp(-0.5 * std::pow(found - expected, 2) / variance); };
+  // How far a filter reaches over an edge is its maker's secret.
+  constexpr std::array<double, 5> reaches = {0.4, 0.6, 0.8, 1.0, 1.2};
+  const double depth = quantile(predicted, share);
+  double smoothed = 0;
+  for (const double reach : reaches)
+    smoothed += likelihood(std::log(std::hypot(usual, reach * depth) / usual)) / double(reaches.size());
+  return smoothed / (smoothed + likelihood(0));
+}
+
+SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, double noise) {
+  constexpr int bins = 5;
+  const Eigen::Index n = all.jacobian.rows.rows(), first = all.jacobian.rows.cols();
+  SmoothingModel result;
+  result.rows = all.jacobian.rows;
+  double sum = 0;
+  for (const double d : face) sum += d * d;
+  const double unit = std::sqrt(sum / double(std::max<Eigen::Index>(n, 1)));
+  if (!(unit > 0)) return result;
+  result.further = bins;
+  result.precision = noise / (unit * unit);
+  result.rows.conservativeResize(Eigen::NoChange, first + bins);
+  result.rows.rightCols(bins).setZero();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const double cosine = all.cosine.empty() ? 1 : all.cosine[all.nodes[at].begin];
+    result.rows(k, first + std::clamp(static_cast<int>(bins * cosine), 0, bins - 1)) = face[at] / unit;
+  }
+  return result;
+}
+
+Solution solved(const SmoothingModel& model, const PointSums& sums, int threads) {
+  NormalEquations normal = normal_equations(model.rows, sums.weight, sums.pull, threads);
+  normal.h.diagonal().tail(model.further).array() += model.precision;
+  Solution result{pseudo_inverse(normal.h), {}};
+  result.unknowns = result.inverse * normal.g;
+  return result;
+}
+
+std::vector<double> left_over(const AllPoints& all, const SmoothingModel& model, const Solution& solution) {
+  const Vector explained = model.rows * solution.unknowns;
+  std::vector<double> rest = all.at.value;
+  for (std::size_t k = 0; k < all.nodes.size(); ++k)
+    for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i)
+      rest[i] -= explained[static_cast<Eigen::Index>(k)];
+  return rest;
+}
+
+double chance_by_incidence(const SmoothingModel& model, const Solution& solution, double noise) {
+  if (model.further == 0) return 0;  // nothing is curved
+  const Matrix spread = solution.inverse.bottomRightCorner(model.further, model.further);
+  const Vector found = solution.unknowns.tail(model.further);
+  const double logarithm = 0.5 * std::log(std::max((spread * model.precision).determinant(), 1e-300)) +
+                           0.5 * found.dot(spread.ldlt().solve(found)) / noise;
+  return 1 / (1 + std::exp(-logarithm));
+}
+
+}  // namespace partscribe
