@@ -145,7 +145,7 @@ std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach) 
       of_same_side([&](const PlanePoint& q) { offsets.push_back(n.dot(q.position - p.position)); });
       moved[i] = {p.position + robust_mean(offsets).mean * n, n};
     }
-    const double enough = std::max(double(least), 0.1 * median(support));
+    const double enough = std::max(double(least), 0.05 * median(support));
     points.clear();
     for (std::size_t i = 0; i < moved.size(); ++i)
       if (support[i] >= enough) points.push_back(moved[i]);
@@ -227,11 +227,11 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
     if (chained.root(link.a) == chained.root(link.b) && chained.size(link.a) < 8) continue;
     connect(link.a, link.b, sa, sb);
   }
-  // Chains of one or two nodes are stray points; drop them before gaps are bridged.
+  // Short chains are stray points; drop them before gaps are bridged.
   auto ends_of = [&](std::size_t i) { return int(next[0][i] == none) + int(next[1][i] == none); };
   std::vector<char> dropped(n, 0);
   for (std::size_t i = 0; i < n; ++i)
-    if (chained.size(i) < 3) dropped[i] = 1;
+    if (chained.size(i) < o.least) dropped[i] = 1;
   struct Gap {
     double length;
     std::size_t a, b;

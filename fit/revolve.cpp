@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "core/number.h"
 #include "core/statistics.h"
@@ -424,9 +425,12 @@ void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data
   chain_options.cell = nodes.cell;
   // Near the axis a ring holds few points: the last nodes may be missing.
   chain_options.axis = std::max(4 * nodes.cell + input.tolerance, 3 * input.thin_spacing);
+  // What goes on beyond a corner in the band of noise is no end of the profile.
+  if (nodes.blur > 0) chain_options.least = 6;
   const auto chains = chains_of(data.points, chain_options);
   if (chains.empty()) return;
   std::vector<std::array<std::size_t, 4>> seen;  // what was proposed already: pieces, arcs, walls, control points
+  std::set<std::string> primitives;
   const auto propose = [&](const LoopPieces& loop) {
     if (loop.segments.size() > 60) return;
     std::array<std::size_t, 4> key = {loop.segments.size(), 0, 0, 0};
@@ -437,10 +441,15 @@ void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data
     }
     if (std::find(seen.begin(), seen.end(), key) != seen.end()) return;
     seen.push_back(key);
-    candidates.push_back(turned_candidate(input, axis, loop));
+    Candidate c = turned_candidate(input, axis, loop);
+    const std::string kind(kind_of(c.shape));
+    // A primitive has one best fit, wherever it starts.
+    if (!std::holds_alternative<Revolve>(c.shape) && !primitives.insert(kind).second) return;
+    candidates.push_back(std::move(c));
   };
   for (const double share : {0.35, 0.15, 0.07, 0.03})
-    for (const double spline : {0.0, 0.15 * input.tolerance})
+    for (const double spline : {0.0, 0.15 * input.tolerance}) {
+      std::size_t pieces = 0;
       for (const bool arcs : {true, false}) {
         // Blurred corners look like arcs.
         if (!arcs && (spline > 0 || nodes.blur == 0)) continue;
@@ -451,10 +460,14 @@ void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data
         if (!arcs) options.arc_cost = 1e9;
         const auto loop = loop_of(chains[0], options, nodes.cell, chain_options.axis, input.tolerance);
         if (!loop) continue;
+        // Many lines in place of few arcs are round after all.
+        if (arcs) pieces = loop->segments.size();
+        else if (loop->segments.size() > pieces + 2) continue;
         propose(*loop);
         const auto square = nodes.blur > 0 ? with_square_steps(*loop, nodes.blur) : std::nullopt;
         if (square) propose(*square);
       }
+    }
 }
 
 }  // namespace
