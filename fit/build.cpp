@@ -21,7 +21,6 @@
 #include "fit/superellipsoid.h"
 #include "fit/tidy.h"
 #include "fit/triangulate.h"
-#include "model/sketch.h"
 
 namespace partscribe {
 namespace {
@@ -42,32 +41,6 @@ std::string millimetres(double v, double tolerance) {
 /// Its exact distance takes microseconds.
 bool is_slow(const Candidate& c) {
   return std::holds_alternative<Superellipsoid>(c.shape) || std::holds_alternative<Supertoroid>(c.shape);
-}
-
-/// False for a sketch with a loop that has shrunk to a point, or with numbers that are none.
-bool drawable(const Candidate& c) {
-  Values values;
-  for (const auto& p : c.parameters) {
-    if (!std::isfinite(p.value)) return false;
-    values[p.name] = p.value;
-  }
-  const EvaluatedShape shape = evaluate(c.shape, values);
-  const EvaluatedSketch* sketch = nullptr;
-  if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape)) sketch = &s->sketch;
-  if (const auto* s = std::get_if<RevolveOf<double>>(&shape)) sketch = &s->sketch;
-  if (!sketch) return true;
-  for (const auto& loop : sketch->loops) {
-    for (const auto& element : loop.elements)
-      if (const auto* n = std::get_if<SketchNurbsOf<double>>(&element)) {
-        if (n->control.size() < 2) return false;
-        for (const double k : n->knots)
-          if (!std::isfinite(k)) return false;
-        for (const auto& p : n->control)
-          if (!std::isfinite(p[0]) || !std::isfinite(p[1])) return false;
-      }
-    if (loop.elements.empty() || outline_of({{loop}}).curves.empty()) return false;
-  }
-  return true;
 }
 
 Judged judge(Candidate candidate, const FitInput& input, Context& context) {
@@ -118,21 +91,42 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   return j;
 }
 
+/// By how many points a shape must explain more than a simpler one: where there are many strays, any shape explains some.
+double worth_a_shape(const FitInput& input) {
+  const double points = double(input.cloud.size());
+  return std::max(20.0, points / 200) + 0.5 * input.stray_share * points;
+}
+
 /// The shortest description that meets the tolerance comes first, unless a longer one pays: it must cost less in total, and
 /// come clearly closer to the data everywhere or explain points that the shorter one leaves to chance. `judged` is sorted
 /// by description.
-void put_best_first(std::vector<Judged>& judged, std::size_t points) {
+void put_best_first(std::vector<Judged>& judged, const FitInput& input) {
   constexpr double clearly = 0.7;
-  const std::size_t few = std::max<std::size_t>(20, points / 200);
   std::size_t best = 0;
   for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i) {
     const CandidateEvidence &a = judged[i].evidence, &b = judged[best].evidence;
-    const bool pays = a.local_max < clearly * b.local_max || a.unexplained + few < b.unexplained;
+    const bool pays = a.local_max < clearly * b.local_max || double(a.unexplained) + worth_a_shape(input) < double(b.unexplained);
     if (pays && a.total() < b.total()) best = i;
   }
   if (best > 0)
     std::rotate(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(best),
                 judged.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+}
+
+/// Why a rival that meets the tolerance is not the model.
+std::string why_not(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
+  constexpr double told_apart = 6;  // nats of misfit, odds of 400
+  const std::string by_size = told_apart_by(winner.candidate, rival.candidate, input, context);
+  if (!by_size.empty()) return by_size;
+  const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
+  const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
+  if (r.description < w.description)
+    return "shorter, but follows the data less closely: costs " + print_number(std::round(r.total() - w.total())) + " nats more in all";
+  if (std::abs(r.misfit - w.misfit) < told_apart)
+    return "fits as well, takes " + longer + " to describe";
+  if (r.total() < w.total() && r.unexplained < w.unexplained)
+    return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) + " points that lie on it are strays";
+  return "describes the part in " + longer;
 }
 
 bool asked_for(const std::string& force, const Candidate& c) {
@@ -215,7 +209,7 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
     if (a.meets != b.meets) return a.meets;
     return a.meets ? a.evidence.description < b.evidence.description : a.evidence.local_max < b.evidence.local_max;
   });
-  put_best_first(search.judged, input.cloud.size());
+  put_best_first(search.judged, input);
 }
 
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
@@ -384,20 +378,10 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   evidence.max = rounded(final_evidence.local_max);
   evidence.covered = snapped(final_covered, 0.001);
   evidence.views = static_cast<int>(scan.views.size());
-  const double best_description = winner < judged.size() ? judged[winner].evidence.description : 0;
-  const double best_total = winner < judged.size() ? judged[winner].evidence.total() : 0;
   for (std::size_t i = 0; i < judged.size(); ++i) {
     if (i == winner) continue;
     const auto& j = judged[i];
-    std::string reason = j.reason;
-    if (reason.empty() && winner < judged.size())
-      reason = told_apart_by(judged[winner].candidate, j.candidate, input, context);
-    if (reason.empty())
-      reason = j.evidence.description >= best_description
-                   ? "describes the part in " + print_number(std::round(j.evidence.description - best_description)) +
-                         " nats more"
-                   : "shorter, but follows the data less closely: costs " +
-                         print_number(std::round(j.evidence.total() - best_total)) + " nats more in all";
+    const std::string reason = j.reason.empty() && winner < judged.size() ? why_not(judged[winner], j, input, context) : j.reason;
     model.rivals.push_back(
         {j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
     if (model.rivals.size() == 12) break;

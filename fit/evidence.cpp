@@ -1,5 +1,6 @@
 #include "fit/evidence.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -8,13 +9,52 @@
 #include "fit/refine.h"
 #include "geometry/kd_tree.h"
 #include "model/distance.h"
+#include "model/sketch.h"
 
 namespace partscribe {
 namespace {
 
 constexpr std::size_t local_points = 25;
 
+/// A cloud of points rather than a surface: half of those nearest to a place are farther from their common plane than noise
+/// puts them.
+bool is_dust(const std::vector<Neighbour>& near, const std::vector<Vec3>& points, double sigma) {
+  Vec3 mean = Vec3::Zero();
+  for (const auto& k : near) mean += points[k.index] / double(near.size());
+  Mat3 scatter = Mat3::Zero();
+  for (const auto& k : near) scatter += (points[k.index] - mean) * (points[k.index] - mean).transpose();
+  const Vec3 normal = Eigen::SelfAdjointEigenSolver<Mat3>(scatter).eigenvectors().col(0);
+  std::vector<double> off;
+  for (const auto& k : near) off.push_back(std::abs(normal.dot(points[k.index] - mean)));
+  return median(std::move(off)) > 1.5 * sigma;
+}
+
 }  // namespace
+
+bool drawable(const Candidate& c) {
+  Values values;
+  for (const auto& p : c.parameters) {
+    if (!std::isfinite(p.value)) return false;
+    values[p.name] = p.value;
+  }
+  const EvaluatedShape shape = evaluate(c.shape, values);
+  const EvaluatedSketch* sketch = nullptr;
+  if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape)) sketch = &s->sketch;
+  if (const auto* s = std::get_if<RevolveOf<double>>(&shape)) sketch = &s->sketch;
+  if (!sketch) return true;
+  for (const auto& loop : sketch->loops) {
+    for (const auto& element : loop.elements)
+      if (const auto* n = std::get_if<SketchNurbsOf<double>>(&element)) {
+        if (n->control.size() < 2) return false;
+        for (const double k : n->knots)
+          if (!std::isfinite(k)) return false;
+        for (const auto& p : n->control)
+          if (!std::isfinite(p[0]) || !std::isfinite(p[1])) return false;
+      }
+    if (loop.elements.empty() || outline_of({{loop}}).curves.empty()) return false;
+  }
+  return true;
+}
 
 double description_length(const Candidate& candidate, std::size_t points) {
   std::size_t pieces = 1, numbers = candidate.parameters.size();
@@ -78,8 +118,15 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   // nor do the few worst points, a tenth of the share of the strays that were recognised.
   const bool strays = input.surface_share.size() == n;
   std::vector<std::pair<double, std::size_t>> judging;
-  for (std::size_t i = 0; i < n; ++i)
-    if (!strays || input.surface_share[i] >= 0.8f) judging.emplace_back(-std::abs(local[i]), i);
+  std::vector<Neighbour> near;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (strays && input.surface_share[i] < 0.8f) continue;
+    if (strays && std::abs(local[i]) > input.tolerance) {
+      tree.nearest(cloud.points[i], local_points, near);
+      if (is_dust(near, cloud.points, input.sampling.sigma)) continue;
+    }
+    judging.emplace_back(-std::abs(local[i]), i);
+  }
   const std::size_t skipped = strays ? static_cast<std::size_t>(std::min(0.02, 0.1 * input.stray_share) * double(n)) : 0;
   if (judging.size() > skipped) {
     const auto at = judging.begin() + static_cast<std::ptrdiff_t>(skipped);

@@ -18,6 +18,9 @@ struct CandidateEvidence {
   double total() const { return misfit + description; }
 };
 
+/// False for a sketch with a loop that has shrunk to a point, or with numbers that are none: it has no distances.
+bool drawable(const Candidate& candidate);
+
 /// Nats for a shape: a constant per sketch element or face, half the logarithm of the number of points per number.
 double description_length(const Candidate& candidate, std::size_t points);
 

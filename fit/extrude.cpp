@@ -15,7 +15,13 @@
 namespace partscribe {
 namespace {
 
-constexpr double end_cosine = 0.98, side_sine = 0.2;
+constexpr double end_cosine = 0.98, side_sine = 0.2;  // of 11.5 degrees
+
+/// Of the points, at least this many have normals along or across the sweep. Noise and strays spoil normals.
+double least_share(const FitInput& input) {
+  const bool spoilt = input.stray_share > 0 || input.sampling.sigma > 0.003 * input.bounds.diagonal();
+  return spoilt ? 0.65 : 0.85;
+}
 
 /// A direction along which the part is swept, and between which heights.
 struct Sweep {
@@ -50,7 +56,7 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   }
   const double n = double(cloud.size());
   sweep.share = double(ends.size() + sides.size()) / n;
-  if (sweep.share < 0.85 || double(sides.size()) < 0.03 * n) return {};
+  if (sweep.share < least_share(input) || double(sides.size()) < 0.03 * n) return {};
   double low = quantile(sides, 0.002), high = quantile(sides, 0.998);
   const double middle = 0.5 * (low + high), reach = std::max(3 * input.tolerance, 0.03 * (high - low));
   std::vector<double> bottom, top;
@@ -63,7 +69,7 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
     else
       ++stray;
   }
-  if (double(stray) > 0.05 * n) return {};
+  if (double(stray) > (input.stray_share > 0 ? 0.1 : 0.05) * n) return {};
   if (bottom.size() > 20) low = quantile(bottom, 0.5);
   if (top.size() > 20) high = quantile(top, 0.5);
   if (bottom.size() <= 20 && top.size() <= 20) return {};
@@ -406,7 +412,7 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
     if (1.5 * input.tolerance > 1.6 * fine)
       add_outlines(input, sweep, frame, rings_of(points, noise, 1.5 * input.tolerance), outline, candidates);
-    const auto met = [&](const Candidate& c) { return evidence_of(c, input, context).local_max < 3 * input.tolerance; };
+    const auto met = [&](const Candidate& c) { return drawable(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance; };
     if (std::any_of(candidates.begin() + static_cast<std::ptrdiff_t>(before), candidates.end(), met)) continue;
     // Some walls were not seen.
     const double coarse = std::max({fine, 1.5 * input.tolerance, 5 * input.thin_spacing});

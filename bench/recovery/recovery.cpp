@@ -15,13 +15,22 @@ using namespace partscribe::recovery;
 namespace {
 
 const char* usage =
-    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest] [--verbose]\n";
+    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest] [--verbose] [--save FILE.xyz]\n";
 
-std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose) {
+void save(const Case& c, const std::string& file) {
+  if (std::FILE* out = std::fopen(file.c_str(), "w")) {
+    for (const Vec3& p : c.scan.cloud.points) std::fprintf(out, "%.6f %.6f %.6f\n", p.x(), p.y(), p.z());
+    std::fclose(out);
+  }
+}
+
+std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose,
+                const std::string& file) {
   std::map<Answer, std::size_t> answers;
   std::vector<double> ratios, seconds;
   for (std::uint64_t seed = first; seed < first + runs; ++seed) {
     const Case c = make_case(kind, setting == "standard" ? standard_conditions() : hardest_conditions(), seed);
+    if (!file.empty()) save(c, file);
     Context context;
     if (verbose && runs == 1) context.log = [](const std::string& line) { std::fprintf(stderr, "    %s\n", line.c_str()); };
     const Score score = recovered(c, context);
@@ -49,6 +58,7 @@ int main(int argc, char** argv) {
   std::uint64_t runs = 200, first = 1;
   std::vector<std::string> wanted = kinds(), settings = {"standard", "hardest"};
   bool verbose = false;
+  std::string file;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
@@ -57,6 +67,7 @@ int main(int argc, char** argv) {
     else if (option == "--kind") wanted = {value()};
     else if (option == "--setting") settings = {value()};
     else if (option == "--verbose") verbose = true;
+    else if (option == "--save") file = value();
     else return std::fputs(usage, stderr), 2;
   }
   for (const auto& kind : wanted)
@@ -66,7 +77,7 @@ int main(int argc, char** argv) {
               static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
     for (const auto& kind : wanted) {
-      std::puts(row(kind, setting, first, runs, verbose).c_str());
+      std::puts(row(kind, setting, first, runs, verbose, file).c_str());
       std::fflush(stdout);
     }
   return 0;
