@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/parallel.h"
 #include "core/statistics.h"
@@ -98,51 +99,62 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
   if (source.noise < 1e-6 * largest) source.noise = 0;
 }
 
-/// Views that were laid onto each other wrongly run beside each other: the offset along the normal between the means of
-/// two views in one neighbourhood, less what noise alone does to means. The root mean square over the lower nine
-/// tenths of all smooth neighbourhoods that two views share: at an edge two views show two faces.
+/// How far the means of the views in one neighbourhood lie from the mean of the others along the normal: squares, less
+/// what noise alone does to means. Nothing at edges, where two views show two faces.
+std::vector<std::pair<std::int32_t, double>> sq_offsets_at(const ScanSource& source, const std::vector<std::int32_t>& view,
+                                                           std::size_t at, std::vector<Neighbour>& near) {
+  source.tree->nearest(source.points[at], 2 * noise_neighbours, near);
+  if (!source.rays.empty()) std::erase_if(near, [&](const Neighbour& n) { return source.rays[n.index].dot(source.rays[at]) < -0.1; });
+  std::vector<double> heights;
+  if (near.size() < noise_neighbours || !heights_over_quadric(source.points, near, heights)) return {};
+  if (scatter_of(heights) > smooth * source.noise) return {};
+  struct Sum {
+    double height = 0, count = 0;
+    double mean() const { return height / count; }
+  };
+  std::map<std::int32_t, Sum> sums;
+  for (std::size_t k = 0; k < near.size(); ++k)
+    if (std::abs(heights[k]) < std::max(20 * source.noise, source.spacing)) {
+      Sum& sum = sums[view[near[k].index]];
+      sum.height += heights[k], sum.count += 1;
+    }
+  std::erase_if(sums, [](const auto& entry) { return entry.second.count < 6; });
+  double all = 0, all_variance = 0;
+  for (const auto& [v, sum] : sums) all += sum.mean(), all_variance += 1 / sum.count;
+  const auto others = static_cast<double>(sums.size()) - 1;
+  std::vector<std::pair<std::int32_t, double>> offsets;
+  for (const auto& [v, sum] : sums) {
+    if (others < 1) break;
+    const double off = sum.mean() - (all - sum.mean()) / others;
+    const double variance = 1 / sum.count + (all_variance - 1 / sum.count) / (others * others);
+    offsets.emplace_back(v, off * off - source.noise * source.noise * variance);
+  }
+  return offsets;
+}
+
+/// Views that were laid onto each other wrongly run beside each other: of the view that lies farthest off, the root mean
+/// square of its offsets from the others, without the largest twentieth.
 double disagreement_of(const ScanSource& source, const std::vector<std::int32_t>& view, int threads) {
   if (view.empty()) return 0;
   const std::size_t places = std::min(noise_places, source.points.size());
-  std::vector<double> squares(places, -1);  // in excess of noise; no lower limit once it is set
-  std::vector<char> shared(places, 0);
+  std::vector<std::vector<std::pair<std::int32_t, double>>> offsets(places);
   parallel_for(places, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t at = i * source.points.size() / places;
-      source.tree->nearest(source.points[at], 2 * noise_neighbours, near);
-      if (!source.rays.empty()) std::erase_if(near, [&](const Neighbour& n) { return source.rays[n.index].dot(source.rays[at]) < -0.1; });
-      std::vector<double> heights;
-      if (near.size() < noise_neighbours || !heights_over_quadric(source.points, near, heights)) continue;
-      if (scatter_of(heights) > smooth * source.noise) continue;
-      std::vector<std::pair<std::int32_t, double>> of_view;
-      for (std::size_t k = 0; k < near.size(); ++k)
-        if (std::abs(heights[k]) < std::max(20 * source.noise, source.spacing)) of_view.emplace_back(view[near[k].index], heights[k]);
-      std::stable_sort(of_view.begin(), of_view.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-      double mean[2] = {0, 0}, count[2] = {0, 0};
-      int found = 0;
-      for (std::size_t k = 0; k < of_view.size() && found < 2;) {
-        std::size_t end_of = k;
-        double sum = 0;
-        while (end_of < of_view.size() && of_view[end_of].first == of_view[k].first) sum += of_view[end_of++].second;
-        if (end_of - k >= 6) count[found] = double(end_of - k), mean[found] = sum / count[found], ++found;
-        k = end_of;
-      }
-      if (found < 2) continue;
-      const double off = mean[0] - mean[1];
-      squares[i] = off * off - source.noise * source.noise * (1 / count[0] + 1 / count[1]);
-      shared[i] = 1;
-    }
+    for (std::size_t i = begin; i < end; ++i) offsets[i] = sq_offsets_at(source, view, i * source.points.size() / places, near);
   }, 64);
-  std::vector<double> values;
-  for (std::size_t i = 0; i < places; ++i)
-    if (shared[i]) values.push_back(squares[i]);
-  if (values.size() < 50) return 0;
-  std::sort(values.begin(), values.end());
-  double sum = 0;
-  const std::size_t used = values.size() * 9 / 10;
-  for (std::size_t i = 0; i < used; ++i) sum += values[i];
-  return std::sqrt(std::max(0.0, sum / static_cast<double>(used)));
+  std::map<std::int32_t, std::vector<double>> of_view;
+  for (const auto& place : offsets)
+    for (const auto& [v, square] : place) of_view[v].push_back(square);
+  double worst = 0;
+  for (auto& [v, squares] : of_view) {
+    if (squares.size() < 50) continue;
+    std::sort(squares.begin(), squares.end());
+    const std::size_t used = squares.size() * 19 / 20;
+    double sum = 0;
+    for (std::size_t i = 0; i < used; ++i) sum += squares[i];
+    worst = std::max(worst, sum / static_cast<double>(used));
+  }
+  return std::sqrt(worst);
 }
 
 }  // namespace
@@ -221,7 +233,7 @@ int neighbours_for(const ScanSource& source, double tolerance) {
 
 double smallest_honest_tolerance(const ScanSource& source) {
   const double by_noise = 4 * 3.3 * source.noise / std::sqrt(static_cast<double>(most_neighbours(source)));
-  return std::max(by_noise, farthest_view * source.disagreement);
+  return std::max(by_noise, view_reach * source.disagreement);
 }
 
 }  // namespace partscribe

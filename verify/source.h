@@ -26,7 +26,7 @@ struct ScanSource {
   double spacing = 0;                    ///< mm, median over the cloud of the spacing in the 8-neighbourhood
   double sparsest = 0;                   ///< mm, spacing above which points are no surface but strays: see .cpp
   double noise = 0;                      ///< mm, scatter along the normal inside small neighbourhoods
-  double disagreement = 0;               ///< mm, typical offset between overlapping views, noise taken out; 0: unknown or none
+  double disagreement = 0;               ///< mm, offset of the view that lies farthest from the others, noise taken out
   std::vector<SightMap> sights;
   std::unique_ptr<MeshDistance> surface; ///< of a scan that is a mesh
   bool closed_surface = false;
@@ -44,8 +44,8 @@ int neighbours_for(const ScanSource& source, double tolerance);
 /// 100, or fewer where the cloud is so small that 100 points are no longer local.
 int most_neighbours(const ScanSource& source);
 
-/// A view may lie so many typical offsets between two views from the truth (measured: up to 2.8, of twelve views).
-inline constexpr double farthest_view = 3;
+/// Where a view stands alone the surface may be off by so many times its disagreement (measured: up to 1.3).
+inline constexpr double view_reach = 1.5;
 
 /// The tolerance at which neighbours_for() reaches its limit: below it the scan cannot tell a deviation from noise. Nor
 /// can it where one of its views may lie farther off than the tolerance.

@@ -207,7 +207,7 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
       result.verdict = Outcome::cannot_decide;
       result.reasons = {"this scan cannot decide at " + print_number(options.tolerance) +
                         " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm" +
-                        (farthest_view * source.disagreement > options.tolerance ? ", since its views lie " + shown(source.disagreement) + " mm apart" : "")};
+                        (view_reach * source.disagreement > options.tolerance ? ", since its views lie " + shown(source.disagreement) + " mm apart" : "")};
     } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
       result.verdict = Outcome::cannot_decide;
       result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) + " points");
