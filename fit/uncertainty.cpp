@@ -261,9 +261,14 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   sums.groups.pull -= sums.groups.coupling * solution.unknowns;
   fill(result.views,
        spread_by_groups(all, whole, sums.groups, unknowns, solution.inverse, h_inverse, noise, context.threads));
-  if (scan.chance > 0)
-    fill(result.filter,
-         std::sqrt(scan.chance) * effect_of(scan.flattened, all, whole.weight, kernel, context.threads));
+  if (scan.chance > 0) {
+    // Disturbed rims have moved the fit by as much as it would move back without them.
+    const PointSums inner =
+        sums_of(all, all.jacobian.rows, scan.inside, unknowns, kernel, scan.residuals.slope, context.threads);
+    const Vector rims = solved({all.jacobian.rows}, inner, context.threads).unknowns;
+    const Vector faces = effect_of(scan.flattened, all, whole.weight, kernel, context.threads);
+    fill(result.filter, (scan.chance * (rims.cwiseAbs2() + faces.cwiseAbs2())).cwiseSqrt());
+  }
   return result;
 }
 
