@@ -98,14 +98,14 @@ double worth_a_shape(const FitInput& input) {
 }
 
 /// The shortest description that meets the tolerance comes first, unless a longer one pays: it must cost less in total, and
-/// come clearly closer to the data everywhere or explain points that the shorter one leaves to chance. `judged` is sorted
-/// by description.
+/// come clearly closer to the data everywhere or explain points that the shorter one leaves to chance. Of equally long ones
+/// the closer is better. `judged` is sorted by description.
 void put_best_first(std::vector<Judged>& judged, const FitInput& input) {
   constexpr double clearly = 0.7;
   std::size_t best = 0;
   for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i) {
     const CandidateEvidence &a = judged[i].evidence, &b = judged[best].evidence;
-    const bool pays = a.local_max < clearly * b.local_max || double(a.unexplained) + worth_a_shape(input) < double(b.unexplained);
+    const bool pays = a.description < b.description + 0.1 || a.local_max < clearly * b.local_max || double(a.unexplained) + worth_a_shape(input) < double(b.unexplained);
     if (pays && a.total() < b.total()) best = i;
   }
   if (best > 0)

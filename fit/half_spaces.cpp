@@ -22,6 +22,13 @@ namespace {
 constexpr std::size_t most_faces = 24;
 constexpr double square_angle = 3 * pi / 180;  // faces this near to a right angle may be meant as one
 
+/// A plane face of a convex body.
+struct ConvexFace {
+  Vec3 normal = Vec3::Zero();  ///< unit, outward
+  double offset = 0;           ///< normal . p = offset, scan's frame
+  std::size_t points = 0;      ///< that lie on it; 0: not scanned, the plane closes the body at the end of the data
+};
+
 /// Which plane of a convex body a point is nearest to, and how far outside (inside: negative) it is.
 /// `second`: the same for the next nearest plane, which tells how near an edge is.
 double convex_distance(const std::vector<ConvexFace>& faces, const Vec3& p, std::size_t* face = nullptr,
@@ -358,17 +365,14 @@ Vec3 robust_middle(const std::vector<Vec3>& points) {
 
 double reach_of(const FitInput& input) { return std::max(3 * input.sampling.sigma, input.tolerance); }
 
-}  // namespace
-
-std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
+/// The scanned faces of the convex body that explains the points, largest first; empty if they are not those of one.
+std::vector<ConvexFace> scanned_faces(const FitInput& input, Context& context) {
   const auto& points = input.cloud.points;
   if (points.size() < 100) return {};
   const double reach = reach_of(input);
   std::vector<ConvexFace> faces = planes_of(input, robust_middle(points), reach);
   context.report("plane faces", 0.5);
   context.say("plane faces: " + print_number(double(faces.size())) + " directions");
-  if (faces.size() < 3) return {};
-
   // A face is a supporting plane: one with many points outside it belongs to a hollow. Strays have no say.
   std::vector<char> surface(points.size(), 1);
   std::size_t surface_points = points.size();
@@ -384,7 +388,6 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   }
   // Together: every point belongs to the face it is outermost of.
   for (int round = 0; round < 3; ++round) {
-    if (faces.size() < 3) return {};
     std::vector<std::vector<Vec3>> members(faces.size()), inner(faces.size());
     for (const Vec3& p : points) {
       std::size_t f = 0;
@@ -410,8 +413,15 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   const double share = static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(surface_points, 1));
   context.say("plane faces: " + print_number(double(faces.size())) + " hold " + print_number(snapped(100 * share, 0.1)) + " % of the points");
   if (share < 0.97 - allowed) return {};
+  context.report("plane faces", 1);
+  return faces;
+}
+
+/// The faces with those that close the body where nothing was scanned; empty if the data do not tell.
+std::vector<ConvexFace> closed_body(std::vector<ConvexFace> faces, const FitInput& input, Context& context) {
   const std::size_t scanned = faces.size();
-  const bool closed = faces.size() >= 3 && (body_of(faces, input) || close_regularly(faces, input, reach) || close_freely(faces, input, reach));
+  const double reach = reach_of(input);
+  const bool closed = scanned >= 3 && (body_of(faces, input) || close_regularly(faces, input, reach) || close_freely(faces, input, reach));
   if (!closed) {
     context.say("plane faces: the data do not tell how the body is closed");
     return {};
@@ -424,11 +434,8 @@ std::vector<ConvexFace> convex_faces(const FitInput& input, Context& context) {
   std::vector<ConvexFace> result;
   for (std::size_t f = 0; f < faces.size(); ++f)
     if (body->faces[f].size() >= 3) result.push_back(faces[f]);
-  context.report("plane faces", 1);
   return result;
 }
-
-namespace {
 
 Parameter length_parameter(const std::string& name, double value, const std::string& note) {
   Parameter p;
@@ -530,6 +537,54 @@ std::optional<Candidate> box_of(const std::vector<ConvexFace>& faces, const FitI
                   length_parameter("height", extent.z(), "shortest side of the block" + notes[2])};
   c.scan_from_part = {frame, frame * corner};
   return c;
+}
+
+/// A block by the two largest faces that are square to each other, whatever the others say: a weak face may be a curtain's or
+/// lean. Sides that were not scanned are put where the data end.
+std::optional<Candidate> block_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
+  constexpr double nearly = 0.12;  // of a right angle, 7 degrees
+  if (faces.size() < 2) return std::nullopt;
+  std::size_t second = 1;
+  while (second < faces.size() && std::abs(faces[second].normal.dot(faces[0].normal)) > nearly) ++second;
+  if (second == faces.size()) return std::nullopt;
+  const Mat3 frame = frame_from({{0, faces[0].normal}, {1, faces[second].normal}, {2, faces[0].normal.cross(faces[second].normal)}},
+                                {face_weight(faces[0]), face_weight(faces[second]), 1});
+  std::vector<ConvexFace> sides;
+  for (int k = 0; k < 3; ++k)
+    for (const double sign : {1.0, -1.0})
+      for (const ConvexFace& f : faces)
+        if (sign * frame.col(k).dot(f.normal) > 1 - nearly * nearly / 2) {
+          sides.push_back(f);
+          break;
+        }
+  // A face beside these that is more than strays make is none of a block.
+  const auto points = [](const std::vector<ConvexFace>& list) {
+    double sum = 0;
+    for (const ConvexFace& f : list) sum += double(f.points);
+    return sum;
+  };
+  if (points(sides) < (1 - input.stray_share) * points(faces)) return std::nullopt;
+  const double reach = reach_of(input);
+  const std::vector<Vec3> on = points_on(sides, input, reach);
+  for (int k = 0; k < 3; ++k)
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 n = sign * frame.col(k);
+      const auto same = [&](const ConvexFace& f) { return f.normal.dot(n) > 1 - nearly * nearly / 2; };
+      if (std::none_of(sides.begin(), sides.end(), same)) sides.push_back(closing_face(on, n));
+    }
+  for (ConvexFace& f : sides) {
+    // Square, about the middle of its points.
+    Vec3 n = f.normal;
+    int axis = 0;
+    (frame.transpose() * f.normal).cwiseAbs().maxCoeff(&axis);
+    n = (frame.col(axis).dot(f.normal) < 0 ? -1 : 1) * frame.col(axis);
+    std::vector<double> levels;
+    if (f.points > 0)
+      for (const Vec3& p : on)
+        if (std::abs(f.normal.dot(p) - f.offset) < reach) levels.push_back(n.dot(p));
+    f = {n, levels.empty() ? f.offset : median(std::move(levels)), f.points};
+  }
+  return box_of(sides, input);
 }
 
 /// A prism between two parallel faces whose section is a triangle or trapezoid with a right angle.
@@ -658,12 +713,18 @@ std::optional<Candidate> half_spaces_of(const std::vector<ConvexFace>& faces) {
 }  // namespace
 
 std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context) {
-  const std::vector<ConvexFace> faces = convex_faces(input, context);
+  const std::vector<ConvexFace> scanned = scanned_faces(input, context);
+  const std::vector<ConvexFace> faces = closed_body(scanned, input, context);
   std::vector<Candidate> result;
-  if (faces.size() < 4) return result;
-  if (auto box = box_of(faces, input)) result.push_back(*box);
-  else if (auto wedge = wedge_of(faces, input)) result.push_back(*wedge);
-  if (auto any = half_spaces_of(faces)) result.push_back(*any);
+  if (auto box = box_of(faces, input)) {
+    result.push_back(*box);
+  } else {
+    const bool strays = input.stray_share > 0;
+    if (auto block = strays ? block_of(scanned, input) : std::nullopt) result.push_back(*block);
+    if (auto wedge = wedge_of(faces, input)) result.push_back(*wedge);
+  }
+  if (faces.size() >= 4)
+    if (auto any = half_spaces_of(faces)) result.push_back(*any);
   return result;
 }
 
