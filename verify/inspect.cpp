@@ -165,6 +165,8 @@ class Inspector {
     // The few largest may belong to a neighbour.
     found_.shift = quantile(std::move(shifts), 0.98);
     found_.sigma_shift = std::hypot(f.sigma_point, std::hypot(f.sigma_radius + f.sigma_tube, f.sigma_axis * reach));
+    // One view may have seen one half of it, another view the other.
+    found_.sigma_shift = std::hypot(found_.sigma_shift, c_.source.disagreement);
     if (feature_.arc < radians(180) && nominal_.kind != PrimitiveKind::plane && nominal_.kind != PrimitiveKind::sphere)
       found_.sigma_shift = std::min(found_.sigma_shift, 0.5 * tolerance_);  // radius and place err together
     return true;
