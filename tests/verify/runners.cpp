@@ -244,6 +244,22 @@ TEST_CASE("run occt: a sphere is refined until its error is small") {
   }
 }
 
+TEST_CASE("run occt: a ball a thousand times as large as what was scanned is meshed coarsely") {
+  Bench bench;
+  const Path file = bench.folder.path() / "ball.step";
+  STEPControl_Writer writer;
+  REQUIRE(writer.Transfer(BRepPrimAPI_MakeSphere(1000.0).Shape(), STEPControl_AsIs) == IFSelect_RetDone);
+  REQUIRE(writer.Write(file.c_str()) == IFSelect_RetDone);
+  Context context;
+  const auto as_scanned = evaluate_artifact(file, {1.0, 600, 8192, 2000.0}, context);
+  const auto far_too_large = evaluate_artifact(file, {1.0, 600, 8192, 2.0}, context);
+  REQUIRE(as_scanned.ok());
+  REQUIRE(far_too_large.ok());
+  CHECK(as_scanned->error <= 0.25);
+  CHECK(10 * far_too_large->mesh.triangles.size() < as_scanned->mesh.triangles.size());
+  CHECK(volume(far_too_large->mesh) == Approx(4e9 * pi / 3).epsilon(0.02));
+}
+
 TEST_CASE("run occt: an open set of faces is no solid") {
   Bench bench;
   IGESControl_Controller::Init();
