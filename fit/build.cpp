@@ -97,17 +97,26 @@ double worth_a_shape(const FitInput& input) {
   return std::max(20.0, points / 200) + 0.5 * input.stray_share * points;
 }
 
-/// The shortest description that meets the tolerance comes first, unless a longer one pays: it must cost less in total, and
-/// come clearly closer to the data everywhere or explain points that the shorter one leaves to chance. Of equally long ones
-/// the closer is better. `judged` is sorted by description.
+/// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
+/// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
+/// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
+bool pays(const CandidateEvidence& longer, const CandidateEvidence& shorter, const FitInput& input) {
+  constexpr double clearly = 0.7, far_more_likely = 20, per_stray = 6;  // nats
+  const double gain = shorter.total() - longer.total();
+  if (!(gain > 0)) return false;
+  if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
+  const double explained = double(shorter.unexplained) - double(longer.unexplained);
+  if (explained > worth_a_shape(input)) return true;
+  const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
+  return only_noise && gain - per_stray * std::max(explained, 0.0) > far_more_likely;
+}
+
+/// The shortest description that meets the tolerance comes first, unless a longer one pays. `judged` is sorted by
+/// description.
 void put_best_first(std::vector<Judged>& judged, const FitInput& input) {
-  constexpr double clearly = 0.7;
   std::size_t best = 0;
-  for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i) {
-    const CandidateEvidence &a = judged[i].evidence, &b = judged[best].evidence;
-    const bool pays = a.description < b.description + 0.1 || a.local_max < clearly * b.local_max || double(a.unexplained) + worth_a_shape(input) < double(b.unexplained);
-    if (pays && a.total() < b.total()) best = i;
-  }
+  for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i)
+    if (pays(judged[i].evidence, judged[best].evidence, input)) best = i;
   if (best > 0)
     std::rotate(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(best),
                 judged.begin() + static_cast<std::ptrdiff_t>(best) + 1);
@@ -315,20 +324,28 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   auto prepared = prepare(scan, options.tolerance, context);
   if (!prepared) return prepared.error();
   FitInput input = std::move(*prepared);
-  // Strays keep procedures away, or bend them; but telling them from surfaces costs small and strongly bent faces, so the
-  // scan as it is has its turn too: after the scan without them, but before it where they are few.
+  // Strays keep procedures away, or bend them; but telling them from surfaces takes time and costs small and strongly bent
+  // faces. A scan of which many points were rejected holds more of them; any other has its turn as it is.
+  constexpr double many = 0.005;
+  const bool littered = double(input.sampling.rejected) > many * double(scan.cloud.size());
+  const std::vector<std::uint8_t> rejected = scan.cloud.rejected;
   std::vector<Attempt> attempts;
-  auto cleaned = without_strays(scan, input, context);
-  attempts.push_back({std::move(input), scan.cloud.rejected, {}});
-  if (cleaned) attempts.insert(cleaned->input.stray_share < 0.01 ? attempts.end() : attempts.begin(), std::move(*cleaned));
-  std::size_t chosen = attempts.size();
-  for (const bool last_resort : {false, true})
-    for (std::size_t i = 0; i < attempts.size() && chosen == attempts.size(); ++i) {
-      scan.cloud.rejected = attempts[i].rejected;
-      search_procedure(attempts[i], last_resort, options, context);
-      if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
-      if (attempts[i].search.found) chosen = i;
-    }
+  std::size_t chosen = 2;
+  const auto found_in = [&](Attempt& a, bool last_resort) {
+    scan.cloud.rejected = a.rejected;
+    search_procedure(a, last_resort, options, context);
+    if (a.search.found) chosen = static_cast<std::size_t>(&a - attempts.data());
+    return a.search.found || context.cancelled;
+  };
+  for (const bool without : {littered, !littered}) {
+    auto next = without ? without_strays(scan, input, context) : std::optional(Attempt{input, rejected, {}});
+    if (!next) continue;
+    attempts.push_back(std::move(*next));
+    if (found_in(attempts.back(), false)) break;
+  }
+  for (auto& a : attempts)
+    if (chosen == 2 && !context.cancelled && found_in(a, true)) break;
+  if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
   chosen = std::min(chosen, attempts.size() - 1);
   input = std::move(attempts[chosen].input);
   const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = attempts[chosen].search;

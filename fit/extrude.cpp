@@ -2,10 +2,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "core/number.h"
+#include "core/random.h"
 #include "core/statistics.h"
 #include "fit/end_rims.h"
 #include "fit/evidence.h"
@@ -224,38 +226,92 @@ struct Circle {
   double radius;
 };
 
-/// True if the end faces lie around the circle and not in it.
-bool is_hole(const Circle& c, const std::vector<Vec2>& ends) {
-  constexpr double inner = 0.85, from = 1.1, to = 1.5;
-  constexpr std::size_t enough = 8;
-  std::size_t inside = 0, around = 0;
-  for (const Vec2& p : ends) {
-    const double r = (p - c.center).norm() / c.radius;
-    inside += r < inner, around += r > from && r < to;
+/// Sectors of 10 degrees that hold points.
+int sectors_of(const Circle& c, const std::vector<Vec2>& on) {
+  std::array<bool, 36> hit = {};
+  for (const Vec2& p : on) {
+    const double angle = std::atan2(p.y() - c.center.y(), p.x() - c.center.x()) + pi;
+    hit[std::min<std::size_t>(35, static_cast<std::size_t>(angle / (2 * pi) * 36))] = true;
   }
-  const double area_ratio = inner * inner / (to * to - from * from);
-  return around >= enough && double(inside) < 0.2 * area_ratio * double(around);
+  return static_cast<int>(std::count(hit.begin(), hit.end(), true));
 }
 
-/// Round holes of which at least some 70 degrees of wall were seen.
-std::vector<Circle> partly_seen_holes(const std::vector<PlanePoint>& walls, const std::vector<Vec2>& ends,
-                                      const ChainOptions& chain_options, double floor) {
-  constexpr double least_sweep = 1.2;
-  constexpr std::size_t least_nodes = 6;
-  ChainOptions unbridged = chain_options;
-  unbridged.bridge = false;
-  ProfileOptions options;
-  options.floor = floor;
-  std::vector<Circle> holes;
-  for (const Chain& chain : chains_of(walls, unbridged))
-    for (const auto& piece : segments_of(chain, options)) {
-      if (!piece.arc || std::abs(piece.sweep) < least_sweep || piece.nodes < least_nodes) continue;
-      const Circle circle{piece.center, piece.radius};
-      const auto same = [&](const Circle& h) {
-        return (h.center - circle.center).norm() + std::abs(h.radius - circle.radius) < 0.3 * circle.radius;
-      };
-      if (is_hole(circle, ends) && std::none_of(holes.begin(), holes.end(), same)) holes.push_back(circle);
+/// True if the end faces lie around the circle, not only to one side, and not in it.
+bool is_hole(const Circle& c, const std::vector<Vec2>& ends) {
+  constexpr double inner = 0.85, from = 1.1, to = 1.5;
+  constexpr int least_sectors = 16;
+  std::size_t inside = 0;
+  std::vector<Vec2> around;
+  for (const Vec2& p : ends) {
+    const double r = (p - c.center).norm() / c.radius;
+    inside += r < inner;
+    if (r > from && r < to) around.push_back(p);
+  }
+  const double area_ratio = inner * inner / (to * to - from * from);
+  return sectors_of(c, around) >= least_sectors && double(inside) < 0.2 * area_ratio * double(around.size());
+}
+
+/// Wall points within `band` of a circle, with normals across it.
+std::vector<Vec2> points_of(const Circle& c, const std::vector<PlanePoint>& walls, double band) {
+  std::vector<Vec2> on;
+  for (const auto& w : walls) {
+    const Vec2 d = w.position - c.center;
+    const double r = d.norm();
+    if (std::abs(r - c.radius) < band && std::abs(d.dot(w.normal)) > 0.9 * r) on.push_back(w.position);
+  }
+  return on;
+}
+
+/// Orthogonal least squares by Gauss-Newton.
+Circle polished(Circle c, const std::vector<Vec2>& on) {
+  for (int round = 0; round < 10; ++round) {
+    Mat3 h = 1e-9 * Mat3::Identity();
+    Vec3 g = Vec3::Zero();
+    for (const Vec2& p : on) {
+      const Vec2 d = p - c.center;
+      const double r = d.norm();
+      if (!(r > 0)) continue;
+      const Vec3 row(-d.x() / r, -d.y() / r, -1);
+      h += row * row.transpose(), g += (r - c.radius) * row;
     }
+    const Vec3 step = -h.ldlt().solve(g);
+    if (!step.allFinite() || step.norm() > c.radius) break;
+    c.center += step.head<2>(), c.radius += step.z();
+  }
+  return c;
+}
+
+/// Round holes of which at least 70 degrees of wall were seen, in one piece or several: circles on which the normals of two
+/// walls meet, those with most points first.
+std::vector<Circle> partly_seen_holes(std::vector<PlanePoint> walls, const std::vector<Vec2>& ends, double band, double size) {
+  constexpr int draws = 600, least_sectors = 7;
+  constexpr std::size_t least_points = 12, most_holes = 12;
+  Random random(1);
+  std::vector<Circle> holes;
+  while (holes.size() < most_holes && walls.size() >= least_points) {
+    Circle best{Vec2::Zero(), 0};
+    std::size_t most = least_points - 1;
+    for (int draw = 0; draw < draws; ++draw) {
+      const PlanePoint &a = walls[random.below(walls.size())], &b = walls[random.below(walls.size())];
+      const double cross = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
+      if (std::abs(cross) < 0.2) continue;
+      const Vec2 d = b.position - a.position;
+      const double s = (d.x() * b.normal.y() - d.y() * b.normal.x()) / cross;
+      Circle c{a.position + s * a.normal, std::abs(s)};
+      const double other = (b.position - c.center).norm();
+      if (std::abs(other - c.radius) > 4 * band || c.radius > 0.5 * size || c.radius < 3 * band) continue;
+      c.radius = 0.5 * (c.radius + other);
+      const std::vector<Vec2> on = points_of(c, walls, band);
+      if (on.size() <= most || sectors_of(c, on) < least_sectors || !is_hole(c, ends)) continue;
+      most = on.size(), best = c;
+    }
+    if (!(best.radius > 0)) break;
+    for (int round = 0; round < 3; ++round) best = polished(best, points_of(best, walls, band));
+    const std::vector<Vec2> on = points_of(best, walls, band);
+    if (on.size() < least_points || sectors_of(best, on) < least_sectors || !is_hole(best, ends)) break;
+    holes.push_back(best);
+    std::erase_if(walls, [&](const PlanePoint& w) { return (w.position - best.center).norm() < best.radius + 3 * band; });
+  }
   return holes;
 }
 
@@ -297,15 +353,13 @@ std::vector<PlanePoint> outer_rims(const std::vector<Vec2> (&ends)[2], const std
 /// Rings where walls were hidden: round holes from a part of their wall, the outline from walls and, if asked for, from rims
 /// of the end faces.
 std::vector<Chain> rings_of_parts(const std::vector<PlanePoint>& walls, const std::vector<Vec2> (&ends)[2], bool with_rims,
-                                  double noise, double cell, double floor) {
-  ChainOptions options;
-  options.noise = noise, options.cell = cell;
+                                  double noise, double cell, double band, double size) {
   std::vector<Vec2> both = ends[0];
   both.insert(both.end(), ends[1].begin(), ends[1].end());
-  const std::vector<Circle> holes = partly_seen_holes(walls, both, options, floor);
+  const std::vector<Circle> holes = partly_seen_holes(walls, both, band, size);
   std::vector<PlanePoint> outline;
   const auto keep = [&](const PlanePoint& p) {
-    if (std::none_of(holes.begin(), holes.end(), [&](const Circle& h) { return (p.position - h.center).norm() < h.radius + 2 * cell; }))
+    if (std::none_of(holes.begin(), holes.end(), [&](const Circle& h) { return (p.position - h.center).norm() < h.radius + 3 * band; }))
       outline.push_back(p);
   };
   for (const auto& p : walls) keep(p);
@@ -415,10 +469,11 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     const auto met = [&](const Candidate& c) { return drawable(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance; };
     if (std::any_of(candidates.begin() + static_cast<std::ptrdiff_t>(before), candidates.end(), met)) continue;
     // Some walls were not seen.
+    const double band = std::max(2.5 * noise, 0.3 * input.tolerance);
     const double coarse = std::max({fine, 1.5 * input.tolerance, 5 * input.thin_spacing});
     for (const bool with_rims : {false, true})
       for (const double cell : {std::max(fine, 3 * input.thin_spacing), coarse})
-        add_outlines(input, sweep, frame, rings_of_parts(points, ends, with_rims, noise, cell, 0.35 * input.tolerance), outline, candidates);
+        add_outlines(input, sweep, frame, rings_of_parts(points, ends, with_rims, noise, cell, band, (high - low).maxCoeff()), outline, candidates);
   }
   return candidates;
 }

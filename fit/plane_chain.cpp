@@ -249,7 +249,6 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
   std::vector<std::pair<std::size_t, double>> bridges;
   for (const auto& gap : gaps) {
     if (ends_of(gap.a) == 0 || ends_of(gap.b) == 0) continue;
-    if (!o.bridge && gap.length > reach) break;
     const bool same = chained.root(gap.a) == chained.root(gap.b);
     // A ring is closed over a gap only when the gap is small beside the ring; a profile's ends may belong to the axis.
     if (same && gap.length > (o.axis >= 0 ? 6 * o.cell : 0.35 * double(chained.size(gap.a)) * o.cell)) continue;

@@ -33,7 +33,6 @@ struct ChainOptions {
   double noise = 0;    ///< mm, of one point
   double axis = -1;    ///< >= 0: ends within this of x = 0 end on the axis and are not joined to others
   std::size_t least = 3;   ///< nodes; chains of fewer are strays
-  bool bridge = true;  ///< join ends over missing data
 };
 
 /// Chains by decreasing length. Ends that face each other over missing data are joined, nearest first.
