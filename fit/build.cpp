@@ -99,15 +99,17 @@ double worth_a_shape(const FitInput& input) {
 
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
-/// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
+/// noise and strays are not everywhere, be far more likely without the help of such points. Of equally long ones the closer
+/// is better.
 bool pays(const CandidateEvidence& longer, const CandidateEvidence& shorter, const FitInput& input) {
   constexpr double clearly = 0.7, far_more_likely = 20, per_stray = 6;  // nats
+  constexpr double everywhere = 0.1;  // share of the points that are strays
   const double gain = shorter.total() - longer.total();
   if (!(gain > 0)) return false;
   if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
-  const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
+  const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance && input.stray_share < everywhere;
   return only_noise && gain - per_stray * std::max(explained, 0.0) > far_more_likely;
 }
 
