@@ -434,46 +434,62 @@ void add_outlines(const FitInput& input, const Sweep& sweep, const Mat3& frame, 
     }
 }
 
+/// What is seen along a sweep.
+struct Section {
+  Sweep sweep;
+  Mat3 frame;                     ///< columns x, y, and z along the sweep
+  std::vector<PlanePoint> walls;
+  std::vector<Vec2> ends[2];      ///< points of the faces at the low and the high end
+  double size = 0, outline = 0;   ///< mm, longer side and circumference of the box around the walls
+  double noise = 0, fine = 0;     ///< mm, of a wall point; least distance of nodes
+};
+
+Section section_of(const FitInput& input, const Sweep& sweep) {
+  Section s{sweep, rotation_onto_axis(sweep.direction), {}, {}};
+  const double margin = 0.5 * input.tolerance, thick = std::max(2.5 * input.sampling.sigma, input.tolerance);
+  Vec2 low = Vec2::Constant(1e300), high = -low;
+  for (std::size_t i = 0; i < input.cloud.size(); ++i) {
+    const Vec3 q = s.frame.transpose() * input.cloud.points[i], n = s.frame.transpose() * input.cloud.normals[i];
+    if (std::abs(n.z()) > 0.9)
+      for (const bool top : {false, true})
+        if (std::abs(q.z() - (top ? sweep.high : sweep.low)) < thick) s.ends[top].push_back(q.head<2>());
+    if (std::abs(n.z()) > side_sine || q.z() < sweep.low - margin || q.z() > sweep.high + margin) continue;
+    s.walls.push_back({q.head<2>(), n.head<2>().normalized()});
+    low = low.cwiseMin(q.head<2>()), high = high.cwiseMax(q.head<2>());
+  }
+  if (s.walls.empty()) return s;
+  s.size = (high - low).maxCoeff(), s.outline = 2 * (high - low).sum();
+  s.noise = std::max(input.sampling.sigma, 1e-6 * s.outline);
+  s.fine = std::max({s.outline / 700, 1.5 * s.noise, 6 * s.outline / double(s.walls.size())});
+  return s;
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
                                         Context& context) {
   std::vector<Candidate> candidates;
   if (input.cloud.normals.size() != input.cloud.size() || input.cloud.size() < 50) return candidates;
+  std::vector<Section> sections;
   for (const Sweep& sweep : sweeps_of(input, start_directions)) {
-    context.say("extrude: " + print_number(snapped(100 * sweep.share, 0.1)) +
-                " % of the normals along or across one direction");
-    const Mat3 frame = rotation_onto_axis(sweep.direction);
-    std::vector<PlanePoint> points;
-    std::vector<Vec2> ends[2];
-    const double margin = 0.5 * input.tolerance, thick = std::max(2.5 * input.sampling.sigma, input.tolerance);
-    Vec2 low = Vec2::Constant(1e300), high = -low;
-    for (std::size_t i = 0; i < input.cloud.size(); ++i) {
-      const Vec3 q = frame.transpose() * input.cloud.points[i], n = frame.transpose() * input.cloud.normals[i];
-      if (std::abs(n.z()) > 0.9)
-        for (const bool top : {false, true})
-          if (std::abs(q.z() - (top ? sweep.high : sweep.low)) < thick) ends[top].push_back(q.head<2>());
-      if (std::abs(n.z()) > side_sine || q.z() < sweep.low - margin || q.z() > sweep.high + margin) continue;
-      points.push_back({q.head<2>(), n.head<2>().normalized()});
-      low = low.cwiseMin(q.head<2>()), high = high.cwiseMax(q.head<2>());
-    }
-    if (points.size() < 30) continue;
-    const double outline = 2 * (high - low).sum();
-    const double noise = std::max(input.sampling.sigma, 1e-6 * outline);
-    const double fine = std::max({outline / 700, 1.5 * noise, 6 * outline / double(points.size())});
-    const std::size_t before = candidates.size();
-    add_outlines(input, sweep, frame, rings_of(points, noise, fine), outline, candidates);
-    // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
-    if (1.5 * input.tolerance > 1.6 * fine)
-      add_outlines(input, sweep, frame, rings_of(points, noise, 1.5 * input.tolerance), outline, candidates);
-    const auto met = [&](const Candidate& c) { return drawable(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance; };
-    if (std::any_of(candidates.begin() + static_cast<std::ptrdiff_t>(before), candidates.end(), met)) continue;
-    // Some walls were not seen.
-    const double band = std::max(2.5 * noise, 0.3 * input.tolerance);
-    const double coarse = std::max({fine, 1.5 * input.tolerance, 5 * input.thin_spacing});
+    context.say("extrude: " + print_number(snapped(100 * sweep.share, 0.1)) + " % of the normals along or across one direction");
+    Section section = section_of(input, sweep);
+    if (section.walls.size() >= 30) sections.push_back(std::move(section));
+  }
+  // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
+  const double wide = 1.5 * input.tolerance;
+  for (const Section& s : sections) {
+    add_outlines(input, s.sweep, s.frame, rings_of(s.walls, s.noise, s.fine), s.outline, candidates);
+    if (wide > 1.6 * s.fine) add_outlines(input, s.sweep, s.frame, rings_of(s.walls, s.noise, wide), s.outline, candidates);
+  }
+  const auto near = [&](const Candidate& c) { return drawable(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance; };
+  if (std::any_of(candidates.begin(), candidates.end(), near)) return candidates;
+  // Some walls were not seen.
+  for (const Section& s : sections) {
+    const double band = std::max(2.5 * s.noise, 0.3 * input.tolerance);
     for (const bool with_rims : {false, true})
-      for (const double cell : {std::max(fine, 3 * input.thin_spacing), coarse})
-        add_outlines(input, sweep, frame, rings_of_parts(points, ends, with_rims, noise, cell, band, (high - low).maxCoeff()), outline, candidates);
+      for (const double cell : {std::max(s.fine, 3 * input.thin_spacing), std::max({s.fine, wide, 5 * input.thin_spacing})})
+        add_outlines(input, s.sweep, s.frame, rings_of_parts(s.walls, s.ends, with_rims, s.noise, cell, band, s.size), s.outline, candidates);
   }
   return candidates;
 }
