@@ -96,7 +96,7 @@ TEST_CASE("primitive fit: intervals of 95 % cover the truth in 95 of 100 scans")
   Random random(3);
   for (const PrimitiveKind kind : kinds) {
     int inside = 0, all = 0;
-    for (int trial = 0; trial < 300; ++trial) {
+    for (int trial = 0; trial < 1200; ++trial) {
       const Primitive truth = example(kind, 100, random);
       const Scan scan = scenes::scan(truth, 200, trial % 2 ? pi / 3 : 2 * pi, 0.02, random);
       PrimitiveFitOptions options;
