@@ -1,5 +1,6 @@
 #include "fit/coverage.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <optional>
 
@@ -48,7 +49,13 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
           }
           if (std::abs(d) > 1e-3 * size) continue;  // did not reach the surface
           seen[i] = std::sqrt(tree.nearest_one(p).sq_distance) < reach;
-          thin[i] = depth > 0 && seen[i] && distance(part_from_scan * p - depth * outward).distance > 0;
+          // An edge is thin everywhere, and no wall.
+          const Vec3 q = part_from_scan * p, along = outward.norm() > 0 ? Vec3(outward.unitOrthogonal()) : Vec3(Vec3::Zero());
+          const Vec3 across = outward.cross(along);
+          bool smooth = true;
+          for (const Vec3& t : {along, across})
+            for (const double side : {depth, -depth}) smooth &= std::abs(distance(q + side * t).distance) < 0.3 * depth;
+          thin[i] = depth > 0 && seen[i] && smooth && distance(q - depth * outward).distance > 0;
           off[i] = source && !source->closest_within(p, input.tolerance);
         }
       },
