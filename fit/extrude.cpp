@@ -293,14 +293,10 @@ std::vector<Circle> partly_seen_holes(std::vector<PlanePoint> walls, const std::
     std::size_t most = least_points - 1;
     for (int draw = 0; draw < draws; ++draw) {
       const PlanePoint &a = walls[random.below(walls.size())], &b = walls[random.below(walls.size())];
-      const double cross = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
-      if (std::abs(cross) < 0.2) continue;
-      const Vec2 d = b.position - a.position;
-      const double s = (d.x() * b.normal.y() - d.y() * b.normal.x()) / cross;
-      Circle c{a.position + s * a.normal, std::abs(s)};
-      const double other = (b.position - c.center).norm();
-      if (std::abs(other - c.radius) > 4 * band || c.radius > 0.5 * size || c.radius < 3 * band) continue;
-      c.radius = 0.5 * (c.radius + other);
+      const auto meeting = where_normals_meet(a, b, 0.2);
+      if (!meeting || std::abs(meeting->from_b - meeting->from_a) > 4 * band) continue;
+      if (meeting->from_a > 0.5 * size || meeting->from_a < 3 * band) continue;
+      const Circle c{meeting->place, 0.5 * (meeting->from_a + meeting->from_b)};
       const std::vector<Vec2> on = points_of(c, walls, band);
       if (on.size() <= most || sectors_of(c, on) < least_sectors || !is_hole(c, ends)) continue;
       most = on.size(), best = c;

@@ -98,7 +98,8 @@ constexpr std::size_t none = ~std::size_t(0);
 /// Points by square cells of a plane.
 class PlaneGrid {
  public:
-  PlaneGrid(const std::vector<PlanePoint>& points, double edge) : edge_(edge) {
+  template <class Point>
+  PlaneGrid(const std::vector<Point>& points, double edge) : edge_(edge) {
     for (std::size_t i = 0; i < points.size(); ++i) cells_[key_of(points[i].position)].push_back(i);
   }
   /// Of the cells around a place.
@@ -122,6 +123,15 @@ class PlaneGrid {
 };
 
 }  // namespace
+
+std::optional<NormalsMeeting> where_normals_meet(const PlanePoint& a, const PlanePoint& b, double least_sine) {
+  const double cross = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
+  if (std::abs(cross) < least_sine) return std::nullopt;
+  const Vec2 d = b.position - a.position;
+  const double s = (d.x() * b.normal.y() - d.y() * b.normal.x()) / cross;
+  const Vec2 place = a.position + s * a.normal;
+  return NormalsMeeting{place, std::abs(s), (b.position - place).norm()};
+}
 
 std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach) {
   constexpr int rounds = 3;
@@ -171,33 +181,22 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
     double cost;
     std::size_t a, b;
   };
-  std::map<CellKey, std::vector<std::size_t>> grid;
   const double reach = 2.6 * o.cell;
-  auto key_of = [&](const Vec2& p) {
-    return CellKey{std::llround(std::floor(p.x() / reach)), std::llround(std::floor(p.y() / reach))};
-  };
-  for (std::size_t i = 0; i < n; ++i) grid[key_of(nodes[i].position)].push_back(i);
+  const PlaneGrid grid(nodes, reach);
   std::vector<Link> links;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto key = key_of(nodes[i].position);
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy) {
-        const auto found = grid.find({key.first + dx, key.second + dy});
-        if (found == grid.end()) continue;
-        for (const std::size_t j : found->second) {
-          if (j <= i) continue;
-          const Vec2 d = nodes[j].position - nodes[i].position;
-          const double length = d.norm();
-          if (length > reach || length <= 0) continue;
-          auto along = [&](const ChainNode& node) {
-            return node.corner ? 0.8 : std::abs(node.tangent.dot(d)) / length;
-          };
-          const double a = along(nodes[i]), b = along(nodes[j]);
-          if (std::max(a, b) < 0.5) continue;
-          links.push_back({length * (1 + 2 * (1 - a) + 2 * (1 - b)), i, j});
-        }
-      }
-  }
+  for (std::size_t i = 0; i < n; ++i)
+    grid.near(nodes[i].position, [&](std::size_t j) {
+      if (j <= i) return;
+      const Vec2 d = nodes[j].position - nodes[i].position;
+      const double length = d.norm();
+      if (length > reach || length <= 0) return;
+      const auto along = [&](const ChainNode& node) {
+        return node.corner ? 0.8 : std::abs(node.tangent.dot(d)) / length;
+      };
+      const double a = along(nodes[i]), b = along(nodes[j]);
+      if (std::max(a, b) < 0.5) return;
+      links.push_back({length * (1 + 2 * (1 - a) + 2 * (1 - b)), i, j});
+    });
   std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.a != b.a ? a.a < b.a : a.b < b.b;
   });

@@ -1,6 +1,7 @@
 /// Puts scattered points of plane curves into order: chains of averaged nodes along each curve.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "geometry/vec.h"
@@ -12,6 +13,15 @@ struct PlanePoint {
   Vec2 position;
   Vec2 normal;  ///< unit, of unknown sign
 };
+
+/// Where the normals of two points meet: the centre of a circle that holds both, if their distances from it agree.
+struct NormalsMeeting {
+  Vec2 place;
+  double from_a = 0, from_b = 0;  ///< mm
+};
+
+/// Nothing if the sine of the angle between the normals is below `least_sine`.
+std::optional<NormalsMeeting> where_normals_meet(const PlanePoint& a, const PlanePoint& b, double least_sine);
 
 /// The mean of many points.
 struct ChainNode {

@@ -4,17 +4,13 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "fit/plane_chain.h"
 #include "core/statistics.h"
 
 namespace partscribe {
 namespace {
 
 constexpr int draws = 300;
-
-/// A point in the half plane of radius (x) and height (y), with its normal there.
-struct Point {
-  Vec2 position, normal;
-};
 
 Parameter length(const std::string& name, double value, const std::string& note) {
   Parameter p;
@@ -31,7 +27,7 @@ struct Line {
 };
 
 /// The slanted or upright line that holds most points.
-Line wall_of(const std::vector<Point>& points, double band, Random& random) {
+Line wall_of(const std::vector<PlanePoint>& points, double band, Random& random) {
   Line best;
   const auto votes = [&](const Line& line) {
     const Vec2 n(line.direction.y(), -line.direction.x());
@@ -41,7 +37,7 @@ Line wall_of(const std::vector<Point>& points, double band, Random& random) {
     return count;
   };
   for (int draw = 0; draw < draws; ++draw) {
-    const Point &a = points[random.below(points.size())], &b = points[random.below(points.size())];
+    const PlanePoint &a = points[random.below(points.size())], &b = points[random.below(points.size())];
     Line line;
     line.point = a.position;
     const Vec2 d = b.position - a.position;
@@ -59,7 +55,7 @@ Line wall_of(const std::vector<Point>& points, double band, Random& random) {
     Vec2 mean = Vec2::Zero();
     Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
     double count = 0;
-    const auto on = [&](const Point& p) {
+    const auto on = [&](const PlanePoint& p) {
       return std::abs(n.dot(p.position - best.point)) < band && std::abs(n.dot(p.normal)) > 0.9;
     };
     for (const auto& p : points)
@@ -78,7 +74,7 @@ Line wall_of(const std::vector<Point>& points, double band, Random& random) {
 }
 
 /// Height of the flat end near `height`: the middle of its points, or where the wall ends.
-double end_height(const std::vector<Point>& points, const Line& wall, double height, double reach, bool& seen) {
+double end_height(const std::vector<PlanePoint>& points, const Line& wall, double height, double reach, bool& seen) {
   std::vector<double> level;
   for (const auto& p : points)
     if (std::abs(p.normal.y()) > 0.9 && std::abs(p.position.y() - height) < reach &&
@@ -94,18 +90,15 @@ struct Circle {
   std::size_t count = 0;
 };
 
-Circle tube_of(const std::vector<Point>& points, double band, double size, Random& random) {
+Circle tube_of(const std::vector<PlanePoint>& points, double band, double size, Random& random) {
   Circle best;
   for (int draw = 0; draw < draws; ++draw) {
-    const Point &a = points[random.below(points.size())], &b = points[random.below(points.size())];
-    // Where the two normals' lines meet.
-    const double cross = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
-    if (std::abs(cross) < 0.3) continue;
-    const Vec2 d = b.position - a.position;
-    const double s = (d.x() * b.normal.y() - d.y() * b.normal.x()) / cross;
+    const PlanePoint &a = points[random.below(points.size())], &b = points[random.below(points.size())];
+    const auto meeting = where_normals_meet(a, b, 0.3);
+    if (!meeting) continue;
     Circle c;
-    c.centre = a.position + s * a.normal;
-    c.radius = 0.5 * (std::abs(s) + (b.position - c.centre).norm());
+    c.centre = meeting->place;
+    c.radius = 0.5 * (meeting->from_a + meeting->from_b);
     if (!(c.radius > 3 * band && c.radius < size && c.centre.x() > 1.02 * c.radius)) continue;
     for (const auto& p : points) {
       const Vec2 q = p.position - c.centre;
@@ -121,7 +114,7 @@ Circle tube_of(const std::vector<Point>& points, double band, double size, Rando
 
 std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Axis& axis) {
   std::vector<Candidate> result;
-  std::vector<Point> points;
+  std::vector<PlanePoint> points;  // in the half plane of radius (x) and height (y)
   for (std::size_t i = 0; i < input.cloud.size(); ++i) {
     const Vec3 d = input.cloud.points[i] - axis.point;
     const double h = d.dot(axis.direction);

@@ -99,6 +99,14 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const std::vector<Plane3>& pla
   return result;
 }
 
+double face_area(const ConvexPolyhedron& polyhedron, std::size_t face) {
+  const auto& f = polyhedron.faces[face];
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 1; i + 1 < f.size(); ++i)
+    sum += (polyhedron.vertices[f[i]] - polyhedron.vertices[f[0]]).cross(polyhedron.vertices[f[i + 1]] - polyhedron.vertices[f[0]]);
+  return 0.5 * sum.norm();
+}
+
 TriangleMesh triangulated(const ConvexPolyhedron& polyhedron, std::vector<int>* face_of) {
   TriangleMesh mesh;
   mesh.vertices = polyhedron.vertices;

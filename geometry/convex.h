@@ -24,6 +24,9 @@ struct ConvexPolyhedron {
 /// Nothing if the intersection is empty, flat or unbounded.
 std::optional<ConvexPolyhedron> convex_polyhedron(const std::vector<Plane3>& planes);
 
+/// mm^2.
+double face_area(const ConvexPolyhedron& polyhedron, std::size_t face);
+
 /// Each face cut into a fan; face_of[t] is the plane of triangle t.
 TriangleMesh triangulated(const ConvexPolyhedron& polyhedron, std::vector<int>* face_of = nullptr);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <stdexcept>
@@ -48,7 +49,7 @@ bool keeps_limit(const std::string& keyword, const Json& argument, const Json& v
 JsonSchema::JsonSchema(const std::filesystem::path& file) {
   const auto text = read_file(file);
   ensure(text.ok(), "the schema can be read");
-  document_ = Json::parse(*text);
+  document_ = std::make_shared<const Json>(Json::parse(*text));
 }
 
 std::string JsonSchema::fault(const Json& value, const Json& rule, Keys keys, const std::string& at) const {
@@ -64,7 +65,7 @@ std::string JsonSchema::fault_by(const std::string& keyword, const Json& argumen
                                  Keys keys, const std::string& at) const {
   const std::string wrong = at + ": " + keyword;
   if (!keeps_limit(keyword, argument, value)) return wrong;
-  if (keyword == "$ref") return fault(value, document_.at(Json::json_pointer(argument.get<std::string>().substr(1))), keys, at);
+  if (keyword == "$ref") return fault(value, document_->at(Json::json_pointer(argument.get<std::string>().substr(1))), keys, at);
   if (keyword == "allOf" || keyword == "anyOf" || keyword == "oneOf") {
     std::size_t fits = 0;
     for (const auto& choice : argument) fits += fault(value, choice, keys, at).empty();

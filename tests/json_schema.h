@@ -2,7 +2,8 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace partscribe {
@@ -15,14 +16,14 @@ class JsonSchema {
 
   explicit JsonSchema(const std::filesystem::path& file);
 
-  const Json& document() const { return document_; }
+  const Json& document() const { return *document_; }
 
   /// The first fault and where it is ("document.objects[0].shape: oneOf"); empty if there is none. A keyword that
   /// is not checked here throws std::logic_error: it must not count as true.
-  std::string fault(const Json& value, Keys keys) const { return fault(value, document_, keys, "document"); }
+  std::string fault(const Json& value, Keys keys) const { return fault(value, *document_, keys, "document"); }
 
  private:
-  Json document_;
+  std::shared_ptr<const Json> document_;
 
   std::string fault(const Json& value, const Json& rule, Keys keys, const std::string& at) const;
   std::string fault_by(const std::string& keyword, const Json& argument, const Json& value, const Json& rule, Keys keys,

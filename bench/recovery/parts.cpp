@@ -93,14 +93,6 @@ Part torus(Random& random) {
   return part_of(Torus{s("major_radius", ring), s("minor_radius", tube)}, s, Vec3(-out, -out, -tube), Vec3(out, out, tube));
 }
 
-double polygon_area(const ConvexPolyhedron& body, std::size_t face) {
-  const auto& f = body.faces[face];
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 1; i + 1 < f.size(); ++i)
-    sum += (body.vertices[f[i]] - body.vertices[f[0]]).cross(body.vertices[f[i + 1]] - body.vertices[f[0]]);
-  return 0.5 * sum.norm();
-}
-
 Part half_spaces(Random& random) {
   for (int attempt = 0; attempt < 100000; ++attempt) {
     const std::size_t count = 5 + random.below(4);
@@ -116,7 +108,7 @@ Part half_spaces(Random& random) {
     if (!body) continue;
     double total = 0, least = 1e300;
     for (std::size_t f = 0; f < count; ++f) {
-      const double a = polygon_area(*body, f);
+      const double a = face_area(*body, f);
       total += a, least = std::min(least, a);
     }
     Box3 bounds;

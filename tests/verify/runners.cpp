@@ -68,6 +68,12 @@ TopoDS_Shape drilled_block() {
 
 const double drilled_volume = 40 * 30 * 20 - pi * 36 * 20;
 
+void write_step(const TopoDS_Shape& shape, const Path& file) {
+  STEPControl_Writer writer;
+  REQUIRE(writer.Transfer(shape, STEPControl_AsIs) == IFSelect_RetDone);
+  REQUIRE(writer.Write(file.c_str()) == IFSelect_RetDone);
+}
+
 /// block - cylinder as entities 150, 154 and 180; the body beside it if `with_body`.
 void write_tree(const Path& file, double tree_radius, bool with_body) {
   IGESControl_Controller::Init();
@@ -180,9 +186,7 @@ TEST_CASE("run openscad: script and scan meet in one verdict") {
 TEST_CASE("run occt: a STEP solid comes back closed and within its measured error") {
   Bench bench;
   const Path file = bench.folder.path() / "part.step";
-  STEPControl_Writer writer;
-  REQUIRE(writer.Transfer(drilled_block(), STEPControl_AsIs) == IFSelect_RetDone);
-  REQUIRE(writer.Write(file.c_str()) == IFSelect_RetDone);
+  write_step(drilled_block(), file);
   const auto e = bench.evaluate(file);
   INFO(complaints(e));
   CHECK_FALSE(e.failed);
@@ -232,9 +236,7 @@ TEST_CASE("run occt: inches become millimetres") {
 TEST_CASE("run occt: a sphere is refined until its error is small") {
   Bench bench;
   const Path file = bench.folder.path() / "ball.step";
-  STEPControl_Writer writer;
-  REQUIRE(writer.Transfer(BRepPrimAPI_MakeSphere(10.0).Shape(), STEPControl_AsIs) == IFSelect_RetDone);
-  REQUIRE(writer.Write(file.c_str()) == IFSelect_RetDone);
+  write_step(BRepPrimAPI_MakeSphere(10.0).Shape(), file);
   for (const double tolerance : {1.0, 0.1}) {
     const auto e = bench.evaluate(file, tolerance);
     INFO(complaints(e));
@@ -247,9 +249,7 @@ TEST_CASE("run occt: a sphere is refined until its error is small") {
 TEST_CASE("run occt: a ball a thousand times as large as what was scanned is meshed coarsely") {
   Bench bench;
   const Path file = bench.folder.path() / "ball.step";
-  STEPControl_Writer writer;
-  REQUIRE(writer.Transfer(BRepPrimAPI_MakeSphere(1000.0).Shape(), STEPControl_AsIs) == IFSelect_RetDone);
-  REQUIRE(writer.Write(file.c_str()) == IFSelect_RetDone);
+  write_step(BRepPrimAPI_MakeSphere(1000.0).Shape(), file);
   Context context;
   const auto as_scanned = evaluate_artifact(file, {1.0, 600, 8192, 2000.0}, context);
   const auto far_too_large = evaluate_artifact(file, {1.0, 600, 8192, 2.0}, context);
