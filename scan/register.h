@@ -1,0 +1,106 @@
+/// Brings the views of one part into one frame, and says how sure that is or why it cannot be done.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/context.h"
+#include "core/result.h"
+#include "geometry/point_cloud.h"
+
+namespace partscribe {
+
+/// One view in its own frame. With rays, the sensor is the place where they meet or the direction that they share;
+/// with pixels and the size of the image, borders count as occluding contours. What is missing is estimated.
+struct RegisterView {
+  std::string name;
+  PointCloud cloud;           ///< normals, rays, sigma, pixel and rejected where they are known; `view` is not read
+  int width = 0, height = 0;  ///< pixels, 0 for unorganised points
+  std::optional<Pose> guess;  ///< world_from_view, roughly
+};
+
+/// What is known of the poses beforehand.
+enum class Arrangement {
+  guessed,    ///< every view has a guess
+  unknown,    ///< nothing: the poses follow from features
+  turntable,  ///< the part (or the sensor) was turned by equal steps about one axis between the views, in their order
+};
+
+enum class PairMethod {
+  symmetric,  ///< voxels for the basin, then symmetric planes with a Welsch kernel, then all views together
+  paper,      ///< constrained iterative closest point as published in 1993, one view after the other
+};
+
+struct RegisterOptions {
+  Arrangement arrangement = Arrangement::guessed;
+  PairMethod method = PairMethod::symmetric;
+  double guess_angle = 0.35;       ///< rad; a view that would turn farther from its guess is refused
+  double guess_shift = 0;          ///< mm at the middle of the part; 0: 0.35 of its diagonal
+  double tolerance = 0;            ///< mm; a view whose sigma exceeds a quarter of it is refused; 0: no such demand
+  double min_overlap = 0.15;       ///< share of a view's points that other views must confirm
+  double max_seen_through = 0.05;  ///< share of a view's points that another view may have looked through
+  bool contours = true;            ///< borders of range images fix what surfaces leave free; doubles the time
+  int samples = 3000;              ///< points of a view used in the joint adjustment; more is slower
+};
+
+enum class ViewStatus {
+  reference,   ///< where it was; the others are placed against it
+  registered,
+  refused,     ///< the pose is only the best that was found: do not use it
+};
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+struct RegisteredView {
+  Pose world_from_view;
+  /// Of the rotation vector about Registration::center (rad) and the shift (mm) in world axes, against the reference.
+  /// Free motions are left out of it.
+  Mat6 covariance = Mat6::Zero();
+  double overlap = 0;          ///< share of its points that at least one other view confirms
+  double residual_median = 0;  ///< of |distance| along the normal, mm
+  double seen_through = 0;     ///< largest share of its points that any other view looked through
+  ViewStatus status = ViewStatus::refused;
+  std::string reason;          ///< in words; empty for a view without trouble
+};
+
+/// A motion of one or several views that the data do not fix; along it they stay at their guess.
+struct FreeMotion {
+  std::vector<std::size_t> views;
+  bool turns = false;                       ///< about the axis through `point`; else slides along it
+  Vec3 axis = Vec3::Zero(), point = Vec3::Zero();  ///< world frame
+  std::string words;                        ///< "views 2, 3 turn about (0, 0, 1) through (0, 0, 5)"
+};
+
+/// What a turntable did; in the frame of the first view.
+struct Turntable {
+  Vec3 axis, point;         ///< unit direction, and its point nearest to the middle of the first view
+  double step = 0;          ///< rad, from each view to the next, right-handed about the axis
+  double step_sigma = 0;    ///< rad; infinite if only the order of the views says it
+  bool step_observed = false;  ///< false: the part is round about the axis, the step is the one of a full turn
+};
+
+struct Registration {
+  std::vector<RegisteredView> views;
+  Vec3 center = Vec3::Zero();      ///< middle of the part in the world frame
+  double worst_gap = 0;            ///< largest median distance between two overlapping views, mm
+  std::vector<FreeMotion> free_motions;
+  std::optional<Turntable> turntable;
+  std::vector<std::string> warnings;
+};
+
+/// The views of a scan, each in its own frame with its pose as the guess.
+std::vector<RegisterView> views_of(const Scan& scan);
+
+/// Moves the points, rays and normals of `scan` to the registered poses; points of refused views are left out.
+/// The views of `registration` must be those of views_of(scan).
+void place_views(const Registration& registration, Scan& scan);
+
+/// Fails for bad requests (no guess where one is needed, no points at all) and when cancelled; a view that cannot be
+/// placed is refused with its reason, not an error. The first usable view is the reference. Same views, same bytes,
+/// for any number of threads.
+Result<Registration> register_views(const std::vector<RegisterView>& views, const RegisterOptions& options,
+                                    Context& context);
+
+}  // namespace partscribe
