@@ -223,15 +223,24 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
   put_best_first(search.judged, input);
 }
 
+/// Says of lengths that hardly a point speaks about where they come from.
+void name_unseen(Candidate& candidate) {
+  constexpr std::size_t hardly_any = 10;
+  for (auto& p : candidate.parameters)
+    if (p.quantity == Quantity::length && p.points < hardly_any && p.note.find("not scanned") == std::string::npos)
+      p.note += "; its face was not scanned, the data end there";
+}
+
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
 void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
-  search.winner = search.judged.size();
+  search.winner = search.judged.size(), search.found = false;
   for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets && !search.found; ++i) {
     Candidate exact = search.judged[i].candidate;
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
     refine(exact, input, full, context);
+    name_unseen(exact);
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;
       Candidate tidy = exact;
@@ -260,6 +269,14 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
   }
 }
 
+/// True if what was found follows the data only roughly, by many flat faces: a rounded body may do better.
+bool is_rough(const Search& search, const FitInput& input) {
+  constexpr std::size_t many_faces = 9;
+  if (!search.found) return false;
+  const auto* body = std::get_if<HalfSpaces>(&search.judged[search.winner].candidate.shape);
+  return body && body->planes.size() >= many_faces && search.evidence.local_max > std::max(1.5 * input.sampling.sigma, 0.5 * input.tolerance);
+}
+
 /// A scan, with or without its strays, and what was found in it.
 struct Attempt {
   FitInput input;
@@ -285,7 +302,7 @@ void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& op
 std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context& context) {
   constexpr std::size_t least_strays = 9;  // fewer never judge a candidate
   if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return std::nullopt;
-  const SurfacePoints found = surface_points_of(input.cloud.points, input.sampling.sigma, context);
+  const SurfacePoints found = surface_points_of(input.cloud.points, input.cloud.rays, input.sampling.sigma, context);
   PointCloud& cloud = input.cloud;
   const std::size_t n = cloud.size();
   if (found.strays < least_strays || n - found.strays < 50) return std::nullopt;
@@ -343,7 +360,9 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     auto next = without ? without_strays(scan, input, context) : std::optional(Attempt{input, rejected, {}});
     if (!next) continue;
     attempts.push_back(std::move(*next));
-    if (found_in(attempts.back(), false)) break;
+    if (!found_in(attempts.back(), false)) continue;
+    if (!context.cancelled && is_rough(attempts.back().search, attempts.back().input)) found_in(attempts.back(), true);
+    break;
   }
   for (auto& a : attempts)
     if (chosen == 2 && !context.cancelled && found_in(a, true)) break;

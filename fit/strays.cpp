@@ -17,6 +17,9 @@ namespace {
 constexpr std::size_t least_neighbours = 20, most_neighbours = 90;
 constexpr int drawn_planes = 25;
 constexpr double good_share = 0.72;  // of the neighbours on a point's plane; a ball of strays reaches 0.6 by chance
+constexpr double edge_on = 0.1;      // cosine between normal and ray; no surface returns light at 84 degrees
+constexpr double everywhere = 0.1;   // share of the points; then what is sparse is no surface
+constexpr double sparse = 0.1;       // of the middle density of a surface
 
 /// The plane near a point that holds most of its neighbours.
 struct LocalPlane {
@@ -84,9 +87,30 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Neighbo
   return plane;
 }
 
+/// Marks what is so sparse among the points left that it is a curtain rather than a surface.
+void set_sparse_aside(const std::vector<Vec3>& points, SurfacePoints& result, Context& context) {
+  std::vector<std::uint32_t> source;
+  std::vector<Vec3> kept;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!result.stray[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
+  if (kept.size() < 3 * least_neighbours) return;
+  const KdTree tree(kept);
+  std::vector<double> sq_radius(kept.size());
+  parallel_for(kept.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      tree.nearest(kept[i], least_neighbours, near);
+      sq_radius[i] = near.back().sq_distance;
+    }
+  });
+  const double widest = median(sq_radius) / sparse;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (sq_radius[i] > widest) result.stray[source[i]] = 1, ++result.strays;
+}
+
 }  // namespace
 
-SurfacePoints surface_points_of(const std::vector<Vec3>& points, double sigma, Context& context) {
+SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double sigma, Context& context) {
   const std::size_t n = points.size();
   SurfacePoints result;
   result.stray.assign(n, 0), result.normals.assign(n, Vec3::Zero()), result.sigma = sigma, result.share.assign(n, 0);
@@ -110,6 +134,7 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, double sigma, C
         while (used < near.size() && near[used].sq_distance < reach * reach) ++used;
         near.resize(used);
         planes[i] = plane_near(kept, near, i, result.sigma);
+        if (rays.size() == n && std::abs(planes[i].normal.dot(rays[source[i]])) < edge_on) planes[i].share = 0;
         neighbours[i] = near;
       }
     });
@@ -152,6 +177,7 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, double sigma, C
       break;
     }
   }
+  if (double(result.strays) > everywhere * double(n)) set_sparse_aside(points, result, context);
   return result;
 }
 

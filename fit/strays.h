@@ -20,9 +20,10 @@ struct SurfacePoints {
 
 /// `sigma`: a first guess of the noise, mm. Neighbourhoods are at least ten sigmas wide, so that a surface can be told
 /// from a cloud. Planes through each point are drawn from pairs of neighbours; a point belongs to a surface if three
-/// neighbours, whose own planes hold most of theirs, hold it. Repeated without the strays until nothing changes. Pieces
-/// that hang together but hold less than 3 % of the points are strays too.
+/// neighbours, whose own planes hold most of theirs, hold it. Repeated without the strays until nothing changes. Strays too
+/// are curtains: planes along the viewing rays (`rays`: of each point, or none), and, where a tenth of the points are strays,
+/// what is a tenth as dense as the middle of the surface; and pieces that hang together but hold less than 3 % of the points.
 /// The same for any number of threads.
-SurfacePoints surface_points_of(const std::vector<Vec3>& points, double sigma, Context& context);
+SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double sigma, Context& context);
 
 }  // namespace partscribe

@@ -42,6 +42,20 @@ bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
   return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
 }
 
+/// True if two segments lie on one line and share more than an end.
+bool segments_overlap(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const double length = (b - a).norm();
+  if (!(length > sketch_join)) return false;
+  const Vec2 along = (b - a) / length, across(-along.y(), along.x());
+  if (std::abs(across.dot(c - a)) > sketch_join || std::abs(across.dot(d - a)) > sketch_join) return false;
+  const double from = along.dot(c - a), to = along.dot(d - a);
+  return std::min(length, std::max(from, to)) - std::max(0.0, std::min(from, to)) > sketch_join;
+}
+
+std::string place_of(const Vec2& p) {
+  return "(" + print_number(snapped(p.x(), 1e-3)) + ", " + print_number(snapped(p.y(), 1e-3)) + ")";
+}
+
 }  // namespace
 
 struct Check {
@@ -145,8 +159,7 @@ struct Check {
     for (std::size_t i = 0; i < chords.size(); ++i)
       for (std::size_t k = i + 1; k < chords.size(); ++k)
         if (segments_cross(chords[i].a, chords[i].b, chords[k].a, chords[k].b))
-          return complain(where + ": the sketch crosses itself near (" + print_number(snapped(chords[i].a.x(), 1e-3)) +
-                          ", " + print_number(snapped(chords[i].a.y(), 1e-3)) + ")");
+          return complain(where + ": the sketch crosses itself near " + place_of(chords[i].a));
     for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
       const double enclosed = signed_area(outline, static_cast<int>(l));
       const std::string& name = sketch.loops[l].name;
@@ -157,6 +170,10 @@ struct Check {
       else if (l > 0 && enclosed > 0)
         complain(where + ": loop " + quoted(name) + " is a hole and must run clockwise");
     }
+    for (std::size_t i = 0; i < chords.size(); ++i)
+      for (std::size_t k = i + 1; k < chords.size(); ++k)
+        if (segments_overlap(chords[i].a, chords[i].b, chords[k].a, chords[k].b))
+          return complain(where + ": the sketch runs along itself near " + place_of(chords[i].a));
     // Holes lie inside the outer boundary and outside each other.
     auto alone = [&](int l) {
       Outline2 one;

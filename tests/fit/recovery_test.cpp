@@ -78,7 +78,7 @@ TEST_CASE("recovery: a hard scan holds what its conditions say") {
 TEST_CASE("strays: most are found among a third of them, few points of the surface are taken for one") {
   const Case c = make_case("box", hardest_conditions(), 5);
   Context context;
-  const SurfacePoints found = surface_points_of(c.scan.cloud.points, 1.5 * c.noise, context);
+  const SurfacePoints found = surface_points_of(c.scan.cloud.points, c.scan.cloud.rays, 1.5 * c.noise, context);
   const ModelDistance distance(c.truth);
   const Pose part_from_scan = c.scan_from_part.inverse();
   std::size_t strays = 0, strays_found = 0, surface = 0, surface_lost = 0;
