@@ -1,0 +1,208 @@
+#include "scan/register.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/ensure.h"
+#include "core/number.h"
+#include "core/statistics.h"
+#include "scan/register_joint.h"
+#include "scan/register_pair.h"
+#include "scan/register_start.h"
+
+namespace partscribe {
+namespace {
+
+std::string rounded(double x, double grid) { return print_number(std::round(x / grid) * grid); }
+std::string percent(double share) { return rounded(share * 100, 0.1) + " %"; }
+
+std::string place_text(const Vec3& v, double grid) {
+  return "(" + rounded(v.x(), grid) + ", " + rounded(v.y(), grid) + ", " + rounded(v.z(), grid) + ")";
+}
+
+/// A direction in the space of all poses as a motion of the views that take part in it most.
+FreeMotion free_motion(const Eigen::VectorXd& direction, const JointResult& joint, const std::vector<RegisterView>& views) {
+  FreeMotion motion;
+  const std::size_t n = views.size();
+  double most = 0;
+  std::size_t leader = 0;
+  std::vector<double> sizes(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    sizes[v] = direction.segment<6>(static_cast<Eigen::Index>(6 * v)).norm();
+    if (sizes[v] > most) most = sizes[v], leader = v;
+  }
+  std::string names;
+  for (std::size_t v = 0; v < n; ++v)
+    if (sizes[v] > 0.3 * most) motion.views.push_back(v), names += (names.empty() ? "" : ", ") + (views[v].name.empty() ? std::to_string(v) : views[v].name);
+  const Vec3 turn = direction.segment<3>(static_cast<Eigen::Index>(6 * leader)) / joint.size;
+  const Vec3 shift = direction.segment<3>(static_cast<Eigen::Index>(6 * leader + 3));
+  motion.turns = turn.norm() * joint.size > 0.3 * shift.norm();
+  if (motion.turns) {
+    motion.axis = turn.normalized();
+    // Points that stay: turn x (p - center) + shift = 0, as near to the center as there is one.
+    motion.point = joint.center + turn.cross(shift) / turn.squaredNorm();
+  } else {
+    motion.axis = shift.normalized(), motion.point = joint.center;
+  }
+  int largest = 0;
+  motion.axis.cwiseAbs().maxCoeff(&largest);
+  if (motion.axis[largest] < 0) motion.axis = -motion.axis;
+  motion.words = std::string(motion.views.size() == 1 ? "view " : "views ") + names + (motion.turns ? " turn about " : " slide along ") +
+                 place_text(motion.axis, 1e-3) + (motion.turns ? " through " + place_text(motion.point, 1e-2) : "");
+  return motion;
+}
+
+struct Judged {
+  std::vector<std::size_t> good;
+  bool changed = false;
+};
+
+/// Fills in what the final poses say of each view, and refuses those that break a rule.
+Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used,
+             const RegisterOptions& options, Registration& result) {
+  Judged judged;
+  const double reach = confirm_reach(surfaces);
+  for (const std::size_t v : used) {
+    RegisteredView& view = result.views[v];
+    view.world_from_view = joint.poses[v], view.covariance = joint.covariance[v];
+    if (used.size() > 1) {
+      const Agreement found = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
+      view.overlap = found.overlap(), view.residual_median = found.residual, view.seen_through = found.seen_through();
+    }
+    std::string reason;
+    const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
+    const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
+    if (v != used.front()) {
+      if (view.overlap < options.min_overlap)
+        reason = "only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap);
+      else if (view.seen_through > options.max_seen_through)
+        reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
+      else if (options.tolerance > 0 && sigma > options.tolerance / 4)
+        reason = "its pose is known to " + rounded(sigma, 1e-3) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1e-3) + " mm";
+    }
+    if (reason.empty()) {
+      view.status = v == used.front() ? ViewStatus::reference : ViewStatus::registered;
+      judged.good.push_back(v);
+    } else {
+      view.status = ViewStatus::refused, view.reason = reason, judged.changed = true;
+    }
+  }
+  return judged;
+}
+
+std::optional<Error> check(const std::vector<RegisterView>& views, const RegisterOptions& options) {
+  std::size_t points = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    points += views[v].cloud.size();
+    if (options.arrangement == Arrangement::guessed && !views[v].guess)
+      return usage_error("view " + std::to_string(v) + " (" + views[v].name + "): expected a guess of its pose, found none; register it as of unknown pose");
+    for (const Vec3& p : views[v].cloud.points)
+      if (!p.allFinite()) return bad_input("view " + std::to_string(v) + " (" + views[v].name + "): expected finite coordinates, found some that are not");
+  }
+  if (points == 0) return bad_input("expected views with points, found none");
+  return {};
+}
+
+}  // namespace
+
+std::vector<RegisterView> views_of(const Scan& scan) {
+  std::vector<RegisterView> views(scan.views.size());
+  std::vector<Pose> from_world;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    views[v].name = scan.views[v].file, views[v].guess = scan.views[v].world_from_view;
+    views[v].width = scan.views[v].width, views[v].height = scan.views[v].height;
+    from_world.push_back(scan.views[v].world_from_view.inverse());
+  }
+  const PointCloud& all = scan.cloud;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::int32_t v = all.view.empty() ? 0 : all.view[i];
+    if (v < 0 || static_cast<std::size_t>(v) >= views.size()) continue;
+    PointCloud& cloud = views[static_cast<std::size_t>(v)].cloud;
+    const Pose& pose = from_world[static_cast<std::size_t>(v)];
+    cloud.points.push_back(pose * all.points[i]);
+    if (!all.normals.empty()) cloud.normals.push_back(pose.rotation * all.normals[i]);
+    if (!all.rays.empty()) cloud.rays.push_back(pose.rotation * all.rays[i]);
+    if (!all.sigma.empty()) cloud.sigma.push_back(all.sigma[i]);
+    if (!all.pixel.empty()) cloud.pixel.push_back(all.pixel[i]);
+    if (!all.rejected.empty()) cloud.rejected.push_back(all.rejected[i]);
+  }
+  return views;
+}
+
+void place_views(const Registration& registration, Scan& scan) {
+  ensure(registration.views.size() == scan.views.size(), "the registration must be of this scan's views");
+  std::vector<Pose> change;
+  for (std::size_t v = 0; v < scan.views.size(); ++v) {
+    change.push_back(registration.views[v].world_from_view * scan.views[v].world_from_view.inverse());
+    scan.views[v].world_from_view = registration.views[v].world_from_view;
+  }
+  PointCloud& cloud = scan.cloud;
+  std::size_t kept = 0;
+  const auto keep = [&](auto& column, std::size_t i) {
+    if (!column.empty()) column[kept] = column[i];
+  };
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::int32_t v = cloud.view.empty() ? 0 : cloud.view[i];
+    if (v < 0 || static_cast<std::size_t>(v) >= change.size() || registration.views[static_cast<std::size_t>(v)].status == ViewStatus::refused) continue;
+    const Pose& pose = change[static_cast<std::size_t>(v)];
+    cloud.points[kept] = pose * cloud.points[i];
+    if (!cloud.normals.empty()) cloud.normals[kept] = pose.rotation * cloud.normals[i];
+    if (!cloud.rays.empty()) cloud.rays[kept] = pose.rotation * cloud.rays[i];
+    keep(cloud.sigma, i), keep(cloud.view, i), keep(cloud.pixel, i), keep(cloud.rejected, i);
+    ++kept;
+  }
+  cloud.points.resize(kept);
+  const auto cut = [&](auto& column) {
+    if (!column.empty()) column.resize(kept);
+  };
+  cut(cloud.normals), cut(cloud.rays), cut(cloud.sigma), cut(cloud.view), cut(cloud.pixel), cut(cloud.rejected);
+}
+
+Result<Registration> register_views(const std::vector<RegisterView>& views, const RegisterOptions& options, Context& context) {
+  if (auto error = check(views, options)) return *error;
+  const Error stopped{"stopped while registering views", ErrorKind::stopped};
+  const std::vector<ViewSurface> surfaces = view_surfaces(views, options.samples, context);
+  if (context.cancelled) return stopped;
+  std::vector<Pose> guesses;
+  for (const RegisterView& view : views) guesses.push_back(view.guess.value_or(Pose{}));
+  const StartResult start = start_from_guesses(surfaces, guesses, options, context);
+  if (context.cancelled) return stopped;
+
+  Registration result;
+  result.views.resize(views.size());
+  std::vector<std::size_t> used;
+  double step = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    result.views[v].world_from_view = start.poses[v];
+    if (start.placed[v]) used.push_back(v), step = std::max(step, 6 * surfaces[v].spacing);
+    else result.views[v].reason = start.reason[v];
+  }
+  if (used.empty()) return bad_input("expected a view with smooth surface on it, found none");
+  JointResult joint;
+  joint.poses = start.poses;
+  // A refused view has pulled at the others: they are adjusted again without it.
+  while (true) {
+    JointOptions adjust;
+    adjust.start_reach = step, adjust.contours = options.contours;
+    joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
+    if (context.cancelled) return stopped;
+    const Judged judged = judge(surfaces, joint, used, options, result);
+    if (!judged.changed) break;
+    used = judged.good;
+  }
+  result.center = joint.center;
+  for (const auto& row : joint.gap)
+    for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
+  for (const auto& direction : joint.free_directions) result.free_motions.push_back(free_motion(direction, joint, views));
+  for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);
+  for (std::size_t v = 0; v < views.size(); ++v)
+    if (result.views[v].status == ViewStatus::refused)
+      result.warnings.push_back("view " + (views[v].name.empty() ? std::to_string(v) : views[v].name) + " is not registered: " + result.views[v].reason);
+  context.say("surfaces " + print_number(joint.surface_sigma) + " mm in " + std::to_string(joint.surface_matches) + " matches, contours " +
+              print_number(joint.contour_sigma) + " px (bias " + print_number(joint.contour_bias) + ") in " + std::to_string(joint.contour_matches));
+  return result;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,405 @@
+#include "scan/register_joint.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "core/statistics.h"
+
+namespace partscribe {
+namespace {
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int groups = 10;           // of the jackknife, by place
+constexpr double free_limit = 10;    // times what noise in the normals explains
+constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
+
+/// The part of the normal equations that one view against another contributes; the other has the opposite sign.
+struct PairSum {
+  std::size_t a = 0, b = 0;  // positions in the list of views
+  Mat6 h = Mat6::Zero(), m = Mat6::Zero();
+  Vec6 g = Vec6::Zero();
+  std::vector<Mat6> group_h;
+  std::vector<Vec6> group_g;
+  std::vector<double> residual, bend;  // e, |n_x - n_y|^2
+  double bias_top = 0, bias_bottom = 0;
+  std::size_t matches = 0;
+};
+
+/// What one round of matching starts from.
+struct Round {
+  double reach = 0, wide = 0;                     // mm: across, and the kernel's width along the normal
+  double surface_sigma = 1, contour_sigma = 1;    // mm; pixels
+  double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
+  bool grouped = false;
+};
+
+struct Problem {
+  const std::vector<ViewSurface>& surfaces;
+  const std::vector<std::size_t>& views;
+  std::vector<Pose> poses;  // by position in `views`
+  Vec3 center;
+  double size;
+
+  const ViewSurface& surface(std::size_t k) const { return surfaces[views[k]]; }
+};
+
+int group_of(const Problem& problem, const Vec3& p) {
+  std::uint64_t hash = 0x9E3779B97F4A7C15ull;
+  for (int k = 0; k < 3; ++k) {
+    const auto cell = static_cast<std::int64_t>(std::floor((p[k] - problem.center[k]) / (0.4 * problem.size)));
+    hash = (hash ^ static_cast<std::uint64_t>(cell + 1000)) * 0xBF58476D1CE4E5B9ull;
+    hash ^= hash >> 29;
+  }
+  return static_cast<int>(hash % groups);
+}
+
+void add_row(const Problem& problem, const Vec3& place, const Vec3& n, double e, double w, double normal_variance,
+             bool grouped, PairSum& sum) {
+  const Vec3 lever = (place - problem.center) / problem.size;
+  Vec6 row;
+  row << lever.cross(n), n;
+  const Mat6 square = w * row * row.transpose();
+  sum.h += square, sum.g -= w * e * row;
+  // The same with the two directions across the normal: what a slightly wrong normal mixes in.
+  Eigen::Matrix<double, 3, 6> all;
+  all << 0, lever.z(), -lever.y(), 1, 0, 0, -lever.z(), 0, lever.x(), 0, 1, 0, lever.y(), -lever.x(), 0, 0, 0, 1;
+  sum.m += normal_variance * (w * all.transpose() * all - square);
+  ++sum.matches;
+  if (!grouped) return;
+  const auto k = static_cast<std::size_t>(group_of(problem, place));
+  sum.group_h[k] += square, sum.group_g[k] -= w * e * row;
+}
+
+PairSum empty_sum(std::size_t a, std::size_t b, bool grouped) {
+  PairSum sum;
+  sum.a = a, sum.b = b;
+  if (grouped) sum.group_h.assign(groups, Mat6::Zero()), sum.group_g.assign(groups, Vec6::Zero());
+  return sum;
+}
+
+PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
+  PairSum sum = empty_sum(a, b, round.grouped);
+  const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
+  const Pose there = problem.poses[b].inverse() * problem.poses[a];
+  for (const auto i : from.samples) {
+    const Vec3 x = there * from.points[i], nx = there.rotation * from.normals[i];
+    if (nx.dot(to.raster.ray(x)) > 0.1) continue;  // faces away: the other cannot see it
+    const Neighbour near = to.tree->nearest_one(x);
+    if (near.sq_distance > 9 * round.reach * round.reach || !to.smooth[near.index]) continue;
+    const Vec3& ny = to.normals[near.index];
+    if (nx.dot(ny) < 0.7071) continue;
+    const Vec3 n = (nx + ny).normalized(), d = x - to.points[near.index];
+    const double e = d.dot(n);
+    const double w = std::exp(-d.squaredNorm() / (2 * round.reach * round.reach) - e * e / (2 * round.wide * round.wide));
+    if (w < 1e-3) continue;
+    add_row(problem, problem.poses[b] * (x - 0.5 * d), problem.poses[b].rotation * n, e,
+            w / (round.surface_sigma * round.surface_sigma), round.normal_variance, round.grouped, sum);
+    sum.residual.push_back(e), sum.bend.push_back((nx - ny).squaredNorm());
+  }
+  return sum;
+}
+
+constexpr std::size_t most_contour = 600;
+
+PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
+  PairSum sum = empty_sum(a, b, round.grouped);
+  const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
+  const Pose there = problem.poses[b].inverse() * problem.poses[a];
+  std::vector<Neighbour> near;
+  const std::size_t count = std::min(most_contour, from.contour.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const ContourPoint& c = from.contour[(2 * k + 1) * from.contour.size() / (2 * count)];
+    const Vec3 q = there * c.point, outward = there.rotation * c.outward, na = there.rotation * c.normal;
+    const Vec3 ray = there.rotation * from.raster.ray(c.point);
+    to.tree->within(q, 4 * std::max(to.spacing, c.pixel), near);
+    for (const Neighbour& neighbour : near) {
+      const Vec3& n = to.normals[neighbour.index];
+      const double towards = -n.dot(ray);
+      if (!to.smooth[neighbour.index] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
+      const double lever = n.dot(outward);
+      const double e = (q - to.points[neighbour.index]).dot(n) / c.pixel;  // in pixels
+      const double wide = std::max(3 * round.contour_sigma, round.reach / c.pixel / 2);
+      const double off = e - round.bias * lever;
+      if (std::abs(off) > 3 * wide) break;
+      const double w = std::exp(-off * off / (2 * wide * wide));
+      const double sigma = round.contour_sigma * c.pixel;
+      add_row(problem, problem.poses[b] * q, problem.poses[b].rotation * n, off * c.pixel, contour_trust * w / (sigma * sigma),
+              round.normal_variance, round.grouped, sum);
+      sum.residual.push_back(off);
+      sum.bias_top += w * e * lever, sum.bias_bottom += w * lever * lever;
+      break;
+    }
+  }
+  return sum;
+}
+
+/// The least and the largest angle between two directions of sight.
+double sight_cosine(const Problem& problem, std::size_t a, std::size_t b) {
+  const auto direction = [&](std::size_t k) {
+    return Vec3(problem.poses[k].rotation * problem.surface(k).raster.ray(problem.surface(k).center));
+  };
+  return direction(a).dot(direction(b));
+}
+
+using PairList = std::vector<std::pair<std::size_t, std::size_t>>;
+
+/// Each view with the views that share most of its surface, both ways round.
+PairList neighbour_pairs(const Problem& problem, double reach, int neighbours, int threads) {
+  const std::size_t n = problem.views.size();
+  std::vector<double> share(n * n, 0);
+  parallel_for(n * n, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t a = k / n, b = k % n;
+      if (a == b) continue;
+      const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
+      const Pose there = problem.poses[b].inverse() * problem.poses[a];
+      const std::size_t count = std::min<std::size_t>(150, from.samples.size());
+      int hits = 0;
+      for (std::size_t s = 0; s < count; ++s) {
+        const auto i = from.samples[s * from.samples.size() / count];
+        const Vec3 x = there * from.points[i];
+        const Neighbour near = to.tree->nearest_one(x);
+        hits += near.sq_distance < reach * reach && to.normals[near.index].dot(there.rotation * from.normals[i]) > 0.8;
+      }
+      share[k] = static_cast<double>(hits) / static_cast<double>(count);
+    }
+  }, 1);
+  std::vector<char> chosen(n * n, 0);
+  for (std::size_t a = 0; a < n; ++a) {
+    std::vector<std::size_t> order;
+    for (std::size_t b = 0; b < n; ++b)
+      if (share[a * n + b] > 0.03) order.push_back(b);
+    std::stable_sort(order.begin(), order.end(), [&](auto p, auto q) { return share[a * n + p] > share[a * n + q]; });
+    for (std::size_t k = 0; k < std::min(order.size(), static_cast<std::size_t>(neighbours)); ++k)
+      chosen[a * n + order[k]] = chosen[order[k] * n + a] = 1;
+  }
+  PairList pairs;
+  for (std::size_t k = 0; k < n * n; ++k)
+    if (chosen[k]) pairs.emplace_back(k / n, k % n);
+  return pairs;
+}
+
+/// The normal equations of all views but the first.
+struct System {
+  MatrixXd h, m;
+  VectorXd g;
+};
+
+void scatter(const PairSum& sum, const Mat6& h, const Mat6& m, const Vec6& g, System& system) {
+  const auto add = [&](std::size_t r, std::size_t c, double sign) {
+    if (r == 0 || c == 0) return;
+    const auto i = static_cast<Eigen::Index>(6 * (r - 1)), j = static_cast<Eigen::Index>(6 * (c - 1));
+    system.h.block<6, 6>(i, j) += sign * h, system.m.block<6, 6>(i, j) += sign * m;
+  };
+  add(sum.a, sum.a, 1), add(sum.b, sum.b, 1), add(sum.a, sum.b, -1), add(sum.b, sum.a, -1);
+  if (sum.a > 0) system.g.segment<6>(static_cast<Eigen::Index>(6 * (sum.a - 1))) += g;
+  if (sum.b > 0) system.g.segment<6>(static_cast<Eigen::Index>(6 * (sum.b - 1))) -= g;
+}
+
+System assemble(std::size_t views, const std::vector<PairSum>& sums, int group = -1) {
+  const auto n = static_cast<Eigen::Index>(6 * (views - 1));
+  System system{MatrixXd::Zero(n, n), MatrixXd::Zero(n, n), VectorXd::Zero(n)};
+  for (const PairSum& sum : sums)
+    if (group < 0)
+      scatter(sum, sum.h, sum.m, sum.g, system);
+    else
+      scatter(sum, sum.group_h[std::size_t(group)], Mat6::Zero(), sum.group_g[std::size_t(group)], system);
+  return system;
+}
+
+/// Directions in order of how well they are fixed; columns v with v'Mv = 1, so that v'Hv is the eigenvalue.
+struct Directions {
+  MatrixXd v;
+  VectorXd fixed;
+  Eigen::Index first = 0;  // of those that are fixed well enough
+};
+
+Directions directions_of(System system) {
+  const Eigen::Index n = system.h.rows();
+  const double ridge = 1e-9 * std::max(system.m.trace() / static_cast<double>(n), 1e-30) + 1e-12 * system.h.trace() / static_cast<double>(n);
+  system.m.diagonal().array() += ridge;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(system.h, system.m);
+  Directions result{eigen.eigenvectors(), eigen.eigenvalues()};
+  while (result.first < n && !(result.fixed[result.first] > free_limit)) ++result.first;
+  return result;
+}
+
+VectorXd solve(const Directions& directions, const VectorXd& g) {
+  VectorXd step = VectorXd::Zero(g.size());
+  for (Eigen::Index k = directions.first; k < g.size(); ++k)
+    step += directions.v.col(k) * (directions.v.col(k).dot(g) / directions.fixed[k]);
+  return step;
+}
+
+/// The largest move of any place of the part, mm.
+double apply(Problem& problem, const VectorXd& step, double limit) {
+  double most = 0;
+  for (std::size_t k = 1; k < problem.views.size(); ++k) {
+    Vec3 turn = step.segment<3>(static_cast<Eigen::Index>(6 * (k - 1))) / problem.size;
+    Vec3 shift = step.segment<3>(static_cast<Eigen::Index>(6 * (k - 1) + 3));
+    const double move = turn.norm() * problem.size + shift.norm();
+    if (move > limit) turn *= limit / move, shift *= limit / move;
+    const Mat3 rotation = rotation_of(turn);
+    problem.poses[k] = Pose{rotation, problem.center + shift - rotation * problem.center} * problem.poses[k];
+    most = std::max(most, std::min(move, limit));
+  }
+  return most;
+}
+
+double spread_of(std::vector<double> residuals) {
+  for (double& e : residuals) e = std::abs(e);
+  return 1.4826 * median(std::move(residuals));
+}
+
+/// What a match is worth depends on how far matches of its kind are off.
+void learn(const std::vector<PairSum>& surfaces, const std::vector<PairSum>& contours, double least, Round& round) {
+  std::vector<double> residual, bend, border;
+  double top = 0, bottom = 0;
+  for (const PairSum& sum : surfaces) {
+    residual.insert(residual.end(), sum.residual.begin(), sum.residual.end());
+    bend.insert(bend.end(), sum.bend.begin(), sum.bend.end());
+  }
+  for (const PairSum& sum : contours) {
+    border.insert(border.end(), sum.residual.begin(), sum.residual.end());
+    top += sum.bias_top, bottom += sum.bias_bottom;
+  }
+  round.surface_sigma = std::max(spread_of(std::move(residual)), least);
+  // |n_x - n_y|^2 has the median 2 ln 2 (2 s^2); the mean of the two normals has the variance s^2 / 2.
+  round.normal_variance = std::max(0.18 * median(std::move(bend)), 1e-8);
+  if (!border.empty()) round.contour_sigma = std::clamp(spread_of(std::move(border)), 0.1, 3.0);
+  if (bottom > 50) round.bias = std::clamp(top / bottom, -0.5, 0.5);
+}
+
+std::vector<Mat6> covariance_of(const Problem& problem, const std::vector<PairSum>& sums, const System& system,
+                                const Directions& directions) {
+  const std::size_t n = problem.views.size();
+  const Eigen::Index size = system.h.rows();
+  MatrixXd spread = MatrixXd::Zero(size, size);
+  for (Eigen::Index k = directions.first; k < size; ++k)
+    spread += directions.v.col(k) * directions.v.col(k).transpose() / directions.fixed[k];
+  // Leave out one group of places after the other, within the directions that are fixed.
+  const MatrixXd basis = directions.v.rightCols(size - directions.first);
+  std::vector<VectorXd> steps;
+  VectorXd mean = VectorXd::Zero(size);
+  for (int group = 0; group < groups; ++group) {
+    const System part = assemble(n, sums, group);
+    const MatrixXd h = basis.transpose() * (system.h - part.h) * basis;
+    const VectorXd g = basis.transpose() * (system.g - part.g);
+    steps.push_back(basis * (h + 1e-6 * h.diagonal().asDiagonal().toDenseMatrix()).ldlt().solve(g));
+    mean += steps.back() / groups;
+  }
+  for (const VectorXd& step : steps)
+    spread += (groups - 1.0) / groups * (step - mean) * (step - mean).transpose();
+  std::vector<Mat6> result(n, Mat6::Zero());
+  Vec6 unit;
+  unit << Vec3::Constant(1 / problem.size), Vec3::Ones();
+  for (std::size_t k = 1; k < n; ++k) {
+    const auto i = static_cast<Eigen::Index>(6 * (k - 1));
+    result[k] = unit.asDiagonal() * spread.block<6, 6>(i, i) * unit.asDiagonal();
+  }
+  return result;
+}
+
+}  // namespace
+
+JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
+                           const std::vector<std::size_t>& views, const JointOptions& options, Context& context) {
+  JointResult result;
+  result.poses = poses;
+  result.covariance.assign(poses.size(), Mat6::Zero());
+  result.gap.assign(poses.size(), std::vector<double>(poses.size(), -1));
+  Problem problem{surfaces, views, {}, Vec3::Zero(), 1};
+  double spacing = 0, sigma = 0;
+  for (const std::size_t v : views) {
+    problem.poses.push_back(poses[v]);
+    problem.center += poses[v] * surfaces[v].center / static_cast<double>(views.size());
+    spacing = std::max(spacing, surfaces[v].spacing), sigma = std::max(sigma, surfaces[v].sigma);
+  }
+  double square = 0;
+  for (std::size_t k = 0; k < views.size(); ++k)
+    square += (problem.poses[k] * problem.surface(k).center - problem.center).squaredNorm() + std::pow(problem.surface(k).radius, 2);
+  if (!views.empty()) problem.size = std::sqrt(square / static_cast<double>(views.size()));
+  result.center = problem.center, result.size = problem.size;
+  if (views.size() < 2) return result;
+
+  const double end_reach = std::max(1.5 * spacing, 4 * sigma);
+  const double least = 1e-3 * spacing;
+  Round round;
+  round.reach = std::max(options.start_reach, end_reach);
+  round.surface_sigma = round.reach / 4;
+  PairList pairs = neighbour_pairs(problem, round.reach, options.neighbours, context.threads), borders;
+  std::vector<PairSum> sums, contour_sums;
+  const auto match = [&] {
+    round.wide = std::max(round.reach / 2, 3 * round.surface_sigma);
+    if (round.reach <= end_reach) round.wide = 3 * round.surface_sigma;
+    sums.assign(pairs.size(), {}), contour_sums.assign(borders.size(), {});
+    parallel_for(pairs.size() + borders.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        if (k < pairs.size())
+          sums[k] = match_surfaces(problem, pairs[k].first, pairs[k].second, round);
+        else
+          contour_sums[k - pairs.size()] = match_contours(problem, borders[k - pairs.size()].first, borders[k - pairs.size()].second, round);
+    }, 1);
+  };
+  const auto all_sums = [&] {
+    std::vector<PairSum> all = sums;
+    all.insert(all.end(), contour_sums.begin(), contour_sums.end());
+    return all;
+  };
+  int at_end = 0;
+  for (int k = 0; k < options.rounds && !context.cancelled; ++k) {
+    context.report("adjusting all views", static_cast<double>(k) / options.rounds);
+    match();
+    learn(sums, contour_sums, least, round);
+    const System system = assemble(views.size(), all_sums());
+    if (!(system.h.trace() > 0)) break;
+    const double moved = apply(problem, solve(directions_of(system), system.g), 2 * round.reach);
+    if (round.reach > end_reach) {
+      if (moved < 0.2 * round.reach) {
+        round.reach = std::max(0.6 * round.reach, end_reach);
+        if (round.reach == end_reach) {
+          pairs = neighbour_pairs(problem, 3 * round.reach, options.neighbours, context.threads);
+          if (options.contours)
+            for (std::size_t a = 0; a < views.size(); ++a)
+              for (std::size_t b = 0; b < views.size(); ++b)
+                if (a != b && !problem.surface(a).contour.empty() && std::abs(sight_cosine(problem, a, b) + 0.08) < 0.79) borders.emplace_back(a, b);
+        }
+      }
+      continue;
+    }
+    if (++at_end >= 6 && moved < 0.02 * std::max(sigma, 1e-3 * spacing)) break;
+  }
+  round.grouped = true;
+  match();
+  const std::vector<PairSum> all = all_sums();
+  const System system = assemble(views.size(), all);
+  if (system.h.trace() > 0) {
+    const Directions directions = directions_of(system);
+    const auto covariance = covariance_of(problem, all, system, directions);
+    for (std::size_t k = 0; k < views.size(); ++k) result.covariance[views[k]] = covariance[k];
+    for (Eigen::Index k = 0; k < directions.first; ++k) {
+      VectorXd direction = VectorXd::Zero(static_cast<Eigen::Index>(6 * poses.size()));
+      for (std::size_t j = 1; j < views.size(); ++j)
+        direction.segment<6>(static_cast<Eigen::Index>(6 * views[j])) = directions.v.col(k).segment<6>(static_cast<Eigen::Index>(6 * (j - 1)));
+      result.free_directions.push_back(direction.normalized());
+    }
+  }
+  for (std::size_t k = 0; k < views.size(); ++k) result.poses[views[k]] = problem.poses[k];
+  for (const PairSum& sum : sums) {
+    result.surface_matches += sum.matches;
+    std::vector<double> sizes = sum.residual;
+    for (double& e : sizes) e = std::abs(e);
+    if (sizes.size() >= 30) result.gap[views[sum.a]][views[sum.b]] = median(std::move(sizes));
+  }
+  for (const PairSum& sum : contour_sums) result.contour_matches += sum.matches;
+  result.surface_sigma = round.surface_sigma, result.contour_sigma = round.contour_sigma, result.contour_bias = round.bias;
+  return result;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,38 @@
+/// All views at once: every pose is adjusted against its neighbours until nothing moves.
+#pragma once
+
+#include <vector>
+
+#include "scan/register_surface.h"
+
+namespace partscribe {
+
+struct JointOptions {
+  double start_reach = 5;    ///< mm
+  bool contours = true;
+  int neighbours = 7;        ///< views that each view is held against
+  int rounds = 40;
+};
+
+/// How far each view is fixed, and in which directions not.
+struct JointResult {
+  std::vector<Pose> poses;                 ///< world_from_view
+  std::vector<Mat6> covariance;            ///< rotation vector about `center` (rad), shift (mm); free motions left out
+  Vec3 center = Vec3::Zero();
+  double size = 1;                         ///< mm; rms radius of the part, by which rotations are weighed
+  /// Unit directions in the 6 n unknowns (rotation times `size`, shift; view after view) that nothing fixes.
+  std::vector<Eigen::VectorXd> free_directions;
+  double surface_sigma = 0;                ///< of the distances between surfaces, mm
+  double contour_sigma = 0, contour_bias = 0;  ///< pixels
+  std::size_t surface_matches = 0, contour_matches = 0;
+  std::vector<std::vector<double>> gap;    ///< median |distance| of each pair of views, mm; negative without overlap
+};
+
+/// Gauss-Newton on symmetric point-to-plane distances under Welsch weights, with the occluding contours of each view
+/// against the faces that other views see edge-on to it. `views` are adjusted, the first of them stays.
+/// A direction counts as free when the distances change along it no more than noise in the normals explains:
+/// v'Hv < 10 v'Mv, with M what random normals would give.
+JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
+                           const std::vector<std::size_t>& views, const JointOptions& options, Context& context);
+
+}  // namespace partscribe

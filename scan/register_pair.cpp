@@ -1,0 +1,178 @@
+#include "scan/register_pair.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "core/statistics.h"
+
+namespace partscribe {
+namespace {
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+/// Cube, and which way the normal faces, so that the two sides of a thin wall stay apart.
+using Cell = std::array<std::int64_t, 4>;
+
+Cell cell_of(const Vec3& p, const Vec3& n, double size) {
+  int axis = 0;
+  n.cwiseAbs().maxCoeff(&axis);
+  const auto k = [&](double x) { return static_cast<std::int64_t>(std::floor(x / size)); };
+  return {k(p.x()), k(p.y()), k(p.z()), axis * 2 + (n[axis] > 0)};
+}
+
+}  // namespace
+
+Vec3 rotation_vector(const Mat3& rotation) {
+  const Eigen::AngleAxisd turn(Eigen::Quaterniond(rotation).normalized());
+  return turn.angle() * turn.axis();
+}
+
+Pose between(const Pose& a, const Pose& b, const Vec3& center, double share) {
+  const Vec3 turn = rotation_vector(a.rotation.transpose() * b.rotation);
+  Pose pose;
+  pose.rotation = a.rotation * rotation_of(share * turn);
+  const Vec3 place = (1 - share) * (a * center) + share * (b * center);
+  pose.translation = place - pose.rotation * center;
+  return pose;
+}
+
+Surfels sample_surfels(const ViewSurface& surface, std::size_t count) {
+  Surfels result;
+  for (const auto i : spread_sample(surface.points, surface.normals, surface.samples, count))
+    result.points.push_back(surface.points[i]), result.normals.push_back(surface.normals[i]);
+  return result;
+}
+
+std::unique_ptr<PlacedModel> place_surfaces(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
+                                            const std::vector<std::size_t>& views, double cell) {
+  struct Sum {
+    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
+    int count = 0;
+  };
+  std::map<Cell, Sum> cells;
+  for (const std::size_t v : views)
+    for (std::size_t i = 0; i < surfaces[v].points.size(); ++i) {
+      if (!surfaces[v].smooth[i]) continue;
+      const Vec3 p = poses[v] * surfaces[v].points[i], n = poses[v].rotation * surfaces[v].normals[i];
+      Sum& sum = cells[cell_of(p, n, cell)];
+      sum.point += p, sum.normal += n, ++sum.count;
+    }
+  auto model = std::make_unique<PlacedModel>();
+  model->cell = cell;
+  for (const auto& [key, sum] : cells) {
+    model->surfels.points.push_back(sum.point / sum.count);
+    model->surfels.normals.push_back(sum.normal.normalized());
+  }
+  model->tree = std::make_unique<KdTree>(model->surfels.points);
+  return model;
+}
+
+Pose align_symmetric(const Surfels& source, const PlacedModel& target, const Pose& start, const AlignOptions& options) {
+  Pose pose = start;
+  if (source.points.empty() || target.surfels.points.empty()) return pose;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : source.points) middle += p;
+  middle /= static_cast<double>(source.points.size());
+  double size = 0;
+  for (const Vec3& p : source.points) size += (p - middle).squaredNorm();
+  size = std::max(std::sqrt(size / static_cast<double>(source.points.size())), 1e-9);
+  double reach = options.start_reach;
+  int at_reach = 0;
+  for (int round = 0; round < options.iterations; ++round) {
+    Mat6 h = Mat6::Zero();
+    Vec6 g = Vec6::Zero();
+    double weights = 0;
+    const Vec3 origin = pose * middle;
+    const double across = 2 * reach * reach;
+    const double wide = std::max(reach / 2, 3 * options.noise);
+    for (std::size_t i = 0; i < source.points.size(); ++i) {
+      const Vec3 x = pose * source.points[i], nx = pose.rotation * source.normals[i];
+      const Neighbour near = target.tree->nearest_one(x);
+      if (near.sq_distance > 9 * reach * reach) continue;
+      const Vec3& ny = target.surfels.normals[near.index];
+      if (nx.dot(ny) < 0.7071) continue;
+      const Vec3 n = (nx + ny).normalized(), d = x - target.surfels.points[near.index];
+      const double e = d.dot(n);
+      const double w = std::exp(-d.squaredNorm() / across - e * e / (2 * wide * wide));
+      Vec6 row;
+      row << (x - 0.5 * d - origin).cross(n) / size, n;
+      h += w * row * row.transpose(), g -= w * e * row, weights += w;
+    }
+    if (weights < 6) {
+      if (reach >= options.start_reach && at_reach > 2) break;
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(h);
+    Vec6 step = Vec6::Zero();
+    for (int k = 0; k < 6; ++k)
+      if (eigen.eigenvalues()[k] > std::max(3e-4 * eigen.eigenvalues()[5], 1e-12))
+        step += eigen.eigenvectors().col(k) * (eigen.eigenvectors().col(k).dot(g) / eigen.eigenvalues()[k]);
+    Vec3 turn = step.head<3>() / size, shift = step.tail<3>();
+    if (turn.norm() > 0.3) turn *= 0.3 / turn.norm();
+    if (shift.norm() > 2 * reach) shift *= 2 * reach / shift.norm();
+    const Mat3 rotation = rotation_of(turn);
+    pose = Pose{rotation, origin + shift - rotation * origin} * pose;
+    const double moved = turn.norm() * size + shift.norm();
+    ++at_reach;
+    const bool last = reach <= options.end_reach;
+    if (last && (moved < 1e-4 * options.end_reach || at_reach > 15)) break;
+    if (!last && (moved < 0.1 * reach || at_reach >= 5)) reach = std::max(0.6 * reach, options.end_reach), at_reach = 0;
+  }
+  return pose;
+}
+
+Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view,
+                    const Pose& pose, const std::vector<std::size_t>& others, double reach, std::size_t samples) {
+  Agreement result;
+  const Surfels mine = sample_surfels(surfaces[view], samples);
+  result.samples = static_cast<int>(mine.points.size());
+  std::vector<std::uint8_t> confirmed(mine.points.size(), 0);
+  std::vector<double> residuals, best(mine.points.size(), 1e30);
+  for (const std::size_t o : others) {
+    if (o == view || !surfaces[o].usable()) continue;
+    const ViewSurface& other = surfaces[o];
+    const Pose there = poses[o].inverse() * pose;
+    const double margin = 3 * reach + 2 * std::max(other.spacing, surfaces[view].spacing);
+    int through = 0, missing = 0, back = 0;
+    for (std::size_t i = 0; i < mine.points.size(); ++i) {
+      const Vec3 p = there * mine.points[i], n = there.rotation * mine.normals[i];
+      const double facing = -n.dot(other.raster.ray(p));
+      switch (sight(other.raster, p, margin)) {
+        case Sight::in_front: ++through; continue;
+        case Sight::empty: missing += facing > 0.6; continue;
+        case Sight::measured: break;
+        default: continue;
+      }
+      if (facing < 0) continue;
+      const Neighbour near = other.tree->nearest_one(p);
+      const Vec3 d = p - other.points[near.index];
+      const double e = std::abs(d.dot(other.normals[near.index]));
+      if (near.sq_distance > 9 * reach * reach + 4 * other.spacing * other.spacing || e > reach ||
+          n.dot(other.normals[near.index]) < 0.866)
+        continue;
+      confirmed[i] = 1, best[i] = std::min(best[i], e);
+    }
+    const Surfels theirs = sample_surfels(other, samples / 2);
+    const Pose here = there.inverse();
+    for (std::size_t i = 0; i < theirs.points.size(); ++i) {
+      const Vec3 p = here * theirs.points[i], n = here.rotation * theirs.normals[i];
+      const Sight seen = sight(surfaces[view].raster, p, margin);
+      back += seen == Sight::in_front;
+      missing += seen == Sight::empty && -n.dot(surfaces[view].raster.ray(p)) > 0.6;
+    }
+    result.through = std::max(result.through, through);
+    if (!theirs.points.empty())
+      result.back_through = std::max(result.back_through, static_cast<int>(double(back) * result.samples / double(theirs.points.size())));
+    result.missing = std::max(result.missing, missing);
+  }
+  for (std::size_t i = 0; i < confirmed.size(); ++i)
+    if (confirmed[i]) ++result.confirmed, residuals.push_back(best[i]);
+  result.residual = median(std::move(residuals));
+  return result;
+}
+
+}  // namespace partscribe

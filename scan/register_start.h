@@ -1,0 +1,26 @@
+/// Rough poses for all views, from guesses or from nothing, each checked against what is placed already.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scan/register_pair.h"
+
+namespace partscribe {
+
+struct StartResult {
+  std::vector<Pose> poses;           ///< world_from_view
+  std::vector<std::uint8_t> placed;
+  std::vector<std::string> reason;   ///< why a view could not be placed
+};
+
+/// How far apart confirmed surfaces may lie along the normal once poses are good, mm.
+double confirm_reach(const std::vector<ViewSurface>& surfaces);
+
+/// One view after the other, the one that overlaps most with what is placed first, from its guess and from other starts
+/// as far from it as `options` allow. A view that fits well in two clearly different places is not placed.
+StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses,
+                               const RegisterOptions& options, Context& context);
+
+
+}  // namespace partscribe

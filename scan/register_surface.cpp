@@ -1,0 +1,485 @@
+#include "scan/register_surface.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "core/number.h"
+#include "core/parallel.h"
+#include "core/statistics.h"
+#include "geometry/normals.h"
+#include "geometry/thin.h"
+
+namespace partscribe {
+
+Vec3 SightRaster::project(const Vec3& p) const {
+  const Vec3 q = axes.transpose() * (p - origin);
+  const double scale = pinhole ? 1 / std::max(q.z(), 1e-9) : 1;
+  return {fx * q.x() * scale + cx, fy * q.y() * scale + cy, q.z()};
+}
+
+Vec3 SightRaster::ray(const Vec3& p) const { return pinhole ? Vec3((p - origin).normalized()) : Vec3(axes.col(2)); }
+
+Sight sight(const SightRaster& raster, const Vec3& p, double margin) {
+  const Vec3 at = raster.project(p);
+  const int column = static_cast<int>(std::lround(std::clamp(at.x(), -1e6, 1e6)));
+  const int row = static_cast<int>(std::lround(std::clamp(at.y(), -1e6, 1e6)));
+  if (column < 1 || row < 1 || column + 1 >= raster.width || row + 1 >= raster.height || at.z() <= 0) return Sight::outside;
+  double nearest = 1e30, farthest = -1;
+  int returns = 0;
+  for (int r = row - 1; r <= row + 1; ++r)
+    for (int c = column - 1; c <= column + 1; ++c) {
+      const double depth = raster.depth[std::size_t(r) * std::size_t(raster.width) + std::size_t(c)];
+      if (depth < 0) continue;
+      nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
+      ++returns;
+    }
+  if (returns == 0) return Sight::empty;
+  if (at.z() > farthest + margin) return Sight::hidden;
+  if (at.z() < nearest - margin) return returns >= 7 ? Sight::in_front : Sight::outside;
+  return Sight::measured;
+}
+
+std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
+                                         const std::vector<std::uint32_t>& from, std::size_t count) {
+  if (from.size() <= count) return from;
+  // Ordered by place, so that equal strides are spread over the surface.
+  std::vector<Vec3> places;
+  for (const auto i : from) places.push_back(points[i]);
+  const auto order = coordinate_order(places);
+  // Cells of a cube's faces, five by five each: 150 bins of directions.
+  std::map<int, std::vector<std::uint32_t>> bins;
+  for (const auto o : order) {
+    const Vec3& n = normals[from[o]];
+    int axis = 0;
+    n.cwiseAbs().maxCoeff(&axis);
+    const double size = std::abs(n[axis]);
+    const auto cell = [&](int k) { return std::min(4, static_cast<int>((n[k] / size + 1) * 2.5)); };
+    bins[((axis * 2 + (n[axis] > 0)) * 5 + cell((axis + 1) % 3)) * 5 + cell((axis + 2) % 3)].push_back(from[o]);
+  }
+  std::vector<std::uint8_t> taken(points.size(), 0);
+  const auto take = [&](const std::vector<std::uint32_t>& list, std::size_t most) {
+    const std::size_t n = std::min(list.size(), most);
+    for (std::size_t k = 0; k < n; ++k) taken[list[(2 * k + 1) * list.size() / (2 * n)]] = 1;
+  };
+  // Bins share what is left of the budget; the emptiest are served first, so that none of it is lost.
+  std::vector<const std::vector<std::uint32_t>*> lists;
+  for (const auto& bin : bins) lists.push_back(&bin.second);
+  std::stable_sort(lists.begin(), lists.end(), [](auto* a, auto* b) { return a->size() < b->size(); });
+  std::size_t budget = count * 7 / 10;
+  for (std::size_t b = 0; b < lists.size(); ++b) {
+    const std::size_t share = std::min(lists[b]->size(), budget / (lists.size() - b));
+    if (share > 0) take(*lists[b], share);
+    budget -= share;
+  }
+  std::vector<std::uint32_t> all;
+  for (const auto o : order) all.push_back(from[o]);
+  take(all, count * 3 / 10);
+  std::vector<std::uint32_t> result;
+  for (const auto i : all)
+    if (taken[i]) result.push_back(i);
+  return result;
+}
+
+namespace {
+
+/// A line through (x, y) pairs and how far they are off it.
+struct Line {
+  double slope = 0, offset = 0, rms = 1e30;
+};
+
+Line line_through(const std::vector<double>& x, const std::vector<double>& y) {
+  const double n = static_cast<double>(x.size());
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sx += x[i], sy += y[i];
+  sx /= n, sy /= n;
+  for (std::size_t i = 0; i < x.size(); ++i) sxx += (x[i] - sx) * (x[i] - sx), sxy += (x[i] - sx) * (y[i] - sy);
+  Line line;
+  if (!(sxx > 0)) return line;
+  line.slope = sxy / sxx, line.offset = sy - line.slope * sx;
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += std::pow(y[i] - line.slope * x[i] - line.offset, 2);
+  line.rms = std::sqrt(sum / n);
+  return line;
+}
+
+/// The camera that put these points into these pixels; nothing if the grid is not that of a camera looking along z.
+std::optional<SightRaster> camera_of(const RegisterView& view) {
+  const PointCloud& cloud = view.cloud;
+  if (view.width < 8 || view.height < 8 || cloud.pixel.size() != cloud.size()) return {};
+  std::vector<double> column, row, x, y, xz, yz;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Vec3& p = cloud.points[i];
+    if (cloud.pixel[i] < 0 || cloud.pixel[i] >= view.width * view.height || !(p.z() > 0)) return {};
+    column.push_back(cloud.pixel[i] % view.width), row.push_back(cloud.pixel[i] / view.width);
+    x.push_back(p.x()), y.push_back(p.y()), xz.push_back(p.x() / p.z()), yz.push_back(p.y() / p.z());
+  }
+  SightRaster raster;
+  Line u = line_through(xz, column), v = line_through(yz, row);
+  const Line flat_u = line_through(x, column), flat_v = line_through(y, row);
+  raster.pinhole = u.rms + v.rms < flat_u.rms + flat_v.rms;
+  if (!raster.pinhole) u = flat_u, v = flat_v;
+  if (!(u.rms < 0.3 && v.rms < 0.3) || u.slope == 0 || v.slope == 0) return {};
+  raster.fx = u.slope, raster.cx = u.offset, raster.fy = v.slope, raster.cy = v.offset;
+  raster.width = view.width, raster.height = view.height;
+  return raster;
+}
+
+/// The grid of one range image, with everything that is fitted to its windows.
+struct Grid {
+  const SightRaster& raster;
+  std::vector<Vec3> point;            // by pixel
+  std::vector<std::uint8_t> kept;
+  double sigma = 0;                   // of the depth at frontal incidence
+  int half = 2;                       // of the window
+
+  int width() const { return raster.width; }
+  bool in(int r, int c) const { return r >= 0 && c >= 0 && r < raster.height && c < raster.width; }
+  std::size_t at(int r, int c) const { return std::size_t(r) * std::size_t(raster.width) + std::size_t(c); }
+  bool has(int r, int c) const { return in(r, c) && kept[at(r, c)]; }
+  double z(int r, int c) const { return point[at(r, c)].z(); }
+  double pixel(std::size_t i) const {
+    return std::abs((raster.pinhole ? point[i].z() : 1) / std::sqrt(std::abs(raster.fx * raster.fy)));
+  }
+};
+
+constexpr std::array<std::array<int, 2>, 4> directions{{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
+
+/// 1.4826 MAD(z[i-1] - 2 z[i] + z[i+1]) / sqrt 6.
+double depth_noise(const Grid& grid) {
+  std::vector<double> bends;
+  for (int r = 0; r < grid.raster.height; ++r)
+    for (int c = 1; c + 1 < grid.raster.width; ++c)
+      if (grid.has(r, c - 1) && grid.has(r, c) && grid.has(r, c + 1))
+        bends.push_back(std::abs(grid.z(r, c - 1) - 2 * grid.z(r, c) + grid.z(r, c + 1)));
+  return 1.4826 * median(std::move(bends)) / std::sqrt(6.0);
+}
+
+/// A return stays if it continues two neighbours, on one side of it or on both, in any of the four directions.
+std::vector<std::uint8_t> screened(const Grid& grid) {
+  std::vector<std::uint8_t> kept(grid.kept.size(), 0);
+  for (int r = 0; r < grid.raster.height; ++r)
+    for (int c = 0; c < grid.raster.width; ++c) {
+      if (!grid.has(r, c)) continue;
+      const double pitch = grid.pixel(grid.at(r, c));
+      const double limit = 3 * std::sqrt(6.0) * 1.5 * grid.sigma + 0.3 * pitch;
+      for (const auto& [dr, dc] : directions) {
+        const auto line = [&](int a, int b) {
+          if (!grid.has(r + a * dr, c + a * dc) || !grid.has(r + b * dr, c + b * dc)) return false;
+          const double z0 = grid.z(r, c), za = grid.z(r + a * dr, c + a * dc), zb = grid.z(r + b * dr, c + b * dc);
+          const double bend = a == -1 ? za - 2 * z0 + zb : z0 - 2 * za + zb;
+          return std::abs(bend) < limit && std::abs(z0 - za) < 6 * pitch + limit;
+        };
+        if (line(-1, 1) || line(1, 2) || line(-1, -2)) kept[grid.at(r, c)] = 1;
+      }
+    }
+  return kept;
+}
+
+/// The local surface through a window.
+struct Facet {
+  Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
+  bool fitted = false, smooth = false, inlier = true;
+};
+
+/// Plane, or a quadric where the plane leaves more than noise, by iterated Welsch weights.
+Facet facet_at(const Grid& grid, int row, int column) {
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  const std::size_t center = grid.at(row, column);
+  const Vec3 p = grid.point[center];
+  const double pitch = grid.pixel(center);
+  std::array<Vec3, 81> d;
+  std::size_t count = 0;
+  for (int r = row - grid.half; r <= row + grid.half; ++r)
+    for (int c = column - grid.half; c <= column + grid.half; ++c) {
+      if (!grid.has(r, c)) continue;
+      const Vec3 q = (grid.point[grid.at(r, c)] - p) / pitch;
+      const int steps = std::max(std::abs(r - row), std::abs(c - column));
+      if (std::abs(q.z()) < 3.0 * steps + 5 * grid.sigma / pitch) d[count++] = q;
+    }
+  const int side = 2 * grid.half + 1;
+  Facet facet;
+  facet.place = p;
+  if (count < 8) return facet;
+  const double floor = 0.01;
+  const auto fit = [&](int terms, double& rms, double& share) {
+    Vec6 x = Vec6::Zero();
+    double cosine = 0.8;
+    for (int round = 0; round < 4; ++round) {
+      const double scale = std::max(grid.sigma / pitch / std::max(cosine, 1.0 / 3), floor);
+      Mat6 a = Mat6::Zero();
+      Vec6 b = Vec6::Zero();
+      double weights = 0, squares = 0;
+      for (std::size_t k = 0; k < count; ++k) {
+        const double u = d[k].x(), v = d[k].y();
+        Vec6 rowv;
+        rowv << 1, u, v, u * u, u * v, v * v;
+        const double e = d[k].z() - rowv.head(terms).dot(x.head(terms));
+        // The first round has no fit to weigh by.
+        const double w = round == 0 ? 1 : std::exp(-e * e / (2 * 6.25 * scale * scale));
+        a.topLeftCorner(terms, terms) += w * rowv.head(terms) * rowv.head(terms).transpose();
+        b.head(terms) += w * d[k].z() * rowv.head(terms);
+        weights += w, squares += w * e * e;
+      }
+      rms = std::sqrt(squares / std::max(weights, 1e-12)) / scale;
+      share = weights / static_cast<double>(count);
+      if (weights < terms + 2) return Vec6(Vec6::Constant(std::nan("")));
+      x.head(terms) = a.topLeftCorner(terms, terms).ldlt().solve(b.head(terms));
+      cosine = 1 / std::sqrt(1 + x[1] * x[1] + x[2] * x[2]);
+    }
+    return x;
+  };
+  double rms = 0, share = 0;
+  Vec6 x = fit(3, rms, share);
+  if (!(rms < 1.3 && share > 0.8) && count >= 16) {
+    double second_rms = 0, second_share = 0;
+    const Vec6 second = fit(6, second_rms, second_share);
+    if (second.allFinite() && second_share > share) x = second, rms = second_rms, share = second_share;
+  }
+  if (!x.allFinite()) return facet;
+  facet.normal = Vec3(x[1], x[2], -1).normalized();
+  const double scale = std::max(grid.sigma / pitch * std::sqrt(1 + x[1] * x[1] + x[2] * x[2]), floor);
+  facet.inlier = std::abs(x[0]) < 5 * scale;
+  // Along the normal, so that the places of neighbours stay as evenly spread as they were.
+  facet.place = p - facet.normal * (x[0] * pitch * -facet.normal.z());
+  facet.fitted = share > 0.6 && rms < 1.6;
+  facet.smooth = facet.fitted && share > 0.75 && count >= static_cast<std::size_t>(side * side) * 3 / 5;
+  return facet;
+}
+
+/// Borders: a fitted, not too slanted return beyond which three pixels are missing or deeper.
+std::vector<ContourPoint> contour_of(const Grid& grid, const std::vector<Facet>& facets) {
+  std::vector<ContourPoint> result;
+  for (int r = 0; r < grid.raster.height; ++r)
+    for (int c = 0; c < grid.raster.width; ++c) {
+      const std::size_t i = grid.at(r, c);
+      const Facet& facet = facets[i];
+      if (!facet.fitted) continue;
+      const double slant = -facet.normal.dot(grid.raster.ray(facet.place));
+      if (slant < 0.57) continue;  // 55 degrees; beyond 60 returns get thin and borders ragged
+      const double pitch = grid.pixel(i);
+      for (const auto& [dr, dc] : {std::array{0, 1}, std::array{0, -1}, std::array{1, 0}, std::array{-1, 0}}) {
+        bool border = grid.in(r + 3 * dr, c + 3 * dc) && grid.has(r - dr, c - dc) && grid.has(r - 2 * dr, c - 2 * dc);
+        for (int k = 1; border && k <= 3; ++k)
+          border = !grid.has(r + k * dr, c + k * dc) || grid.z(r + k * dr, c + k * dc) > facet.place.z() + 3 * k * pitch;
+        if (!border) continue;
+        const double z = grid.raster.pinhole ? facet.place.z() : 1;
+        Vec3 step(dc / grid.raster.fx * z, dr / grid.raster.fy * z, 0);
+        const Vec3 outward = step.normalized();
+        step.z() = -(facet.normal.x() * step.x() + facet.normal.y() * step.y()) / facet.normal.z();
+        result.push_back({facet.place + 0.5 * step, facet.normal, outward, step.head<2>().norm()});
+      }
+    }
+  return result;
+}
+
+void add_grid(const RegisterView& view, ViewSurface& surface, int threads) {
+  SightRaster& raster = surface.raster;
+  Grid grid{raster, {}, {}};
+  const std::size_t pixels = std::size_t(raster.width) * std::size_t(raster.height);
+  grid.point.resize(pixels, Vec3::Zero()), grid.kept.resize(pixels, 0);
+  const PointCloud& cloud = view.cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
+    const auto pixel = static_cast<std::size_t>(cloud.pixel[i]);
+    grid.point[pixel] = cloud.points[i], grid.kept[pixel] = 1;
+  }
+  grid.sigma = depth_noise(grid);
+  const auto before = static_cast<std::size_t>(std::count(grid.kept.begin(), grid.kept.end(), 1));
+  grid.kept = screened(grid);
+  std::vector<double> pitches;
+  for (std::size_t i = 0; i < pixels; ++i)
+    if (grid.kept[i]) pitches.push_back(grid.pixel(i));
+  const double pitch = median(std::move(pitches));
+  // A window wide enough that normals are good to about two degrees.
+  grid.half = grid.sigma < 0.12 * pitch ? 2 : grid.sigma < 0.35 * pitch ? 3 : 4;
+  std::vector<Facet> facets(pixels);
+  parallel_for(std::size_t(raster.height), threads, [&](std::size_t begin, std::size_t end) {
+    for (int r = static_cast<int>(begin); r < static_cast<int>(end); ++r)
+      for (int c = 0; c < raster.width; ++c)
+        if (grid.has(r, c)) facets[grid.at(r, c)] = facet_at(grid, r, c);
+  }, 8);
+  raster.depth.assign(pixels, -1.f);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (!grid.kept[i]) continue;
+    const Facet& facet = facets[i];
+    if (!facet.inlier) continue;
+    raster.depth[i] = static_cast<float>(grid.point[i].z());
+    if (facet.normal.isZero()) continue;
+    surface.points.push_back(facet.place), surface.normals.push_back(facet.normal);
+    surface.smooth.push_back(facet.smooth);
+  }
+  surface.rejected = before - static_cast<std::size_t>(std::count_if(raster.depth.begin(), raster.depth.end(), [](float z) { return z >= 0; }));
+  surface.contour = contour_of(grid, facets);
+  surface.sigma = grid.sigma, surface.spacing = pitch;
+}
+
+/// The direction in which a view without rays was seen: most normals' lines lie along it, and the part bulges against it.
+Vec3 sight_direction(const std::vector<Vec3>& points, const std::vector<Vec3>& normals) {
+  // The lines of the normals fill a half space; the thinnest extent of the points serves where they do not tell.
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& n : normals) spread += n * n.transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(spread);
+  Vec3 best = eigen.eigenvectors().col(2);
+  double best_score = -1;
+  // A range image is a height field: along its direction of sight few normals stand across.
+  for (const auto& a : {0, 1, 2})
+    for (int i = -4; i <= 4; ++i)
+      for (int j = -4; j <= 4; ++j) {
+        Vec3 d;
+        d[a] = 1, d[(a + 1) % 3] = i / 4.0, d[(a + 2) % 3] = j / 4.0;
+        d.normalize();
+        double score = 0;
+        for (std::size_t k = 0; k < normals.size(); k += 7) score += std::abs(normals[k].dot(d)) > 0.2;
+        if (score > best_score) best_score = score, best = d;
+      }
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  // Normals on a bulge point away from the middle.
+  double bulge = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec3 across = (points[k] - mean) - (points[k] - mean).dot(best) * best;
+    const Vec3 n = normals[k].dot(best) < 0 ? normals[k] : Vec3(-normals[k]);
+    bulge += n.dot(across);
+  }
+  return bulge >= 0 ? best : Vec3(-best);
+}
+
+/// Where the rays meet, if they do.
+std::optional<Vec3> sensor_of(const PointCloud& cloud) {
+  Mat3 a = Mat3::Zero();
+  Vec3 b = Vec3::Zero();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Mat3 across = Mat3::Identity() - cloud.rays[i] * cloud.rays[i].transpose();
+    a += across, b += across * cloud.points[i];
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(a / static_cast<double>(cloud.size()));
+  if (eigen.eigenvalues()[0] < 1e-5) return {};
+  return Vec3(a.ldlt().solve(b));
+}
+
+/// A raster across an unorganised view, two spacings wide.
+void add_raster(const RegisterView& view, ViewSurface& surface) {
+  SightRaster& raster = surface.raster;
+  const PointCloud& cloud = view.cloud;
+  Vec3 direction = Vec3::Zero();
+  if (cloud.rays.size() == cloud.size()) {
+    for (const Vec3& r : cloud.rays) direction += r;
+    if (const auto sensor = sensor_of(cloud)) raster.pinhole = true, raster.origin = *sensor;
+  }
+  if (direction.norm() < 1e-9 * static_cast<double>(cloud.size()))
+    direction = sight_direction(surface.points, surface.normals);
+  raster.axes = rotation_onto_axis(direction.normalized());
+  for (std::size_t i = 0; i < surface.normals.size(); ++i)
+    if (surface.normals[i].dot(raster.ray(surface.points[i])) > 0) surface.normals[i] = -surface.normals[i];
+  if (!raster.pinhole) {  // depths stay positive
+    double low = 1e30;
+    for (const Vec3& p : surface.points) low = std::min(low, raster.axes.col(2).dot(p));
+    raster.origin = (low - 1e3) * raster.axes.col(2);
+  }
+  Box3 box;
+  for (const Vec3& p : surface.points) box.add(raster.project(p));
+  const double depth = box.center().z();
+  const double cell = 2 * surface.spacing / (raster.pinhole ? depth : 1);
+  raster.fx = raster.fy = 1 / cell;
+  raster.cx = 3 - box.low.x() / cell, raster.cy = 3 - box.low.y() / cell;
+  raster.width = std::min(4096, static_cast<int>(box.size().x() / cell) + 7);
+  raster.height = std::min(4096, static_cast<int>(box.size().y() / cell) + 7);
+  raster.depth.assign(std::size_t(raster.width) * std::size_t(raster.height), -1.f);
+  for (const Vec3& p : surface.points) {
+    const Vec3 at = raster.project(p);
+    const long c = std::lround(at.x()), r = std::lround(at.y());
+    if (c < 0 || r < 0 || c >= raster.width || r >= raster.height) continue;
+    float& z = raster.depth[std::size_t(r) * std::size_t(raster.width) + std::size_t(c)];
+    if (z < 0 || at.z() < z) z = static_cast<float>(at.z());
+  }
+}
+
+constexpr std::size_t most_unorganised = 40000;
+
+void add_unorganised(const RegisterView& view, ViewSurface& surface, Context& context) {
+  PointCloud cloud;
+  const double spacing = spacing_for_count(view.cloud.points, view.cloud.rejected, most_unorganised);
+  for (const auto i : thinned(view.cloud.points, view.cloud.rejected, spacing)) {
+    cloud.points.push_back(view.cloud.points[i]);
+    if (view.cloud.rays.size() == view.cloud.size()) cloud.rays.push_back(view.cloud.rays[i]);
+  }
+  if (cloud.size() < 50) return;
+  const SamplingSummary summary = estimate_normals(cloud, {}, context);
+  if (context.cancelled) return;
+  surface.spacing = std::max(summary.spacing, spacing), surface.sigma = summary.sigma;
+  surface.rejected = summary.rejected;
+  std::vector<Vec3> raw;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (!cloud.rejected[i] && !cloud.normals[i].isZero())
+      raw.push_back(cloud.points[i]), surface.normals.push_back(cloud.normals[i]);
+  surface.points = raw, surface.smooth.assign(raw.size(), 0);
+  if (raw.empty()) return;
+  const KdTree tree(raw);
+  const double width = std::max(1.5 * surface.spacing, 3 * surface.sigma);
+  parallel_for(raw.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    std::vector<double> angles;
+    for (std::size_t i = begin; i < end; ++i) {
+      tree.nearest(raw[i], 16, near);
+      const Vec3& n = surface.normals[i];
+      const Mat3 frame = rotation_onto_axis(n);
+      double weights = 0, heights = 0, bend = 0;
+      angles.clear();
+      for (const Neighbour& neighbour : near) {
+        const Vec3 d = frame.transpose() * (raw[neighbour.index] - raw[i]);
+        const double agree = std::abs(n.dot(surface.normals[neighbour.index]));
+        const double w = std::exp(-d.z() * d.z() / (2 * width * width)) * std::pow(agree, 4);
+        weights += w, heights += w * d.z();
+        bend += agree < 0.85;
+        if (neighbour.index != i) angles.push_back(std::atan2(d.y(), d.x()));
+      }
+      std::sort(angles.begin(), angles.end());
+      double gap = angles.empty() ? 2 * pi : angles.front() + 2 * pi - angles.back();
+      for (std::size_t k = 1; k < angles.size(); ++k) gap = std::max(gap, angles[k] - angles[k - 1]);
+      surface.points[i] = raw[i] + n * (heights / weights);
+      surface.smooth[i] = gap < 2.0 && bend < 3 && std::abs(heights / weights) < 2 * std::max(surface.sigma, 0.02 * surface.spacing) + 0.1 * surface.spacing;
+    }
+  });
+  add_raster(view, surface);
+}
+
+ViewSurface surface_of_view(const RegisterView& view, int samples, Context& context) {
+  ViewSurface surface;
+  if (view.cloud.size() < 50) return surface;
+  if (auto camera = camera_of(view)) {
+    surface.raster = std::move(*camera);
+    add_grid(view, surface, context.threads);
+  } else {
+    add_unorganised(view, surface, context);
+  }
+  if (surface.points.empty()) return surface;
+  for (const Vec3& p : surface.points) surface.center += p;
+  surface.center /= static_cast<double>(surface.points.size());
+  for (const Vec3& p : surface.points) surface.radius += (p - surface.center).squaredNorm();
+  surface.radius = std::sqrt(surface.radius / static_cast<double>(surface.points.size()));
+  std::vector<std::uint32_t> smooth;
+  for (std::uint32_t i = 0; i < surface.points.size(); ++i)
+    if (surface.smooth[i]) smooth.push_back(i);
+  surface.samples = spread_sample(surface.points, surface.normals, smooth, static_cast<std::size_t>(std::max(samples, 50)));
+  return surface;
+}
+
+}  // namespace
+
+std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context) {
+  std::vector<ViewSurface> surfaces(views.size());
+  for (std::size_t v = 0; v < views.size() && !context.cancelled; ++v) {
+    context.report("looking at views", static_cast<double>(v) / static_cast<double>(views.size()));
+    surfaces[v] = surface_of_view(views[v], samples, context);
+    // A tree refers to its points: it is built where the surface stays.
+    if (!surfaces[v].points.empty()) surfaces[v].tree = std::make_unique<KdTree>(surfaces[v].points);
+  }
+  return surfaces;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,67 @@
+/// One view made ready for registration: smoothed places and normals, what its sensor saw through, its borders.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "geometry/kd_tree.h"
+#include "scan/register.h"
+
+namespace partscribe {
+
+/// Depths on the sensor's own grid, or on one laid across the view: tells what the sensor looked through.
+struct SightRaster {
+  bool pinhole = false;
+  Vec3 origin = Vec3::Zero();        ///< of the raster's frame in the view
+  Mat3 axes = Mat3::Identity();      ///< view_from_raster; column 2 is the direction of sight
+  double fx = 1, fy = 1, cx = 0, cy = 0;  ///< column = fx x / z + cx (orthographic: without z)
+  int width = 0, height = 0;
+  std::vector<float> depth;          ///< mm along the direction of sight, negative where nothing returned
+
+  /// Column, row and depth of a point of the view.
+  Vec3 project(const Vec3& p) const;
+  /// Unit, from the sensor to the point.
+  Vec3 ray(const Vec3& p) const;
+};
+
+/// What a sensor says of a place.
+enum class Sight {
+  outside,   ///< not in its image, or too close to a border to say
+  measured,  ///< at the depth that it measured there
+  hidden,    ///< behind what it measured
+  in_front,  ///< before what it measured: the sensor looked through it
+  empty,     ///< nothing returned around it: looked through, or the surface does not return
+};
+Sight sight(const SightRaster& raster, const Vec3& p, double margin);
+
+/// A border of the surface as this view saw it, half a pixel outside the last return.
+struct ContourPoint {
+  Vec3 point, normal, outward;  ///< of the place, of its surface, in the image plane
+  double pixel = 0;             ///< its size, mm
+};
+
+struct ViewSurface {
+  std::vector<Vec3> points;           ///< in the view's frame, moved along the normal onto their neighbours' surface
+  std::vector<Vec3> normals;          ///< unit, towards the sensor
+  std::vector<std::uint8_t> smooth;   ///< 1: inside a smooth piece, so that place and normal are good
+  std::vector<std::uint32_t> samples; ///< smooth points, evenly spread over directions and places
+  std::vector<ContourPoint> contour;
+  SightRaster raster;
+  Vec3 center = Vec3::Zero();
+  double radius = 0;                  ///< rms distance from the center
+  double spacing = 0, sigma = 0;      ///< of neighbours; noise along the normal of a single point, mm
+  std::size_t rejected = 0;
+  std::unique_ptr<KdTree> tree;       ///< over `points`
+
+  bool usable() const { return samples.size() >= 50; }
+};
+
+/// Points whose neighbours contradict them are left out. The same for any number of threads.
+std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context);
+
+/// `count` of the given points: seven tenths from equally filled bins of directions, the rest from everywhere.
+std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
+                                         const std::vector<std::uint32_t>& from, std::size_t count);
+
+}  // namespace partscribe
