@@ -15,43 +15,79 @@
 namespace partscribe {
 namespace {
 
-std::string rounded(double x, double grid) { return print_number(std::round(x / grid) * grid); }
-std::string percent(double share) { return rounded(share * 100, 0.1) + " %"; }
+/// In units of 1 / `parts`.
+std::string rounded(double x, double parts) { return print_number(std::round(x * parts) / parts); }
+std::string percent(double share) { return rounded(share * 100, 10) + " %"; }
 
-std::string place_text(const Vec3& v, double grid) {
-  return "(" + rounded(v.x(), grid) + ", " + rounded(v.y(), grid) + ", " + rounded(v.z(), grid) + ")";
+std::string place_text(const Vec3& v, double parts) {
+  return "(" + rounded(v.x(), parts) + ", " + rounded(v.y(), parts) + ", " + rounded(v.z(), parts) + ")";
 }
 
-/// A direction in the space of all poses as a motion of the views that take part in it most.
-FreeMotion free_motion(const Eigen::VectorXd& direction, const JointResult& joint, const std::vector<RegisterView>& views) {
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+/// A motion in the unknowns of one view (rotation times size about the center, shift) as an axis.
+FreeMotion motion_of(const Vec6& v, const JointResult& joint) {
   FreeMotion motion;
-  const std::size_t n = views.size();
-  double most = 0;
-  std::size_t leader = 0;
-  std::vector<double> sizes(n);
-  for (std::size_t v = 0; v < n; ++v) {
-    sizes[v] = direction.segment<6>(static_cast<Eigen::Index>(6 * v)).norm();
-    if (sizes[v] > most) most = sizes[v], leader = v;
-  }
-  std::string names;
-  for (std::size_t v = 0; v < n; ++v)
-    if (sizes[v] > 0.3 * most) motion.views.push_back(v), names += (names.empty() ? "" : ", ") + (views[v].name.empty() ? std::to_string(v) : views[v].name);
-  const Vec3 turn = direction.segment<3>(static_cast<Eigen::Index>(6 * leader)) / joint.size;
-  const Vec3 shift = direction.segment<3>(static_cast<Eigen::Index>(6 * leader + 3));
-  motion.turns = turn.norm() * joint.size > 0.3 * shift.norm();
-  if (motion.turns) {
-    motion.axis = turn.normalized();
-    // Points that stay: turn x (p - center) + shift = 0, as near to the center as there is one.
-    motion.point = joint.center + turn.cross(shift) / turn.squaredNorm();
-  } else {
-    motion.axis = shift.normalized(), motion.point = joint.center;
-  }
+  const Vec3 turn = v.head<3>() / joint.size, shift = v.tail<3>();
+  motion.turns = turn.norm() * joint.size > 0.2 * shift.norm();
+  // Places that stay: turn x (p - center) + shift = 0, the nearest to the center.
+  motion.axis = (motion.turns ? turn : shift).normalized();
+  motion.point = motion.turns ? Vec3(joint.center + turn.cross(shift) / turn.squaredNorm()) : joint.center;
   int largest = 0;
   motion.axis.cwiseAbs().maxCoeff(&largest);
   if (motion.axis[largest] < 0) motion.axis = -motion.axis;
-  motion.words = std::string(motion.views.size() == 1 ? "view " : "views ") + names + (motion.turns ? " turn about " : " slide along ") +
-                 place_text(motion.axis, 1e-3) + (motion.turns ? " through " + place_text(motion.point, 1e-2) : "");
   return motion;
+}
+
+/// What one view may do: slides first, then turns.
+std::vector<FreeMotion> motions_of_view(std::size_t view, const JointResult& joint) {
+  const auto n = static_cast<Eigen::Index>(joint.free_directions.size());
+  Eigen::MatrixXd span(6, n);
+  for (Eigen::Index k = 0; k < n; ++k)
+    span.col(k) = joint.free_directions[static_cast<std::size_t>(k)].segment<6>(static_cast<Eigen::Index>(6 * view));
+  const Eigen::SelfAdjointEigenSolver<Mat6> eigen(span * span.transpose());
+  // A view that moves a fifth as far as the one that moves most is only carried along.
+  int rank = 0;
+  while (rank < 6 && eigen.eigenvalues()[5 - rank] > 0.01) ++rank;
+  std::vector<FreeMotion> result;
+  if (rank == 0) return result;
+  const Eigen::MatrixXd basis = eigen.eigenvectors().rightCols(rank);
+  // Combinations that do not turn are slides, the others turn about an axis.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> split(basis.topRows(3).transpose() * basis.topRows(3));
+  for (int k = 0; k < rank; ++k) result.push_back(motion_of(basis * split.eigenvectors().col(k), joint));
+  return result;
+}
+
+bool same_motion(const FreeMotion& a, const FreeMotion& b, double size) {
+  if (a.turns != b.turns || a.axis.cross(b.axis).norm() > 0.05) return false;
+  return !a.turns || (a.point - b.point).cross(a.axis).norm() < 0.05 * size;
+}
+
+std::string name_of(const std::vector<RegisterView>& views, std::size_t v) {
+  return views[v].name.empty() ? std::to_string(v) : views[v].name;
+}
+
+/// One entry for all views that move alike.
+std::vector<FreeMotion> free_motions(const JointResult& joint, const std::vector<RegisterView>& views) {
+  std::vector<FreeMotion> result;
+  if (joint.free_directions.empty()) return result;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    std::vector<FreeMotion> own = motions_of_view(v, joint);
+    // All turns about one point are one thing, whatever axes span them.
+    if (own.size() == 3 && own[0].turns) for (int k = 0; k < 3; ++k) own[std::size_t(k)].axis = Vec3::Unit(k);
+    for (FreeMotion& motion : own) {
+      const auto known = std::find_if(result.begin(), result.end(), [&](const FreeMotion& m) { return same_motion(m, motion, joint.size); });
+      if (known == result.end()) result.push_back(motion), result.back().views = {v};
+      else known->views.push_back(v);
+    }
+  }
+  for (FreeMotion& motion : result) {
+    std::string names;
+    for (const std::size_t v : motion.views) names += (names.empty() ? "" : ", ") + name_of(views, v);
+    motion.words = std::string(motion.views.size() == 1 ? "view " : "views ") + names + (motion.turns ? " turn about " : " slide along ") +
+                   place_text(motion.axis, 1000) + (motion.turns ? " through " + place_text(motion.point, 100) : "");
+  }
+  return result;
 }
 
 struct Judged {
@@ -80,7 +116,7 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
       else if (view.seen_through > options.max_seen_through)
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
-        reason = "its pose is known to " + rounded(sigma, 1e-3) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1e-3) + " mm";
+        reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";
     }
     if (reason.empty()) {
       view.status = v == used.front() ? ViewStatus::reference : ViewStatus::registered;
@@ -195,11 +231,11 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   result.center = joint.center;
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
-  for (const auto& direction : joint.free_directions) result.free_motions.push_back(free_motion(direction, joint, views));
+  result.free_motions = free_motions(joint, views);
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);
   for (std::size_t v = 0; v < views.size(); ++v)
     if (result.views[v].status == ViewStatus::refused)
-      result.warnings.push_back("view " + (views[v].name.empty() ? std::to_string(v) : views[v].name) + " is not registered: " + result.views[v].reason);
+      result.warnings.push_back("view " + name_of(views, v) + " is not registered: " + result.views[v].reason);
   context.say("surfaces " + print_number(joint.surface_sigma) + " mm in " + std::to_string(joint.surface_matches) + " matches, contours " +
               print_number(joint.contour_sigma) + " px (bias " + print_number(joint.contour_bias) + ") in " + std::to_string(joint.contour_matches));
   return result;

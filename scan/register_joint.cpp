@@ -34,8 +34,8 @@ struct PairSum {
 /// What one round of matching starts from.
 struct Round {
   double reach = 0, wide = 0;                     // mm: across, and the kernel's width along the normal
-  double surface_sigma = 1, contour_sigma = 1;    // mm; pixels
-  double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
+  double surface_sigma = 1, contour_sigma = 0.8;    // mm; pixels
+  double normal_variance = 1e-3, bias = 0, seen_bias = 0;        // rad^2; pixels
   bool grouped = false;
 };
 
@@ -124,9 +124,9 @@ PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, con
       if (!to.smooth[neighbour.index] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
       const double lever = n.dot(outward);
       const double e = (q - to.points[neighbour.index]).dot(n) / c.pixel;  // in pixels
-      const double wide = std::max(3 * round.contour_sigma, round.reach / c.pixel / 2);
+      const double wide = 2.5 * round.contour_sigma;
       const double off = e - round.bias * lever;
-      if (std::abs(off) > 3 * wide) break;
+      if (std::abs(off) > 2 * wide) continue;
       const double w = std::exp(-off * off / (2 * wide * wide));
       const double sigma = round.contour_sigma * c.pixel;
       add_row(problem, problem.poses[b] * q, problem.poses[b].rotation * n, off * c.pixel, contour_trust * w / (sigma * sigma),
@@ -272,8 +272,9 @@ void learn(const std::vector<PairSum>& surfaces, const std::vector<PairSum>& con
   round.surface_sigma = std::max(spread_of(std::move(residual)), least);
   // |n_x - n_y|^2 has the median 2 ln 2 (2 s^2); the mean of the two normals has the variance s^2 / 2.
   round.normal_variance = std::max(0.18 * median(std::move(bend)), 1e-8);
-  if (!border.empty()) round.contour_sigma = std::clamp(spread_of(std::move(border)), 0.1, 3.0);
-  if (bottom > 50) round.bias = std::clamp(top / bottom, -0.5, 0.5);
+  if (!border.empty()) round.contour_sigma = std::clamp(spread_of(std::move(border)), 0.2, 0.5);
+  round.bias = 0 * (bottom > 0 ? top / bottom : 0);
+  round.seen_bias = bottom > 0 ? top / bottom : 0;
 }
 
 std::vector<Mat6> covariance_of(const Problem& problem, const std::vector<PairSum>& sums, const System& system,
@@ -398,7 +399,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     if (sizes.size() >= 30) result.gap[views[sum.a]][views[sum.b]] = median(std::move(sizes));
   }
   for (const PairSum& sum : contour_sums) result.contour_matches += sum.matches;
-  result.surface_sigma = round.surface_sigma, result.contour_sigma = round.contour_sigma, result.contour_bias = round.bias;
+  result.surface_sigma = round.surface_sigma, result.contour_sigma = round.contour_sigma, result.contour_bias = round.seen_bias;
   return result;
 }
 

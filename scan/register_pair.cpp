@@ -32,13 +32,17 @@ Vec3 rotation_vector(const Mat3& rotation) {
   return turn.angle() * turn.axis();
 }
 
-Pose between(const Pose& a, const Pose& b, const Vec3& center, double share) {
-  const Vec3 turn = rotation_vector(a.rotation.transpose() * b.rotation);
-  Pose pose;
-  pose.rotation = a.rotation * rotation_of(share * turn);
-  const Vec3 place = (1 - share) * (a * center) + share * (b * center);
-  pose.translation = place - pose.rotation * center;
-  return pose;
+Pose between(const Pose& a, const Pose& b, double share) {
+  const Pose change = b * a.inverse();
+  const Vec3 turn = rotation_vector(change.rotation);
+  const double sq = turn.squaredNorm();
+  if (sq < 1e-12) return {a.rotation, a.translation + share * change.translation};
+  // (1 - R) point = the part of the shift across the axis.
+  const Vec3 along = turn.dot(change.translation) / sq * turn, across = change.translation - along;
+  const Vec3 axis = turn / std::sqrt(sq);
+  const Vec3 point = 0.5 * (across + axis.cross(across) / std::tan(0.5 * std::sqrt(sq)));
+  const Mat3 rotation = rotation_of(share * turn);
+  return Pose{rotation, point - rotation * point + share * along} * a;
 }
 
 Surfels sample_surfels(const ViewSurface& surface, std::size_t count) {

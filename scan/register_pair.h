@@ -80,8 +80,8 @@ struct Agreement {
 Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view,
                     const Pose& pose, const std::vector<std::size_t>& others, double reach, std::size_t samples);
 
-/// The pose a share of the way from one to another, turning about `center` of the moved frame.
-Pose between(const Pose& a, const Pose& b, const Vec3& center, double share);
+/// The pose a share of the way from one to another along the screw that leads there.
+Pose between(const Pose& a, const Pose& b, double share);
 
 /// Rotation vector of a rotation, exact near 0 and near pi.
 Vec3 rotation_vector(const Mat3& rotation);

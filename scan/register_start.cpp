@@ -62,7 +62,7 @@ bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double
 /// All the way from one pose to the other fits as well: a free motion, not two answers.
 bool connected(const Placement& placement, std::size_t view, const Candidate& a, const Candidate& b) {
   for (const double share : {0.25, 0.5, 0.75}) {
-    const Pose pose = between(a.pose, b.pose, placement.surfaces[view].center, share);
+    const Pose pose = between(a.pose, b.pose, share);
     if (placement.judge(view, pose, 1.5, 300).overlap() < 0.8 * std::min(a.agreement.overlap(), b.agreement.overlap())) return false;
   }
   return true;
@@ -164,6 +164,8 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
       result.reason[view] = "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
       continue;
     }
+    for (const Candidate& c : found)
+      context.say("  score " + print_number(c.agreement.score()) + " confirmed " + print_number(c.agreement.overlap()) + " through " + std::to_string(c.agreement.through) + " " + std::to_string(c.agreement.back_through) + " missing " + std::to_string(c.agreement.missing) + " residual " + print_number(c.agreement.residual) + " turned " + degrees_text(rotation_vector(guesses[view].rotation.transpose() * c.pose.rotation).norm()));
     // Of a free motion the pose nearest to the guess.
     Candidate chosen = found.front();
     std::string ambiguous;

@@ -132,7 +132,7 @@ std::optional<SightRaster> camera_of(const RegisterView& view) {
 struct Grid {
   const SightRaster& raster;
   std::vector<Vec3> point;            // by pixel
-  std::vector<std::uint8_t> kept;
+  std::vector<std::uint8_t> returned, kept;
   double sigma = 0;                   // of the depth at frontal incidence
   int half = 2;                       // of the window
 
@@ -148,13 +148,17 @@ struct Grid {
 
 constexpr std::array<std::array<int, 2>, 4> directions{{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
 
-/// 1.4826 MAD(z[i-1] - 2 z[i] + z[i+1]) / sqrt 6.
+/// 1.4826 MAD(z[i-1] - 2 z[i] + z[i+1]) / sqrt 6, each multiplied by the cosine of incidence.
 double depth_noise(const Grid& grid) {
   std::vector<double> bends;
-  for (int r = 0; r < grid.raster.height; ++r)
-    for (int c = 1; c + 1 < grid.raster.width; ++c)
-      if (grid.has(r, c - 1) && grid.has(r, c) && grid.has(r, c + 1))
-        bends.push_back(std::abs(grid.z(r, c - 1) - 2 * grid.z(r, c) + grid.z(r, c + 1)));
+  for (int r = 1; r + 1 < grid.raster.height; ++r)
+    for (int c = 1; c + 1 < grid.raster.width; ++c) {
+      if (!grid.has(r, c - 1) || !grid.has(r, c) || !grid.has(r, c + 1) || !grid.has(r - 1, c) || !grid.has(r + 1, c)) continue;
+      const double step = 2 * grid.pixel(grid.at(r, c));
+      const double u = (grid.z(r, c + 1) - grid.z(r, c - 1)) / step, v = (grid.z(r + 1, c) - grid.z(r - 1, c)) / step;
+      const double cosine = std::max(1 / std::sqrt(1 + u * u + v * v), 1.0 / 3);
+      bends.push_back(std::abs(grid.z(r, c - 1) - 2 * grid.z(r, c) + grid.z(r, c + 1)) * cosine);
+    }
   return 1.4826 * median(std::move(bends)) / std::sqrt(6.0);
 }
 
@@ -182,71 +186,101 @@ std::vector<std::uint8_t> screened(const Grid& grid) {
 /// The local surface through a window.
 struct Facet {
   Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
-  bool fitted = false, smooth = false, inlier = true;
+  bool fitted = false;  // its own side of a crease is clean
+  bool smooth = false;  // the whole window is
+  bool inlier = true;
 };
 
-/// Plane, or a quadric where the plane leaves more than noise, by iterated Welsch weights.
-Facet facet_at(const Grid& grid, int row, int column) {
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  const std::size_t center = grid.at(row, column);
-  const Vec3 p = grid.point[center];
-  const double pitch = grid.pixel(center);
+/// The returns of a window relative to its middle, in pixels.
+struct Window {
   std::array<Vec3, 81> d;
   std::size_t count = 0;
+};
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+/// z = x0 + x1 u + x2 v (+ x3 u^2 + x4 uv + x5 v^2) by iterated Welsch weights.
+struct WindowFit {
+  Vec6 x = Vec6::Zero();
+  double rms = 1e30, share = 0;  // of the residuals in sigmas; of the weight that is left
+  double slope() const { return std::sqrt(1 + x[1] * x[1] + x[2] * x[2]); }
+  // Welsch weights of pure noise average 0.93.
+  bool clean() const { return rms < 1.3 && share > 0.85; }
+};
+
+constexpr double least_noise = 0.01;  // pixels: below it curvature counts more
+
+WindowFit fit_window(const Window& window, int terms, double sigma) {
+  WindowFit fit;
+  for (int round = 0; round < 4; ++round) {
+    const double scale = std::max(sigma * std::min(fit.slope(), 3.0), least_noise);
+    Mat6 a = Mat6::Zero();
+    Vec6 b = Vec6::Zero(), row;
+    double weights = 0, squares = 0;
+    for (std::size_t k = 0; k < window.count; ++k) {
+      const double u = window.d[k].x(), v = window.d[k].y();
+      row << 1, u, v, u * u, u * v, v * v;
+      const double e = window.d[k].z() - row.head(terms).dot(fit.x.head(terms));
+      // The first round has no fit to weigh by.
+      const double w = round == 0 ? 1 : std::exp(-e * e / (2 * 6.25 * scale * scale));
+      a.topLeftCorner(terms, terms) += w * row.head(terms) * row.head(terms).transpose();
+      b.head(terms) += w * window.d[k].z() * row.head(terms);
+      weights += w, squares += w * e * e;
+    }
+    fit.rms = std::sqrt(squares / std::max(weights, 1e-12)) / scale;
+    fit.share = weights / static_cast<double>(window.count);
+    if (weights < terms + 2) return WindowFit{Vec6::Zero(), 1e30, 0};
+    const Vec6 before = fit.x;
+    fit.x.head(terms) = a.topLeftCorner(terms, terms).ldlt().solve(b.head(terms));
+    if (!fit.x.allFinite()) return WindowFit{Vec6::Zero(), 1e30, 0};
+    if ((fit.x - before).cwiseAbs().maxCoeff() < 1e-3 * scale) break;
+  }
+  return fit;
+}
+
+/// A plane, or a quadric where a plane leaves more than noise; beside a crease the plane of the cleanest half window.
+Facet facet_at(const Grid& grid, int row, int column) {
+  const std::size_t center = grid.at(row, column);
+  const Vec3 p = grid.point[center];
+  const double pitch = grid.pixel(center), sigma = grid.sigma / pitch;
+  Window window;
   for (int r = row - grid.half; r <= row + grid.half; ++r)
     for (int c = column - grid.half; c <= column + grid.half; ++c) {
       if (!grid.has(r, c)) continue;
       const Vec3 q = (grid.point[grid.at(r, c)] - p) / pitch;
       const int steps = std::max(std::abs(r - row), std::abs(c - column));
-      if (std::abs(q.z()) < 3.0 * steps + 5 * grid.sigma / pitch) d[count++] = q;
+      if (std::abs(q.z()) < 3.0 * steps + 5 * sigma) window.d[window.count++] = q;
     }
-  const int side = 2 * grid.half + 1;
   Facet facet;
   facet.place = p;
-  if (count < 8) return facet;
-  const double floor = 0.01;
-  const auto fit = [&](int terms, double& rms, double& share) {
-    Vec6 x = Vec6::Zero();
-    double cosine = 0.8;
-    for (int round = 0; round < 4; ++round) {
-      const double scale = std::max(grid.sigma / pitch / std::max(cosine, 1.0 / 3), floor);
-      Mat6 a = Mat6::Zero();
-      Vec6 b = Vec6::Zero();
-      double weights = 0, squares = 0;
-      for (std::size_t k = 0; k < count; ++k) {
-        const double u = d[k].x(), v = d[k].y();
-        Vec6 rowv;
-        rowv << 1, u, v, u * u, u * v, v * v;
-        const double e = d[k].z() - rowv.head(terms).dot(x.head(terms));
-        // The first round has no fit to weigh by.
-        const double w = round == 0 ? 1 : std::exp(-e * e / (2 * 6.25 * scale * scale));
-        a.topLeftCorner(terms, terms) += w * rowv.head(terms) * rowv.head(terms).transpose();
-        b.head(terms) += w * d[k].z() * rowv.head(terms);
-        weights += w, squares += w * e * e;
-      }
-      rms = std::sqrt(squares / std::max(weights, 1e-12)) / scale;
-      share = weights / static_cast<double>(count);
-      if (weights < terms + 2) return Vec6(Vec6::Constant(std::nan("")));
-      x.head(terms) = a.topLeftCorner(terms, terms).ldlt().solve(b.head(terms));
-      cosine = 1 / std::sqrt(1 + x[1] * x[1] + x[2] * x[2]);
-    }
-    return x;
-  };
-  double rms = 0, share = 0;
-  Vec6 x = fit(3, rms, share);
-  if (!(rms < 1.3 && share > 0.8) && count >= 16) {
-    double second_rms = 0, second_share = 0;
-    const Vec6 second = fit(6, second_rms, second_share);
-    if (second.allFinite() && second_share > share) x = second, rms = second_rms, share = second_share;
+  if (window.count < 8) return facet;
+  WindowFit fit = fit_window(window, 3, sigma);
+  if (!fit.clean() && window.count >= 16) {
+    const WindowFit second = fit_window(window, 6, sigma);
+    // A quadric can follow a sharp edge; its normal there is of neither side.
+    const double bend = 2 * grid.half * second.x.tail<3>().cwiseAbs().maxCoeff() / (second.slope() * second.slope());
+    if (second.clean() && bend < 0.25) fit = second;
   }
-  if (!x.allFinite()) return facet;
-  facet.normal = Vec3(x[1], x[2], -1).normalized();
-  const double scale = std::max(grid.sigma / pitch * std::sqrt(1 + x[1] * x[1] + x[2] * x[2]), floor);
-  facet.inlier = std::abs(x[0]) < 5 * scale;
+  const int side = 2 * grid.half + 1;
+  facet.smooth = facet.fitted = fit.clean() && window.count >= static_cast<std::size_t>(side * side) * 3 / 5;
+  if (!facet.smooth) {
+    if (fit.clean()) facet.fitted = true;
+    for (int k = 0; k < 8 && !fit.clean(); ++k) {
+      Window half;
+      const double a = std::cos(k * pi / 4), b = std::sin(k * pi / 4);
+      for (std::size_t i = 0; i < window.count; ++i)
+        if (a * window.d[i].x() + b * window.d[i].y() > -0.3) half.d[half.count++] = window.d[i];
+      if (half.count < 8) continue;
+      const WindowFit one = fit_window(half, 3, sigma);
+      if (one.clean() && std::abs(one.x[0]) < 3 * std::max(sigma * one.slope(), least_noise) && (!facet.fitted || one.rms < fit.rms))
+        fit = one, facet.fitted = true;
+    }
+  }
+  if (!(fit.rms < 1e30)) return facet;
+  facet.normal = Vec3(fit.x[1], fit.x[2], -1).normalized();
+  facet.inlier = std::abs(fit.x[0]) < 5 * std::max(sigma * fit.slope(), least_noise);
   // Along the normal, so that the places of neighbours stay as evenly spread as they were.
-  facet.place = p - facet.normal * (x[0] * pitch * -facet.normal.z());
-  facet.fitted = share > 0.6 && rms < 1.6;
-  facet.smooth = facet.fitted && share > 0.75 && count >= static_cast<std::size_t>(side * side) * 3 / 5;
+  if (facet.fitted) facet.place = p + facet.normal * (fit.x[0] * pitch * facet.normal.z());
   return facet;
 }
 
@@ -263,14 +297,21 @@ std::vector<ContourPoint> contour_of(const Grid& grid, const std::vector<Facet>&
       const double pitch = grid.pixel(i);
       for (const auto& [dr, dc] : {std::array{0, 1}, std::array{0, -1}, std::array{1, 0}, std::array{-1, 0}}) {
         bool border = grid.in(r + 3 * dr, c + 3 * dc) && grid.has(r - dr, c - dc) && grid.has(r - 2 * dr, c - 2 * dc);
-        for (int k = 1; border && k <= 3; ++k)
-          border = !grid.has(r + k * dr, c + k * dc) || grid.z(r + k * dr, c + k * dc) > facet.place.z() + 3 * k * pitch;
+        // A return that was screened out is no gap: the border would move inward.
+        for (int k = 1; border && k <= 3; ++k) {
+          const std::size_t beside = grid.at(r + k * dr, c + k * dc);
+          border = !grid.returned[beside] || (grid.kept[beside] && grid.point[beside].z() > facet.place.z() + 3 * k * pitch);
+        }
         if (!border) continue;
-        const double z = grid.raster.pinhole ? facet.place.z() : 1;
-        Vec3 step(dc / grid.raster.fx * z, dr / grid.raster.fy * z, 0);
-        const Vec3 outward = step.normalized();
-        step.z() = -(facet.normal.x() * step.x() + facet.normal.y() * step.y()) / facet.normal.z();
-        result.push_back({facet.place + 0.5 * step, facet.normal, outward, step.head<2>().norm()});
+        // Where the sight half a pixel farther out meets the plane.
+        const double u = (c + 0.5 * dc - grid.raster.cx) / grid.raster.fx, v = (r + 0.5 * dr - grid.raster.cy) / grid.raster.fy;
+        const Vec3 n = facet.normal, p = facet.place;
+        const Vec3 edge = grid.raster.pinhole ? Vec3(Vec3(u, v, 1) * (n.dot(p) / n.dot(Vec3(u, v, 1))))
+                                              : Vec3(u, v, p.z() - (n.x() * (u - p.x()) + n.y() * (v - p.y())) / n.z());
+        const double z = grid.raster.pinhole ? edge.z() : 1;
+        const Vec3 step(dc / grid.raster.fx * z, dr / grid.raster.fy * z, 0);
+        const Vec3 ray = grid.raster.ray(edge);
+        result.push_back({edge, n, (step - step.dot(ray) * ray).normalized(), step.norm()});
       }
     }
   return result;
@@ -278,7 +319,7 @@ std::vector<ContourPoint> contour_of(const Grid& grid, const std::vector<Facet>&
 
 void add_grid(const RegisterView& view, ViewSurface& surface, int threads) {
   SightRaster& raster = surface.raster;
-  Grid grid{raster, {}, {}};
+  Grid grid{raster, {}, {}, {}};
   const std::size_t pixels = std::size_t(raster.width) * std::size_t(raster.height);
   grid.point.resize(pixels, Vec3::Zero()), grid.kept.resize(pixels, 0);
   const PointCloud& cloud = view.cloud;
@@ -289,7 +330,7 @@ void add_grid(const RegisterView& view, ViewSurface& surface, int threads) {
   }
   grid.sigma = depth_noise(grid);
   const auto before = static_cast<std::size_t>(std::count(grid.kept.begin(), grid.kept.end(), 1));
-  grid.kept = screened(grid);
+  grid.returned = grid.kept, grid.kept = screened(grid);
   std::vector<double> pitches;
   for (std::size_t i = 0; i < pixels; ++i)
     if (grid.kept[i]) pitches.push_back(grid.pixel(i));
