@@ -1,0 +1,16 @@
+/// How noisy a range image is, from the differences between neighbours.
+#pragma once
+
+#include "geometry/padded_grid.h"
+#include "geometry/range_heights.h"
+#include "geometry/rlts_filter.h"
+
+namespace partscribe {
+
+/// One level for the whole image, in mm. Third differences, so that neither slope nor curvature counts as noise.
+RangeNoise even_noise(const RangeHeights& heights);
+
+/// Level and growth with 1 / cos^2 of the incidence, from kept samples only.
+RangeNoise sloped_noise(const RangeHeights& heights, const PaddedGrid<float>& kept, const PaddedGrid<float>& incidence);
+
+}  // namespace partscribe

@@ -1,0 +1,436 @@
+#include "geometry/rlts_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/ensure.h"
+#include "core/parallel.h"
+#include "geometry/range_heights.h"
+#include "geometry/range_noise.h"
+#include "geometry/trimmed_window.h"
+#include "geometry/window_facet.h"
+#include "geometry/window_kernels.h"
+
+namespace partscribe {
+namespace {
+
+using Grid = PaddedGrid<float>;
+
+std::size_t index_of(const RangeHeights& h, int r, int c) {
+  return static_cast<std::size_t>(r) * static_cast<std::size_t>(h.width) + static_cast<std::size_t>(c);
+}
+
+/// Calls body(row) for every row of the image.
+template <class Body>
+void each_row(const RangeHeights& h, Context& context, const Body& body) {
+  parallel_for(
+      static_cast<std::size_t>(h.height_px), context.threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) body(static_cast<int>(r));
+      },
+      8);
+}
+
+/// One line per pixel of a row, in one direction.
+struct Lines {
+  explicit Lines(int width)
+      : value(static_cast<std::size_t>(width)), slope(value), variance(value), accepted(value), middle(value) {}
+  LineRow out() { return {value.data(), slope.data(), variance.data(), accepted.data(), middle.data()}; }
+  std::vector<float> value, slope, variance, accepted, middle;
+};
+
+void lines_along(const RangeHeights& h, const Grid& sigma, int row, int down, int right, Lines& lines) {
+  std::array<const float*, 5> samples{};
+  for (int k = -2; k <= 2; ++k) samples[static_cast<std::size_t>(k + 2)] = h.grid.row(row + k * down) + k * right;
+  trimmed_lines(samples, sigma.row(row), h.width, lines.out());
+}
+
+/// 1 where a pixel lies on the trimmed line of any of the first `directions` of four directions.
+Grid screened(const RangeHeights& h, const Grid& sigma, int directions, Context& context) {
+  constexpr std::array<std::pair<int, int>, 4> steps = {{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
+  Grid kept(h.width, h.height_px, 0);
+  each_row(h, context, [&](int r) {
+    Lines lines(h.width);
+    float* k = kept.row(r);
+    for (int d = 0; d < directions; ++d) {
+      const auto& [down, right] = steps[static_cast<std::size_t>(d)];
+      lines_along(h, sigma, r, down, right, lines);
+      for (std::size_t c = 0; c < lines.middle.size(); ++c) k[c] = std::max(k[c], lines.middle[c]);
+    }
+  });
+  return kept;
+}
+
+/// The least-squares planes of all 5x5 windows.
+struct Planes {
+  Planes(int width, int height)
+      : value(width, height, 0),
+        slope_x(value),
+        slope_y(value),
+        variance(value),
+        count(value),
+        sse(value),
+        largest(value),
+        bend_xx(value),
+        bend_yy(value),
+        bend_xy(value) {}
+  FacetRow out(int r) {
+    return {value.row(r), slope_x.row(r), slope_y.row(r), variance.row(r), count.row(r),
+            sse.row(r),   largest.row(r), bend_xx.row(r), bend_yy.row(r),  bend_xy.row(r)};
+  }
+  Grid value, slope_x, slope_y, variance, count, sse, largest, bend_xx, bend_yy, bend_xy;
+};
+
+/// Heights with 0 for what is missing, as planes want them.
+Grid finite(const RangeHeights& h) {
+  Grid result(h.width, h.height_px, 0);
+  for (int r = 0; r < h.height_px; ++r)
+    for (int c = 0; c < h.width; ++c)
+      if (!std::isnan(h.grid.row(r)[c])) result.row(r)[c] = h.grid.row(r)[c];
+  return result;
+}
+
+Planes planes_of(const RangeHeights& h, const Grid& heights, const Grid& kept, Context& context) {
+  Planes planes(h.width, h.height_px);
+  each_row(h, context, [&](int r) {
+    std::array<const float*, 5> z{}, w{};
+    for (int k = -2; k <= 2; ++k)
+      z[static_cast<std::size_t>(k + 2)] = heights.row(r + k), w[static_cast<std::size_t>(k + 2)] = kept.row(r + k);
+    facets(z, w, h.width, planes.out(r));
+  });
+  return planes;
+}
+
+/// Slope and incidence at each pixel from that window around it which is most like a plane: none of them reaches
+/// across an edge if one does not (Kuwahara's choice).
+struct Slopes {
+  Slopes(int width, int height) : x(width, height, 0), y(x), incidence(x) {}
+  Grid x, y, incidence;
+};
+
+Slopes slopes_of(const RangeHeights& h, const Planes& planes, Context& context) {
+  static constexpr std::array<std::pair<int, int>, 9> offsets = {
+      {{0, 0}, {-2, -2}, {-2, 2}, {2, -2}, {2, 2}, {-2, 0}, {2, 0}, {0, -2}, {0, 2}}};
+  Slopes slopes(h.width, h.height_px);
+  each_row(h, context, [&](int r) {
+    for (int c = 0; c < h.width; ++c) {
+      const float height = h.grid.row(r)[c];
+      if (std::isnan(height)) continue;
+      float best = std::numeric_limits<float>::infinity(), x = 0, y = 0;
+      for (const auto& [dr, dc] : offsets) {
+        if (r + dr < 0 || r + dr >= h.height_px) continue;
+        const float count = planes.count.row(r + dr)[c + dc];
+        if (!(planes.variance.row(r + dr)[c + dc] > 0) || count < 6) continue;
+        const float score = planes.sse.row(r + dr)[c + dc] / (count - 3);
+        if (score < best) best = score, x = planes.slope_x.row(r + dr)[c + dc], y = planes.slope_y.row(r + dr)[c + dc];
+      }
+      slopes.x.row(r)[c] = x, slopes.y.row(r)[c] = y;
+      slopes.incidence.row(r)[c] = static_cast<float>(std::min(h.incidence(r, c, height, x, y), 100.0));
+    }
+  });
+  return slopes;
+}
+
+/// Noise of every sample in heights.
+Grid noise_map(const RangeHeights& h, const RangeNoise& noise, const Grid* incidence) {
+  Grid sigma(h.width, h.height_px, 1);
+  for (int r = 0; r < h.height_px; ++r)
+    for (int c = 0; c < h.width; ++c) {
+      const float height = h.grid.row(r)[c];
+      if (std::isnan(height)) continue;
+      const double mm = noise.sigma(incidence ? incidence->row(r)[c] : 1);
+      sigma.row(r)[c] = static_cast<float>(std::max(mm / h.mm_per_height(height), 1e-6));
+    }
+  return sigma;
+}
+
+/// Upper limit of chi^2, some 99.9 %.
+float chi2_limit(float freedom) { return freedom + 3.1F * std::sqrt(2 * freedom) + 4; }
+
+/// Residuals from the plane of a whole window beyond this many deviations are no noise.
+constexpr float acceptance = 4;
+
+enum class Fitness : std::uint8_t { none, plane, quadric, broken };
+
+/// Whether one plane, or one quadric, explains a window.
+Fitness fitness(const Planes& p, int r, int c, float sigma) {
+  const float inverse = 1 / (sigma * sigma), chi2 = p.sse.row(r)[c] * inverse, count = p.count.row(r)[c];
+  if (!(p.variance.row(r)[c] > 0)) return Fitness::none;
+  if (chi2 <= chi2_limit(count - 3) && p.largest.row(r)[c] <= acceptance * sigma) return Fitness::plane;
+  if (count < 25) return Fitness::broken;
+  const float xx = p.bend_xx.row(r)[c], yy = p.bend_yy.row(r)[c], xy = p.bend_xy.row(r)[c];
+  const float gain = (70 * (xx * xx + yy * yy) + 100 * (xy * xy)) * inverse;
+  return gain > 16.3F && chi2 - gain <= chi2_limit(count - 6) ? Fitness::quadric : Fitness::broken;
+}
+
+/// Sums of the x^2, y^2 and xy coefficients of the smooth windows around each pixel: from up to 9x9 samples, a bend
+/// shows that hides in the noise of 5x5.
+struct Bends {
+  Bends(int width, int height) : xx(width, height, 0), yy(xx), xy(xx), count(xx) {}
+  Grid xx, yy, xy, count;
+};
+
+void add_shifted(Grid& to, const Grid& from, int width, int height, bool down) {
+  for (int r = 0; r < height; ++r) {
+    float* out = to.row(r);
+    const float* in[5];
+    for (int k = -2; k <= 2; ++k) in[k + 2] = down ? from.row(r + k) : from.row(r) + k;
+    for (int c = 0; c < width; ++c) out[c] = ((in[0][c] + in[4][c]) + (in[1][c] + in[3][c])) + in[2][c];
+  }
+}
+
+Bends smooth_bends(const RangeHeights& h, const Planes& planes, const PaddedGrid<Fitness>& fit) {
+  Bends one(h.width, h.height_px), rows(h.width, h.height_px), sum(h.width, h.height_px);
+  for (int r = 0; r < h.height_px; ++r)
+    for (int c = 0; c < h.width; ++c) {
+      if (planes.count.row(r)[c] < 25 || (fit.row(r)[c] != Fitness::plane && fit.row(r)[c] != Fitness::quadric))
+        continue;
+      one.xx.row(r)[c] = planes.bend_xx.row(r)[c], one.yy.row(r)[c] = planes.bend_yy.row(r)[c];
+      one.xy.row(r)[c] = planes.bend_xy.row(r)[c], one.count.row(r)[c] = 1;
+    }
+  for (const auto member : {&Bends::xx, &Bends::yy, &Bends::xy, &Bends::count}) {
+    add_shifted(rows.*member, one.*member, h.width, h.height_px, false);
+    add_shifted(sum.*member, rows.*member, h.width, h.height_px, true);
+  }
+  return sum;
+}
+
+/// A bend of the surface around a pixel, in heights per pixel^2; all zero if none shows.
+struct Bend {
+  float xx = 0, yy = 0, xy = 0, windows = 0;
+  float at(int x, int y) const {
+    return xx * static_cast<float>(x * x) + yy * static_cast<float>(y * y) + xy * static_cast<float>(x * y);
+  }
+};
+
+Bend bend_at(const Bends& bends, int r, int c, float sigma) {
+  const float n = bends.count.row(r)[c];
+  if (n == 0) return {};
+  const Bend b{bends.xx.row(r)[c] / n, bends.yy.row(r)[c] / n, bends.xy.row(r)[c] / n, n};
+  // The variance of a mean over n overlapping windows is near that of one over n.
+  const float chi2 = n * (70 * (b.xx * b.xx + b.yy * b.yy) + 100 * (b.xy * b.xy));
+  return chi2 > 16.3F * sigma * sigma ? b : Bend{};
+}
+
+/// Kept samples above the middle one less slope and bend, in noise levels.
+void gather(const Grid& heights, const Grid& kept, int r, int c, float slope_x, float slope_y, const Bend& bend,
+            float sigma, Window& u, Window& w) {
+  constexpr float reach = 50;  // beyond it a sample is on another surface however far
+  const float middle = heights.row(r)[c], inverse = 1 / sigma;
+  for (int y = -2; y <= 2; ++y)
+    for (int x = -2; x <= 2; ++x) {
+      const auto k = static_cast<std::size_t>((y + 2) * 5 + x + 2);
+      const float trend = slope_x * static_cast<float>(x) + slope_y * static_cast<float>(y) + bend.at(x, y);
+      u[k] = std::clamp((heights.row(r + y)[c + x] - middle - trend) * inverse, -reach, reach);
+      w[k] = kept.row(r + y)[c + x];
+    }
+}
+
+constexpr float steepest = 52;  // 1 / cos^2 of 82 degrees
+
+/// The value in a window that a plane or a quadric explains.
+WindowFacet smooth_facet(const Grid& heights, const Grid& kept, const Planes& p, const Bend& bend, int r, int c,
+                         float sigma) {
+  WindowFacet f{p.value.row(r)[c], p.slope_x.row(r)[c], p.slope_y.row(r)[c], p.variance.row(r)[c], RltsModel::plane};
+  if (bend.windows == 0) return f;
+  f.model = RltsModel::quadric;
+  if (p.count.row(r)[c] == 25) {
+    f.value -= 2 * (bend.xx + bend.yy);
+  } else {
+    Window u, w;
+    gather(heights, kept, r, c, f.slope_x, f.slope_y, bend, sigma, u, w);
+    const WindowFacet rest = plane_fit(u, w).facet;
+    f.value = rest.value * sigma;
+    f.slope_x += rest.slope_x * sigma, f.slope_y += rest.slope_y * sigma;
+  }
+  // Twice the variance of two coefficients, and their covariance with the plane's value.
+  f.variance += 8 / (70 * bend.windows) + 0.0208F * (1 - 1 / bend.windows);
+  return f;
+}
+
+/// The facet of a window that needs the long way.
+WindowFacet broken_facet(const Grid& heights, const Grid& kept, const Slopes& slopes, const Bend& bend, int r, int c,
+                         float sigma) {
+  const float sx = slopes.x.row(r)[c], sy = slopes.y.row(r)[c];
+  Window u, w;
+  gather(heights, kept, r, c, sx, sy, bend, sigma, u, w);
+  WindowFacet f = window_facet(u, w);
+  f.value *= sigma;
+  f.slope_x = f.slope_x * sigma + sx, f.slope_y = f.slope_y * sigma + sy;
+  return f;
+}
+
+FilteredImage empty_result(const RangeImage& image) {
+  FilteredImage result;
+  result.width = image.width, result.height = image.height;
+  const std::size_t n = image.codes.size();
+  result.depth.assign(n, std::numeric_limits<double>::quiet_NaN());
+  result.sigma.assign(n, 0), result.raw_sigma.assign(n, 0);
+  result.slope_column.assign(n, 0), result.slope_row.assign(n, 0);
+  result.kept.assign(n, 0);
+  result.model.assign(n, RltsModel::none);
+  return result;
+}
+
+/// Writes one pixel; `facet` is in heights above the sample, its variance in units of the noise squared.
+void put(const RangeHeights& h, int r, int c, const WindowFacet& facet, float sigma, FilteredImage& out) {
+  const std::size_t i = index_of(h, r, c);
+  const double raw = h.grid.row(r)[c], value = raw + static_cast<double>(facet.value);
+  const double scale = h.mm_per_height(value);
+  out.depth[i] = h.depth(value);
+  out.raw_sigma[i] = static_cast<float>(sigma * scale);
+  out.sigma[i] = static_cast<float>(std::sqrt(facet.variance) * sigma * scale);
+  out.slope_column[i] = static_cast<float>(facet.slope_x * scale);
+  out.slope_row[i] = static_cast<float>(facet.slope_y * scale);
+  out.model[i] = facet.model;
+  out.kept[i] = facet.model != RltsModel::rejected;
+}
+
+constexpr WindowFacet rejected_facet{0, 0, 0, 1, RltsModel::rejected};
+
+/// The bit whose flip brings a rejected code back to the surface around it; -1 if there is none.
+int flipped_bit(const RangeImage& image, const RangeHeights& h, const Planes& planes, int r, int c, float sigma) {
+  if (planes.count.row(r)[c] < 8 || fitness(planes, r, c, sigma) != Fitness::plane) return -1;
+  const double expected = h.depth(static_cast<double>(h.grid.row(r)[c]) + static_cast<double>(planes.value.row(r)[c]));
+  const double limit = 3 * static_cast<double>(sigma) * h.mm_per_height(h.height(expected));
+  const int code = image.codes[index_of(h, r, c)];
+  int best = -1;
+  double least = limit;
+  for (int bit = 0; bit < 16; ++bit) {
+    const double off = std::abs(image.z0 + image.q * ((code ^ (1 << bit)) - 1) - expected);
+    if (off <= least) least = off, best = bit;
+  }
+  return best;
+}
+
+void count(const RangeImage& image, const RangeHeights& h, const Planes* planes, const Grid* sigma,
+           FilteredImage& out) {
+  out.returns = h.returns;
+  for (int r = 0; r < h.height_px; ++r)
+    for (int c = 0; c < h.width; ++c) {
+      const std::size_t i = index_of(h, r, c);
+      if (out.model[i] == RltsModel::none || out.kept[i]) continue;
+      ++out.rejected;
+      if (!planes) continue;
+      if (const int bit = flipped_bit(image, h, *planes, r, c, sigma->row(r)[c]); bit >= 0)
+        ++out.bit_errors[static_cast<std::size_t>(bit)];
+    }
+}
+
+FilteredImage combined(const RangeImage& image, const RangeHeights& h, const RltsOptions& options, Context& context) {
+  FilteredImage out = empty_result(image);
+  const Grid heights = finite(h);
+  const bool known = options.sigma > 0;
+  out.noise = known ? RangeNoise{options.sigma, 0} : even_noise(h);
+  Grid sigma = noise_map(h, out.noise, nullptr);
+  // Two directions are enough to learn slopes and noise.
+  Grid kept = screened(h, sigma, known ? 4 : 2, context);
+  Planes planes = planes_of(h, heights, kept, context);
+  const Slopes slopes = slopes_of(h, planes, context);
+  if (!known) {
+    out.noise = sloped_noise(h, kept, slopes.incidence);
+    sigma = noise_map(h, out.noise, &slopes.incidence);
+    kept = screened(h, sigma, 4, context);
+    planes = planes_of(h, heights, kept, context);
+  }
+  PaddedGrid<Fitness> fit(h.width, h.height_px, Fitness::none);
+  each_row(h, context, [&](int r) {
+    for (int c = 0; c < h.width; ++c)
+      if (!std::isnan(h.grid.row(r)[c])) fit.row(r)[c] = fitness(planes, r, c, sigma.row(r)[c]);
+  });
+  const Bends bends = smooth_bends(h, planes, fit);
+  each_row(h, context, [&](int r) {
+    for (int c = 0; c < h.width; ++c) {
+      if (std::isnan(h.grid.row(r)[c])) continue;
+      const float s = sigma.row(r)[c];
+      WindowFacet facet = rejected_facet;
+      if (kept.row(r)[c] != 0) {
+        const Bend bend = bend_at(bends, r, c, s);
+        const bool smooth = fit.row(r)[c] == Fitness::plane || fit.row(r)[c] == Fitness::quadric;
+        facet = smooth ? smooth_facet(heights, kept, planes, bend, r, c, s)
+                       : broken_facet(heights, kept, slopes, bend, r, c, s);
+        // A sample that agrees with no surface around it has only met three others in a line.
+        const bool alone = facet.model == RltsModel::raw && planes.count.row(r)[c] > 6;
+        // Nor does anything return from a surface so steep: it bridges a step.
+        if (alone || h.incidence(r, c, h.grid.row(r)[c], facet.slope_x, facet.slope_y) > steepest)
+          facet = rejected_facet;
+      }
+      put(h, r, c, facet, s, out);
+    }
+  });
+  count(image, h, &planes, &sigma, out);
+  return out;
+}
+
+/// The paper's profile filter: five samples of a row.
+FilteredImage profiles(const RangeImage& image, const RangeHeights& h, const RltsOptions& options, Context& context) {
+  FilteredImage out = empty_result(image);
+  out.noise = options.sigma > 0 ? RangeNoise{options.sigma, 0} : even_noise(h);
+  const Grid sigma = noise_map(h, out.noise, nullptr);
+  each_row(h, context, [&](int r) {
+    Lines lines(h.width);
+    lines_along(h, sigma, r, 0, 1, lines);
+    for (int c = 0; c < h.width; ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      if (std::isnan(h.grid.row(r)[c])) continue;
+      WindowFacet f = rejected_facet;
+      // The paper's filter replaces every sample by its line, an outlier too.
+      if (lines.accepted[i] >= 3)
+        f = {lines.value[i] - h.grid.row(r)[c], lines.slope[i], 0, lines.variance[i], RltsModel::line};
+      put(h, r, c, f, sigma.row(r)[c], out);
+      if (lines.middle[i] == 0) out.kept[index_of(h, r, c)] = 0;
+    }
+  });
+  count(image, h, nullptr, nullptr, out);
+  return out;
+}
+
+/// The paper's window filters.
+FilteredImage windows(const RangeImage& image, const RangeHeights& h, const RltsOptions& options, Context& context) {
+  FilteredImage out = empty_result(image);
+  out.noise = options.sigma > 0 ? RangeNoise{options.sigma, 0} : even_noise(h);
+  const Grid sigma = noise_map(h, out.noise, nullptr), heights = finite(h);
+  Grid present(h.width, h.height_px, 0);
+  for (int r = 0; r < h.height_px; ++r)
+    for (int c = 0; c < h.width; ++c) present.row(r)[c] = std::isnan(h.grid.row(r)[c]) ? 0.F : 1.F;
+  each_row(h, context, [&](int r) {
+    Window u, w;
+    for (int c = 0; c < h.width; ++c) {
+      if (present.row(r)[c] == 0) continue;
+      const float s = sigma.row(r)[c], inverse = 1 / s;
+      for (int y = -2; y <= 2; ++y)
+        for (int x = -2; x <= 2; ++x) {
+          const auto k = static_cast<std::size_t>((y + 2) * 5 + x + 2);
+          u[k] = (heights.row(r + y)[c + x] - heights.row(r)[c]) * inverse, w[k] = present.row(r + y)[c + x];
+        }
+      const TrimmedWindow t = trimmed_window(u, w, options.form == RltsForm::quadric);
+      WindowFacet f = t.facet;
+      f.value *= s, f.slope_x *= s, f.slope_y *= s;
+      put(h, r, c, f, s, out);
+      out.kept[index_of(h, r, c)] = t.middle;
+    }
+  });
+  count(image, h, nullptr, nullptr, out);
+  return out;
+}
+
+}  // namespace
+
+FilteredImage rlts_filter(const RangeImage& image, const RltsOptions& options, Context& context) {
+  ensure(image.codes.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height),
+         "a range image has one code per pixel");
+  const RangeHeights heights(image);
+  if (heights.returns == 0) return empty_result(image);
+  if (options.form == RltsForm::profile) return profiles(image, heights, options, context);
+  if (options.form != RltsForm::combined) return windows(image, heights, options, context);
+  return combined(image, heights, options, context);
+}
+
+double detectable_share(int bit, double q, double sigma) {
+  const double off = std::ldexp(q, bit) / sigma, limit = acceptance;
+  const auto below = [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); };
+  return 1 - (below(limit - off) - below(-limit - off));
+}
+
+}  // namespace partscribe

@@ -1,0 +1,74 @@
+#include "geometry/window_facet.h"
+
+#include <algorithm>
+
+#include "geometry/window_kernels.h"
+
+namespace partscribe {
+namespace {
+
+constexpr float three_terms = 16.3F;    // chi^2 with 3 degrees of freedom, 99.9 %
+constexpr float choice_of_side = 6.4F;  // 2 ln 24
+
+/// Reweighted: samples beyond three deviations are left out, at the price of as many deviations; at most a fifth.
+WindowFit trimmed(WindowFit (*least_squares)(const Window&, const Window&), const Window& heights,
+                  const Window& weights) {
+  constexpr float limit = 9;
+  Window accepted = weights;
+  WindowFit fit;
+  int out = 0;
+  for (int round = 0; round < 3; ++round) {
+    fit = least_squares(heights, accepted);
+    if (fit.facet.model == RltsModel::raw) return fit;
+    int now = 0, all = 0;
+    for (std::size_t k = 0; k < 25; ++k) {
+      if (weights[k] == 0) continue;
+      const float r = heights[k] - fit.at(static_cast<int>(k % 5) - 2, static_cast<int>(k / 5) - 2);
+      accepted[k] = r * r <= limit ? 1.F : 0.F;
+      now += r * r > limit, ++all;
+    }
+    if (now * 5 > all) {
+      fit.facet.model = RltsModel::raw;
+      return fit;
+    }
+    if (now == out) break;
+    out = now;
+  }
+  fit.sse += limit * static_cast<float>(out);
+  fit.good = fit.good && accepted[12] != 0;
+  return fit;
+}
+
+}  // namespace
+
+WindowFacet window_facet(const Window& heights, const Window& weights) {
+  WindowFacet best;
+  best.variance = 1;
+  float cost = 1e8F, count = 0;
+  for (const float w : weights) count += w;
+  const auto consider = [&](const WindowFit& fit, float price) {
+    if (fit.facet.model == RltsModel::raw || fit.sse + price >= cost) return;
+    cost = fit.sse + price;
+    best = fit.good ? fit.facet : WindowFacet{0, 0, 0, 1, RltsModel::raw};
+  };
+  consider(trimmed(plane_fit, heights, weights), 0);
+  if (cost < count + 10) return best;  // nothing dearer can be better
+  Sides sides;
+  split_window(heights, weights, sides);
+  const auto side = static_cast<int>(std::min_element(sides.cost.begin(), sides.cost.end()) - sides.cost.begin());
+  const auto s = static_cast<std::size_t>(side);
+  const float split_cost = sides.cost[s] + three_terms + choice_of_side;
+  if (std::min(cost, split_cost) > three_terms + 0.5F * count)
+    consider(trimmed(quadric_fit, heights, weights), three_terms);
+  if (split_cost >= cost) return best;
+  best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side};
+  if (sides.near_count[s] < 9 || sides.near_sse[s] <= three_terms) return best;
+  Window near = weights;
+  for (int k = 0; k < 25; ++k)
+    if (!on_side(side, k % 5 - 2, k / 5 - 2)) near[static_cast<std::size_t>(k)] = 0;
+  const WindowFit bent = quadric_fit(heights, near);
+  if (bent.good && bent.sse + three_terms < sides.near_sse[s]) best = bent.facet, best.model = RltsModel::side;
+  return best;
+}
+
+}  // namespace partscribe

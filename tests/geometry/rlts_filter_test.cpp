@@ -1,0 +1,238 @@
+#include "geometry/rlts_filter.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "tests/geometry/range_scenes.h"
+
+using namespace partscribe;
+using test::range_scene;
+using test::RangeScene;
+
+namespace {
+
+FilteredImage filtered(const RangeImage& image, const RltsOptions& options = {}, int threads = 1) {
+  Context context;
+  context.threads = threads;
+  return rlts_filter(image, options, context);
+}
+
+/// Root mean square of the kept pixels' errors in columns [from, to).
+double rms(const RangeScene& s, const FilteredImage& f, int from, int to) {
+  double sum = 0;
+  int count = 0;
+  for (int r = 0; r < s.image.height; ++r)
+    for (int c = from; c < to; ++c) {
+      const auto i = static_cast<std::size_t>(r * s.image.width + c);
+      if (!f.kept[i] || std::isnan(s.truth[i])) continue;
+      sum += (f.depth[i] - s.truth[i]) * (f.depth[i] - s.truth[i]), ++count;
+    }
+  return std::sqrt(sum / std::max(count, 1));
+}
+
+double kept_share(const RangeScene& s, const FilteredImage& f) {
+  double good = 0, kept = 0;
+  for (std::size_t i = 0; i < f.kept.size(); ++i)
+    if (!std::isnan(s.truth[i]) && s.flipped[i] < 0) ++good, kept += f.kept[i];
+  return kept / good;
+}
+
+}  // namespace
+
+TEST_CASE("rlts filter: a plane of any slope is kept, with the noise and the gain that are stated") {
+  for (const double slope : {0.0, 0.1, 0.7, 2.0}) {
+    const auto s = range_scene({.sigma = 0.05}, [&](double x, double y) { return 5 + slope * x * 0.3 + 0.1 * y; });
+    const auto f = filtered(s.image);
+    CHECK(kept_share(s, f) > 0.995);
+    CHECK(rms(s, f, 4, 76) < 1.1 * 0.05 / 5 * 1.05);
+    double pull = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < f.depth.size(); ++i) {
+      CHECK(f.raw_sigma[i] == Approx(0.05).epsilon(0.08));
+      if (!f.kept[i]) continue;
+      const double u = (f.depth[i] - s.truth[i]) / static_cast<double>(f.sigma[i]);
+      pull += u * u, ++count;
+    }
+    CHECK(std::sqrt(pull / count) == Approx(1).epsilon(0.1));
+  }
+}
+
+TEST_CASE("rlts filter: steps of every height stay where they are") {
+  for (const double height : {0.02, 0.1, 0.2, 0.5, 2.0, 20.0, 60.0}) {
+    const auto s = range_scene({.height = 100, .sigma = 0.02},
+                               [&](double x, double y) { return 20 + (x < 40 ? 0 : height) + 0.05 * y; });
+    const auto f = filtered(s.image);
+    INFO("height " << height);
+    CHECK(kept_share(s, f) > 0.99);
+    // Below some five noise levels no 5x5 window can tell a step from a slope; that costs at most a part of its height.
+    CHECK(rms(s, f, 38, 42) < (height > 0.15 ? 0.7 * 0.02 : 0.5 * height));
+    CHECK(rms(s, f, 4, 36) < 1.1 * 0.02 / 5 * 1.05);
+  }
+}
+
+TEST_CASE("rlts filter: creases and round surfaces are not flattened") {
+  const auto roof = range_scene({}, [](double x, double y) { return 40 - std::abs(x - 40.3) + 0.2 * y; });
+  const auto f = filtered(roof.image);
+  CHECK(kept_share(roof, f) > 0.99);
+  CHECK(rms(roof, f, 38, 43) < 0.7 * 0.02);
+  const auto ball = range_scene({}, [](double x, double y) {
+    const double d = 60 * 60 - (x - 40) * (x - 40) - (y - 30) * (y - 30);
+    return 70 - std::sqrt(d);
+  });
+  const auto g = filtered(ball.image);
+  CHECK(kept_share(ball, g) > 0.99);
+  CHECK(rms(ball, g, 4, 76) < 0.4 * 0.02);
+  CHECK(std::count(g.model.begin(), g.model.end(), RltsModel::quadric) > 4000);
+}
+
+TEST_CASE("rlts filter: figure 2 of the paper, a profile of 12 bits with noise 5 and bit errors 0.015") {
+  // Codes are millimetres. Sine, step and roof of 200 samples each, 100 draws.
+  const auto profile = [](double x) {
+    if (x < 200) return 2000 + 500 * std::sin(x * 0.0314159265);
+    if (x < 400) return x < 300 ? 1500.0 : 2500.0;
+    return 1500 + 8 * (100 - std::abs(x - 500));
+  };
+  const auto s =
+      range_scene({.width = 600, .height = 100, .bits = 12, .sigma = 5, .bit_error = 0.015, .q = 1, .seed = 7},
+                  [&](double x, double) { return profile(x); });
+  const auto f = filtered(s.image, {.form = RltsForm::profile});
+  const auto all = [&](int from, int to) {  // every sample counts, rejected or not, as in the figure
+    double sum = 0;
+    for (int r = 0; r < 100; ++r)
+      for (int c = from; c < to; ++c) {
+        const auto i = static_cast<std::size_t>(r * 600 + c);
+        sum += (f.depth[i] - s.truth[i]) * (f.depth[i] - s.truth[i]);
+      }
+    return std::sqrt(sum / (100.0 * (to - from)));
+  };
+  INFO("smooth " << all(2, 198) << " step " << all(202, 398) << " roof " << all(402, 598));
+  CHECK(all(2, 198) < 3.5);
+  CHECK(all(202, 398) < 25);
+  CHECK(all(402, 598) < 4.5);
+  std::size_t flips = 0, found = 0;
+  for (std::size_t i = 0; i < s.flipped.size(); ++i)
+    if (s.flipped[i] >= 5) ++flips, found += !f.kept[i];
+  CHECK(static_cast<double>(found) >= 0.98 * static_cast<double>(flips));
+}
+
+TEST_CASE("rlts filter: bit errors beyond the noise are found and named, low bits as often as is stated") {
+  const auto s = range_scene({.width = 300, .height = 300, .sigma = 0.02, .bit_error = 0.03}, [](double x, double y) {
+    return 60 + 0.2 * x - 0.1 * y + 4 * std::sin(0.03 * x) * std::cos(0.02 * y);
+  });
+  const auto f = filtered(s.image);
+  std::array<double, 16> flips{}, found{};
+  for (std::size_t i = 0; i < s.flipped.size(); ++i)
+    if (s.flipped[i] >= 0) {
+      const auto b = static_cast<std::size_t>(s.flipped[i]);
+      ++flips[b], found[b] += !f.kept[i];
+    }
+  for (std::size_t b = 0; b < 16; ++b) {
+    INFO("bit " << b << ": " << found[b] << " of " << flips[b]);
+    if (b >= 6) {  // 0.128 mm and more
+      CHECK(found[b] >= 0.98 * flips[b]);
+      CHECK(static_cast<double>(f.bit_errors[b]) == Approx(flips[b]).epsilon(0.1));
+    }
+    CHECK(found[b] / flips[b] == Approx(detectable_share(static_cast<int>(b), 0.002, 0.02)).margin(0.2));
+  }
+  CHECK(kept_share(s, f) > 0.99);
+}
+
+TEST_CASE("rlts filter: rejected pixels are flagged and left as they are; missing ones stay missing") {
+  auto s = range_scene({.bit_error = 0.02}, [](double x, double y) {
+    return std::fmod(x * 7 + y * 3, 11) < 1 ? std::numeric_limits<double>::quiet_NaN() : 30 + 0.1 * x;
+  });
+  const auto f = filtered(s.image);
+  std::size_t rejected = 0, missing = 0;
+  for (std::size_t i = 0; i < f.depth.size(); ++i) {
+    if (std::isnan(s.truth[i])) {
+      ++missing;
+      CHECK(std::isnan(f.depth[i]));
+      CHECK(f.kept[i] == 0);
+    } else if (!f.kept[i]) {
+      ++rejected;
+      CHECK(f.depth[i] == Approx((s.image.codes[i] - 1) * s.image.q).epsilon(1e-9));
+    }
+  }
+  CHECK(f.rejected == rejected);
+  CHECK(f.returns + missing == f.depth.size());
+  CHECK(rejected > 30);
+}
+
+TEST_CASE("rlts filter: behind a pinhole a steep plane keeps its place and shape") {
+  RangeScene s;
+  s.image.projection = Projection::pinhole;
+  s.image.width = 120, s.image.height = 90;
+  s.image.fx = s.image.fy = 140, s.image.cx = 59.5, s.image.cy = 44.5;
+  s.image.z0 = 100, s.image.q = 0.01;
+  Random random(9);
+  for (int r = 0; r < 90; ++r)
+    for (int c = 0; c < 120; ++c) {
+      // 2 x + y + 3 z = 900 seen along (x, y, 1).
+      const double x = (c - 59.5) / 140, y = (r - 44.5) / 140, z = 900 / (2 * x + y + 3);
+      s.truth.push_back(z), s.flipped.push_back(-1);
+      s.image.codes.push_back(static_cast<std::uint16_t>(std::lround(1 + (z + 0.3 * random.normal() - 100) / 0.01)));
+    }
+  const auto f = filtered(s.image);
+  CHECK(kept_share(s, f) > 0.995);
+  double sum = 0, squares = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < f.depth.size(); ++i) {
+    if (!f.kept[i]) continue;
+    const double error = f.depth[i] - s.truth[i];
+    sum += error, squares += error * error, ++count;
+  }
+  CHECK(std::abs(sum / count) < 4 * 0.3 / std::sqrt(count));
+  CHECK(std::sqrt(squares / count) < 1.2 * 0.3 / 5);
+}
+
+TEST_CASE("rlts filter: quantisation is noise too, so that an image without any other keeps its points") {
+  const auto s = range_scene({.sigma = 0, .q = 0.05},
+                             [](double x, double y) { return 10 + 0.013 * x * x + 0.11 * y + (x > 50 ? 3 : 0); });
+  const auto f = filtered(s.image);
+  CHECK(kept_share(s, f) > 0.99);
+  CHECK(f.noise.sigma(1) >= 0.05 * 0.28);
+  CHECK(rms(s, f, 0, 80) < 0.05 * 0.3);
+}
+
+TEST_CASE("rlts filter: the paper's windows reject what is wild and smooth what is not") {
+  const auto s = range_scene({.width = 60, .height = 40, .bit_error = 0.03},
+                             [](double x, double y) { return 30 + 0.2 * x + 0.1 * y; });
+  for (const RltsForm form : {RltsForm::facet, RltsForm::quadric}) {
+    const auto f = filtered(s.image, {.form = form});
+    CHECK(kept_share(s, f) > 0.97);
+    CHECK(rms(s, f, 3, 57) < (form == RltsForm::facet ? 0.3 : 0.5) * 0.02);
+    for (std::size_t i = 0; i < f.kept.size(); ++i)
+      if (s.flipped[i] >= 7) CHECK(f.kept[i] == 0);
+  }
+}
+
+TEST_CASE("rlts filter: the same bytes for any number of threads") {
+  const auto s = range_scene({.bit_error = 0.02}, [](double x, double y) { return 30 + std::abs(x - 40) + 0.1 * y; });
+  for (const RltsForm form : {RltsForm::combined, RltsForm::profile, RltsForm::facet}) {
+    const auto one = filtered(s.image, {.form = form}, 1), many = filtered(s.image, {.form = form}, 4);
+    CHECK(std::memcmp(one.depth.data(), many.depth.data(), one.depth.size() * sizeof(double)) == 0);
+    CHECK(one.sigma == many.sigma);
+    CHECK(one.kept == many.kept);
+  }
+}
+
+TEST_CASE("rlts filter: bad images have answers too") {
+  for (const RltsForm form : {RltsForm::combined, RltsForm::profile, RltsForm::facet, RltsForm::quadric}) {
+    CHECK(filtered(RangeImage{}, {.form = form}).depth.empty());
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    const auto nothing = range_scene({}, [&](double, double) { return none; });
+    const auto f = filtered(nothing.image, {.form = form});
+    CHECK(f.returns == 0);
+    CHECK(f.rejected == 0);
+    const auto pixel = range_scene({.width = 1, .height = 1}, [](double, double) { return 10; });
+    const auto g = filtered(pixel.image, {.form = form});
+    CHECK(g.returns == 1);
+    CHECK(g.depth[0] == Approx(10).margin(0.1));
+    const auto row = range_scene({.width = 50, .height = 1}, [](double, double) { return 10; });
+    CHECK(filtered(row.image, {.form = form}).returns == 50);
+    const auto noise = range_scene({.width = 30, .height = 30, .sigma = 30}, [](double, double) { return 60; });
+    for (const double z : filtered(noise.image, {.form = form}).depth) CHECK(std::isfinite(z));
+  }
+}
