@@ -33,9 +33,9 @@ struct PairSum {
 
 /// What one round of matching starts from.
 struct Round {
-  double reach = 0, wide = 0;                     // mm: across, and the kernel's width along the normal
+  double reach = 0, wide = 0, border_wide = 0;    // mm: across, and the kernels' widths along the normal
   double surface_sigma = 1, contour_sigma = 0.8;    // mm; pixels
-  double normal_variance = 1e-3, bias = 0, seen_bias = 0;        // rad^2; pixels
+  double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
   bool grouped = false;
 };
 
@@ -112,26 +112,29 @@ PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, con
   const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
   const Pose there = problem.poses[b].inverse() * problem.poses[a];
   std::vector<Neighbour> near;
-  const std::size_t count = std::min(most_contour, from.contour.size());
+  // While poses are rough a few borders looked for far and wide are enough.
+  const bool wide_search = round.reach > 8 * to.spacing;
+  const KdTree& tree = wide_search ? *to.sample_tree : *to.tree;
+  const std::size_t count = std::min(wide_search ? most_contour / 4 : most_contour, from.contour.size());
   for (std::size_t k = 0; k < count; ++k) {
     const ContourPoint& c = from.contour[(2 * k + 1) * from.contour.size() / (2 * count)];
     const Vec3 q = there * c.point, outward = there.rotation * c.outward, na = there.rotation * c.normal;
     const Vec3 ray = there.rotation * from.raster.ray(c.point);
-    to.tree->within(q, 4 * std::max(to.spacing, c.pixel), near);
+    tree.within(q, std::max(4 * std::max(to.spacing, c.pixel), round.reach), near);
     for (const Neighbour& neighbour : near) {
-      const Vec3& n = to.normals[neighbour.index];
+      const std::size_t at = wide_search ? to.samples[neighbour.index] : neighbour.index;
+      const Vec3& n = to.normals[at];
       const double towards = -n.dot(ray);
-      if (!to.smooth[neighbour.index] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
+      if (!to.smooth[at] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
       const double lever = n.dot(outward);
-      const double e = (q - to.points[neighbour.index]).dot(n) / c.pixel;  // in pixels
-      const double wide = 2.5 * round.contour_sigma;
-      const double off = e - round.bias * lever;
-      if (std::abs(off) > 2 * wide) continue;
-      const double w = std::exp(-off * off / (2 * wide * wide));
+      const double e = (q - to.points[at]).dot(n) / c.pixel;  // in pixels
+      const double wide = std::max(2.5 * round.contour_sigma, round.border_wide / c.pixel);
+      if (std::abs(e) > 2 * wide) continue;
+      const double w = std::exp(-e * e / (2 * wide * wide));
       const double sigma = round.contour_sigma * c.pixel;
-      add_row(problem, problem.poses[b] * q, problem.poses[b].rotation * n, off * c.pixel, contour_trust * w / (sigma * sigma),
+      add_row(problem, problem.poses[b] * q, problem.poses[b].rotation * n, e * c.pixel, contour_trust * w / (sigma * sigma),
               round.normal_variance, round.grouped, sum);
-      sum.residual.push_back(off);
+      sum.residual.push_back(e);
       sum.bias_top += w * e * lever, sum.bias_bottom += w * lever * lever;
       break;
     }
@@ -258,7 +261,8 @@ double spread_of(std::vector<double> residuals) {
 }
 
 /// What a match is worth depends on how far matches of its kind are off.
-void learn(const std::vector<PairSum>& surfaces, const std::vector<PairSum>& contours, double least, Round& round) {
+void learn(const std::vector<PairSum>& surfaces, const std::vector<PairSum>& contours, double least,
+           double most_contour_sigma, Round& round) {
   std::vector<double> residual, bend, border;
   double top = 0, bottom = 0;
   for (const PairSum& sum : surfaces) {
@@ -272,9 +276,8 @@ void learn(const std::vector<PairSum>& surfaces, const std::vector<PairSum>& con
   round.surface_sigma = std::max(spread_of(std::move(residual)), least);
   // |n_x - n_y|^2 has the median 2 ln 2 (2 s^2); the mean of the two normals has the variance s^2 / 2.
   round.normal_variance = std::max(0.18 * median(std::move(bend)), 1e-8);
-  if (!border.empty()) round.contour_sigma = std::clamp(spread_of(std::move(border)), 0.2, 0.5);
-  round.bias = 0 * (bottom > 0 ? top / bottom : 0);
-  round.seen_bias = bottom > 0 ? top / bottom : 0;
+  if (!border.empty()) round.contour_sigma = std::clamp(spread_of(std::move(border)), 0.2, most_contour_sigma);
+  round.bias = bottom > 0 ? top / bottom : 0;
 }
 
 std::vector<Mat6> covariance_of(const Problem& problem, const std::vector<PairSum>& sums, const System& system,
@@ -335,10 +338,15 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   round.reach = std::max(options.start_reach, end_reach);
   round.surface_sigma = round.reach / 4;
   PairList pairs = neighbour_pairs(problem, round.reach, options.neighbours, context.threads), borders;
+  if (options.contours)
+    for (std::size_t a = 0; a < views.size(); ++a)
+      for (std::size_t b = 0; b < views.size(); ++b)
+        if (a != b && !problem.surface(a).contour.empty() && std::abs(sight_cosine(problem, a, b) + 0.08) < 0.79) borders.emplace_back(a, b);
   std::vector<PairSum> sums, contour_sums;
   const auto match = [&] {
     round.wide = std::max(round.reach / 2, 3 * round.surface_sigma);
-    if (round.reach <= end_reach) round.wide = 3 * round.surface_sigma;
+    round.border_wide = round.reach / 2;
+    if (round.reach <= end_reach) round.wide = 3 * round.surface_sigma, round.border_wide = 0;
     sums.assign(pairs.size(), {}), contour_sums.assign(borders.size(), {});
     parallel_for(pairs.size() + borders.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
@@ -357,20 +365,14 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   for (int k = 0; k < options.rounds && !context.cancelled; ++k) {
     context.report("adjusting all views", static_cast<double>(k) / options.rounds);
     match();
-    learn(sums, contour_sums, least, round);
+    learn(sums, contour_sums, least, std::max(0.5, 0.25 * (round.reach - end_reach) / spacing), round);
     const System system = assemble(views.size(), all_sums());
     if (!(system.h.trace() > 0)) break;
     const double moved = apply(problem, solve(directions_of(system), system.g), 2 * round.reach);
     if (round.reach > end_reach) {
       if (moved < 0.2 * round.reach) {
         round.reach = std::max(0.6 * round.reach, end_reach);
-        if (round.reach == end_reach) {
-          pairs = neighbour_pairs(problem, 3 * round.reach, options.neighbours, context.threads);
-          if (options.contours)
-            for (std::size_t a = 0; a < views.size(); ++a)
-              for (std::size_t b = 0; b < views.size(); ++b)
-                if (a != b && !problem.surface(a).contour.empty() && std::abs(sight_cosine(problem, a, b) + 0.08) < 0.79) borders.emplace_back(a, b);
-        }
+        if (round.reach == end_reach) pairs = neighbour_pairs(problem, 3 * round.reach, options.neighbours, context.threads);
       }
       continue;
     }
@@ -399,7 +401,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     if (sizes.size() >= 30) result.gap[views[sum.a]][views[sum.b]] = median(std::move(sizes));
   }
   for (const PairSum& sum : contour_sums) result.contour_matches += sum.matches;
-  result.surface_sigma = round.surface_sigma, result.contour_sigma = round.contour_sigma, result.contour_bias = round.seen_bias;
+  result.surface_sigma = round.surface_sigma, result.contour_sigma = round.contour_sigma, result.contour_bias = round.bias;
   return result;
 }
 

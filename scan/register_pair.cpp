@@ -61,7 +61,6 @@ std::unique_ptr<PlacedModel> place_surfaces(const std::vector<ViewSurface>& surf
   std::map<Cell, Sum> cells;
   for (const std::size_t v : views)
     for (std::size_t i = 0; i < surfaces[v].points.size(); ++i) {
-      if (!surfaces[v].smooth[i]) continue;
       const Vec3 p = poses[v] * surfaces[v].points[i], n = poses[v].rotation * surfaces[v].normals[i];
       Sum& sum = cells[cell_of(p, n, cell)];
       sum.point += p, sum.normal += n, ++sum.count;

@@ -5,6 +5,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "scan/register_joint.h"
 
 namespace partscribe {
 namespace {
@@ -117,82 +118,143 @@ bool clearly_better(const Agreement& a, const Agreement& b) {
 
 }  // namespace
 
+namespace {
+
+/// How far a pose lies from another.
+struct Distance {
+  double angle = 0, shift = 0;
+};
+
+Distance distance(const ViewSurface& surface, const Pose& a, const Pose& b) {
+  return {rotation_vector(a.rotation.transpose() * b.rotation).norm(), (a * surface.center - b * surface.center).norm()};
+}
+
+std::string apart(const Distance& d) {
+  return degrees_text(d.angle) + " degrees and " + print_number(std::round(d.shift * 10) / 10) + " mm apart";
+}
+
+/// Views on their way from guesses to poses.
+struct Growth {
+  const std::vector<ViewSurface>& surfaces;
+  const std::vector<Pose>& guesses;
+  const RegisterOptions& options;
+  double most_shift = 0, reach = 0;
+  std::vector<Vec3> turns;
+  StartResult result;
+  std::vector<std::size_t> placed;
+
+  /// The best pose of a view against those placed; false with a reason if there is none or more than one.
+  bool place(std::size_t view, const Pose& start, const std::vector<std::size_t>& others, Context& context);
+};
+
+bool Growth::place(std::size_t view, const Pose& start, const std::vector<std::size_t>& others, Context& context) {
+  const ViewSurface& surface = surfaces[view];
+  std::string& reason = result.reason[view];
+  std::vector<Pose> starts{start};
+  for (const Vec3& turn : turns) starts.push_back(turned(guesses[view], surface.center, turn));
+  const Placement placement{surfaces, result.poses, others, reach};
+  std::vector<Candidate> found = candidates_from(placement, view, starts, context.threads);
+  std::erase_if(found, [&](const Candidate& c) {
+    const Distance d = distance(surface, guesses[view], c.pose);
+    return d.angle > 1.1 * options.guess_angle + 0.05 || d.shift > most_shift;
+  });
+  if (found.empty()) {
+    reason = "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
+    return false;
+  }
+  // Of a free motion the pose nearest to the start.
+  Candidate chosen = found.front();
+  reason.clear();
+  for (std::size_t k = 1; k < found.size(); ++k) {
+    if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement)) continue;
+    if (!connected(placement, view, found[0], found[k])) {
+      if (reason.empty()) reason = "fits in two places that are " + apart(distance(surface, found[0].pose, found[k].pose));
+    } else if (distance(surface, start, found[k].pose).angle < distance(surface, start, chosen.pose).angle) {
+      chosen = found[k];
+    }
+  }
+  result.poses[view] = chosen.pose;
+  if (!reason.empty()) return false;
+  if (chosen.agreement.overlap() < options.min_overlap)
+    reason = "only " + percent(chosen.agreement.overlap()) + " of its points are confirmed by the views placed before it";
+  else if (chosen.agreement.seen_through() > 2 * options.max_seen_through)
+    reason = "another view looked through " + percent(chosen.agreement.seen_through()) + " of its points";
+  return reason.empty();
+}
+
+/// All views adjusted at once from their guesses; those that the others then confirm.
+std::vector<std::size_t> agreeing(Growth& growth, const std::vector<std::size_t>& usable, Context& context) {
+  double radius = 0;
+  for (const std::size_t v : usable) radius = std::max(radius, growth.surfaces[v].radius);
+  JointOptions rough;
+  rough.start_reach = 0.25 * radius, rough.contours = growth.options.contours;
+  const JointResult joint = adjust_jointly(growth.surfaces, growth.guesses, usable, rough, context);
+  std::vector<std::size_t> good = usable;
+  // One wrong view spoils what is said of its neighbours: the worst leaves first.
+  while (good.size() > 1) {
+    std::size_t worst = 0;
+    double least = 0;
+    for (std::size_t k = 1; k < good.size(); ++k) {
+      const Agreement a = agreement(growth.surfaces, joint.poses, good[k], joint.poses[good[k]], good, growth.reach, 500);
+      const Distance d = distance(growth.surfaces[good[k]], growth.guesses[good[k]], joint.poses[good[k]]);
+      const bool far = d.angle > 1.1 * growth.options.guess_angle + 0.05 || d.shift > growth.most_shift;
+      const double margin = far ? -1 : std::min(a.overlap() - growth.options.min_overlap, growth.options.max_seen_through - a.seen_through());
+      if (margin < least) least = margin, worst = k;
+    }
+    if (worst == 0) break;
+    good.erase(good.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+  for (const std::size_t v : good) growth.result.poses[v] = joint.poses[v];
+  return good;
+}
+
+}  // namespace
+
 StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses,
                                const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
-  StartResult result{guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)};
-  std::vector<std::size_t> placed, waiting;
-  for (std::size_t v = 0; v < n; ++v) {
-    if (!surfaces[v].usable())
-      result.reason[v] = "expected at least 50 points on smooth surface, found " + std::to_string(surfaces[v].samples.size());
-    else if (placed.empty())
-      placed.push_back(v), result.placed[v] = 1;
-    else
-      waiting.push_back(v);
-  }
-  if (placed.empty()) return result;
+  Growth growth{surfaces, guesses, options, 0, confirm_reach(surfaces), turns_within(options.guess_angle),
+                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)}, {}};
+  StartResult& result = growth.result;
+  std::vector<std::size_t> usable;
   Box3 box;
-  for (std::size_t v = 0; v < n; ++v)
+  for (std::size_t v = 0; v < n; ++v) {
+    if (surfaces[v].usable()) usable.push_back(v);
+    else result.reason[v] = "expected at least 50 points on smooth surface, found " + std::to_string(surfaces[v].samples.size());
     for (std::size_t i = 0; i < surfaces[v].points.size(); i += 16) box.add(guesses[v] * surfaces[v].points[i]);
-  const double most_shift = options.guess_shift > 0 ? options.guess_shift : 0.35 * box.diagonal();
-  const auto turns = turns_within(options.guess_angle);
-  const double reach = confirm_reach(surfaces);
+  }
+  if (usable.empty()) return result;
+  growth.most_shift = options.guess_shift > 0 ? options.guess_shift : 0.35 * box.diagonal();
+  std::vector<std::size_t>& placed = growth.placed;
+  placed = agreeing(growth, usable, context);
+  context.say("agree from their guesses: " + std::to_string(placed.size()) + " of " + std::to_string(usable.size()));
+  // Each is tried in other places as well; what fits elsewhere no worse is not known.
+  for (std::size_t k = 1; k < placed.size() && !context.cancelled;) {
+    std::vector<std::size_t> others = placed;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    if (growth.place(placed[k], result.poses[placed[k]], others, context)) ++k;
+    else placed = others;
+  }
+  std::vector<std::size_t> waiting;
+  for (const std::size_t v : usable)
+    if (std::find(placed.begin(), placed.end(), v) == placed.end()) waiting.push_back(v);
   std::vector<int> tried(n, 0);
   while (!waiting.empty() && !context.cancelled) {
     // The one that by its guess shares most with what is placed; those that failed wait until more is there.
     std::size_t best = 0;
-    double best_share = -2;
+    double best_share = -3;
     for (std::size_t k = 0; k < waiting.size(); ++k) {
-      const ViewSurface& surface = surfaces[waiting[k]];
-      double share = agreement(surfaces, result.poses, waiting[k], guesses[waiting[k]], placed, 0.2 * surface.radius, 150).overlap();
-      share -= tried[waiting[k]];
+      const std::size_t v = waiting[k];
+      const double share = agreement(surfaces, result.poses, v, guesses[v], placed, 0.2 * surfaces[v].radius, 150).overlap() - tried[v];
       if (share > best_share) best_share = share, best = k;
     }
     const std::size_t view = waiting[best];
-    if (tried[view] >= 2) break;
-    ++tried[view];
-    std::vector<Pose> starts;
-    for (const Vec3& turn : turns) starts.push_back(turned(guesses[view], surfaces[view].center, turn));
-    const Placement placement{surfaces, result.poses, placed, reach};
-    std::vector<Candidate> found = candidates_from(placement, view, starts, context.threads);
-    const auto allowed = [&](const Candidate& c) {
-      return rotation_vector(guesses[view].rotation.transpose() * c.pose.rotation).norm() < options.guess_angle * 1.1 + 0.05 &&
-             (guesses[view] * surfaces[view].center - c.pose * surfaces[view].center).norm() < most_shift;
-    };
-    std::erase_if(found, [&](const Candidate& c) { return !allowed(c); });
-    if (found.empty()) {
-      result.reason[view] = "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
-      continue;
-    }
-    for (const Candidate& c : found)
-      context.say("  score " + print_number(c.agreement.score()) + " confirmed " + print_number(c.agreement.overlap()) + " through " + std::to_string(c.agreement.through) + " " + std::to_string(c.agreement.back_through) + " missing " + std::to_string(c.agreement.missing) + " residual " + print_number(c.agreement.residual) + " turned " + degrees_text(rotation_vector(guesses[view].rotation.transpose() * c.pose.rotation).norm()));
-    // Of a free motion the pose nearest to the guess.
-    Candidate chosen = found.front();
-    std::string ambiguous;
-    for (std::size_t k = 1; k < found.size(); ++k) {
-      if (same_place(surfaces[view], found[k].pose, found[0].pose, 0.03, 0.05 * surfaces[view].radius) || clearly_better(found[0].agreement, found[k].agreement)) continue;
-      if (connected(placement, view, found[0], found[k])) {
-        const auto off = [&](const Candidate& c) { return rotation_vector(guesses[view].rotation.transpose() * c.pose.rotation).norm(); };
-        if (off(found[k]) < off(chosen)) chosen = found[k];
-      } else if (ambiguous.empty()) {
-        ambiguous = "fits in two places that are " + degrees_text(rotation_vector(found[0].pose.rotation.transpose() * found[k].pose.rotation).norm()) +
-                    " degrees and " + print_number(std::round((found[0].pose * surfaces[view].center - found[k].pose * surfaces[view].center).norm() * 10) / 10) + " mm apart";
-      }
-    }
-    result.poses[view] = chosen.pose;
-    if (!ambiguous.empty()) result.reason[view] = ambiguous;
-    else if (chosen.agreement.overlap() < options.min_overlap)
-      result.reason[view] = "only " + percent(chosen.agreement.overlap()) + " of its points are confirmed by the views placed before it";
-    else if (chosen.agreement.seen_through() > 2 * options.max_seen_through)
-      result.reason[view] = "another view looked through " + percent(chosen.agreement.seen_through()) + " of its points";
-    else {
-      result.reason[view].clear(), result.placed[view] = 1;
-      placed.push_back(view);
-      waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(best));
-    }
-    context.say(std::to_string(view) + ": overlap " + print_number(chosen.agreement.overlap()) + ", through " + print_number(chosen.agreement.seen_through()) +
-                ", candidates " + std::to_string(found.size()) + (result.reason[view].empty() ? "" : ", " + result.reason[view]));
+    if (++tried[view] > 2) break;
+    if (!growth.place(view, guesses[view], placed, context)) continue;
+    placed.push_back(view);
+    waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(best));
   }
+  for (const std::size_t v : placed) result.placed[v] = 1;
   return result;
 }
 

@@ -518,7 +518,10 @@ std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, i
     context.report("looking at views", static_cast<double>(v) / static_cast<double>(views.size()));
     surfaces[v] = surface_of_view(views[v], samples, context);
     // A tree refers to its points: it is built where the surface stays.
-    if (!surfaces[v].points.empty()) surfaces[v].tree = std::make_unique<KdTree>(surfaces[v].points);
+    if (surfaces[v].points.empty()) continue;
+    for (const auto i : surfaces[v].samples) surfaces[v].sample_points.push_back(surfaces[v].points[i]);
+    surfaces[v].tree = std::make_unique<KdTree>(surfaces[v].points);
+    surfaces[v].sample_tree = std::make_unique<KdTree>(surfaces[v].sample_points);
   }
   return surfaces;
 }

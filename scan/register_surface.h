@@ -53,6 +53,8 @@ struct ViewSurface {
   double spacing = 0, sigma = 0;      ///< of neighbours; noise along the normal of a single point, mm
   std::size_t rejected = 0;
   std::unique_ptr<KdTree> tree;       ///< over `points`
+  std::unique_ptr<KdTree> sample_tree;  ///< over the places of `samples`
+  std::vector<Vec3> sample_points;
 
   bool usable() const { return samples.size() >= 50; }
 };
