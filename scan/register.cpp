@@ -203,7 +203,8 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   if (context.cancelled) return stopped;
   std::vector<Pose> guesses;
   for (const RegisterView& view : views) guesses.push_back(view.guess.value_or(Pose{}));
-  const StartResult start = start_from_guesses(surfaces, guesses, options, context);
+  const StartResult start = options.arrangement == Arrangement::guessed ? start_from_guesses(surfaces, guesses, options, context)
+                                                                        : start_from_features(surfaces, options, context);
   if (context.cancelled) return stopped;
 
   Registration result;

@@ -52,25 +52,43 @@ Surfels sample_surfels(const ViewSurface& surface, std::size_t count) {
   return result;
 }
 
+namespace {
+
+struct CellSum {
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
+  int count = 0;
+};
+using CellSums = std::map<Cell, CellSum>;
+
+void add_cells(const ViewSurface& surface, const Pose& pose, double cell, CellSums& cells) {
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    const Vec3 p = pose * surface.points[i], n = pose.rotation * surface.normals[i];
+    CellSum& sum = cells[cell_of(p, n, cell)];
+    sum.point += p, sum.normal += n, ++sum.count;
+  }
+}
+
+Surfels means_of(const CellSums& cells) {
+  Surfels result;
+  for (const auto& [key, sum] : cells)
+    result.points.push_back(sum.point / sum.count), result.normals.push_back(sum.normal.normalized());
+  return result;
+}
+
+}  // namespace
+
+Surfels thin_surfels(const ViewSurface& surface, double cell) {
+  CellSums cells;
+  add_cells(surface, {}, cell, cells);
+  return means_of(cells);
+}
+
 std::unique_ptr<PlacedModel> place_surfaces(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                                             const std::vector<std::size_t>& views, double cell) {
-  struct Sum {
-    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
-    int count = 0;
-  };
-  std::map<Cell, Sum> cells;
-  for (const std::size_t v : views)
-    for (std::size_t i = 0; i < surfaces[v].points.size(); ++i) {
-      const Vec3 p = poses[v] * surfaces[v].points[i], n = poses[v].rotation * surfaces[v].normals[i];
-      Sum& sum = cells[cell_of(p, n, cell)];
-      sum.point += p, sum.normal += n, ++sum.count;
-    }
+  CellSums cells;
+  for (const std::size_t v : views) add_cells(surfaces[v], poses[v], cell, cells);
   auto model = std::make_unique<PlacedModel>();
-  model->cell = cell;
-  for (const auto& [key, sum] : cells) {
-    model->surfels.points.push_back(sum.point / sum.count);
-    model->surfels.normals.push_back(sum.normal.normalized());
-  }
+  model->cell = cell, model->surfels = means_of(cells);
   model->tree = std::make_unique<KdTree>(model->surfels.points);
   return model;
 }

@@ -16,6 +16,9 @@ struct Surfels {
 /// `count` of the samples of a view, in its own frame.
 Surfels sample_surfels(const ViewSurface& surface, std::size_t count);
 
+/// One oriented point for every cube of edge `cell` (mm) and direction, in the frame of the view.
+Surfels thin_surfels(const ViewSurface& surface, double cell);
+
 /// Placed surfaces as one set of oriented points, one per cube of edge `cell` and direction.
 struct PlacedModel {
   Surfels surfels;               ///< world frame

@@ -1,10 +1,12 @@
 #include "scan/register_start.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "scan/register_features.h"
 #include "scan/register_joint.h"
 
 namespace partscribe {
@@ -143,23 +145,32 @@ struct Growth {
   StartResult result;
   std::vector<std::size_t> placed;
 
-  /// The best pose of a view against those placed; false with a reason if there is none or more than one.
-  bool place(std::size_t view, const Pose& start, const std::vector<std::size_t>& others, Context& context);
+  bool guessed = true;
+
+  /// The best pose of a view against others, among those reached from `starts`; false with a reason if there is none or
+  /// more than one.
+  bool place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, Context& context);
+  /// The first start as it is, and its guess turned every way that is allowed.
+  std::vector<Pose> starts_around(std::size_t view, const Pose& start) const {
+    std::vector<Pose> starts{start};
+    for (const Vec3& turn : turns) starts.push_back(turned(guesses[view], surfaces[view].center, turn));
+    return starts;
+  }
 };
 
-bool Growth::place(std::size_t view, const Pose& start, const std::vector<std::size_t>& others, Context& context) {
+bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, Context& context) {
   const ViewSurface& surface = surfaces[view];
   std::string& reason = result.reason[view];
-  std::vector<Pose> starts{start};
-  for (const Vec3& turn : turns) starts.push_back(turned(guesses[view], surface.center, turn));
   const Placement placement{surfaces, result.poses, others, reach};
+  const Pose start = starts.front();
   std::vector<Candidate> found = candidates_from(placement, view, starts, context.threads);
   std::erase_if(found, [&](const Candidate& c) {
+    if (!guessed) return false;
     const Distance d = distance(surface, guesses[view], c.pose);
     return d.angle > 1.1 * options.guess_angle + 0.05 || d.shift > most_shift;
   });
   if (found.empty()) {
-    reason = "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
+    reason = !guessed ? "no features like those of another view" : "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
     return false;
   }
   // Of a free motion the pose nearest to the start.
@@ -214,7 +225,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
                                const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   Growth growth{surfaces, guesses, options, 0, confirm_reach(surfaces), turns_within(options.guess_angle),
-                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)}, {}};
+                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)}, {}, true};
   StartResult& result = growth.result;
   std::vector<std::size_t> usable;
   Box3 box;
@@ -232,7 +243,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
   for (std::size_t k = 1; k < placed.size() && !context.cancelled;) {
     std::vector<std::size_t> others = placed;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    if (growth.place(placed[k], result.poses[placed[k]], others, context)) ++k;
+    if (growth.place(placed[k], growth.starts_around(placed[k], result.poses[placed[k]]), others, context)) ++k;
     else placed = others;
   }
   std::vector<std::size_t> waiting;
@@ -250,10 +261,122 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
     }
     const std::size_t view = waiting[best];
     if (++tried[view] > 2) break;
-    if (!growth.place(view, guesses[view], placed, context)) continue;
+    if (!growth.place(view, growth.starts_around(view, guesses[view]), placed, context)) continue;
     placed.push_back(view);
     waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(best));
   }
+  for (const std::size_t v : placed) result.placed[v] = 1;
+  return result;
+}
+
+namespace {
+
+/// One view against one other: where it may lie, the likeliest first.
+struct PairCandidates {
+  std::size_t target, source;
+  std::vector<Candidate> found;  // target_from_source
+};
+
+std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfaces, const std::vector<std::size_t>& usable,
+                                          double reach, Context& context) {
+  double radius = 0, spacing = 0;
+  for (const std::size_t v : usable) radius += surfaces[v].radius / static_cast<double>(usable.size()), spacing = std::max(spacing, surfaces[v].spacing);
+  const double cell = std::max(radius / 16, 2 * spacing);
+  std::vector<std::unique_ptr<Features>> features(surfaces.size());
+  for (const std::size_t v : usable) features[v] = features_of(surfaces[v], cell);
+  std::vector<PairCandidates> pairs;
+  for (const std::size_t a : usable)
+    for (const std::size_t b : usable)
+      if (a < b) pairs.push_back({a, b, {}});
+  parallel_for(pairs.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end && !context.cancelled; ++k) {
+      PairCandidates& pair = pairs[k];
+      const std::vector<Pose> poses(surfaces.size());
+      const std::vector<std::size_t> target{pair.target};
+      const Placement placement{surfaces, poses, target, reach};
+      pair.found = candidates_from(placement, pair.source, feature_poses(*features[pair.source], *features[pair.target], 24), 1);
+    }
+  }, 1);
+  return pairs;
+}
+
+/// Half and quarter turns about the main axes of a view: what symmetric parts are mistaken for.
+std::vector<Pose> symmetric_turns(const ViewSurface& surface, const Pose& pose, const Vec3& center) {
+  std::vector<Pose> result;
+  Mat3 spread = Mat3::Zero();
+  for (const auto i : surface.samples) spread += surface.normals[i] * surface.normals[i].transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(spread);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double angle : {0.5 * pi, pi, 1.5 * pi}) {
+      const Mat3 turn = rotation_of(pose.rotation * eigen.eigenvectors().col(axis) * angle);
+      result.push_back(Pose{turn, center - turn * center} * pose);
+    }
+  return result;
+}
+
+}  // namespace
+
+StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
+  const std::size_t n = surfaces.size();
+  const std::vector<Pose> none(n);
+  Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, {none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)}, {}, false};
+  StartResult& result = growth.result;
+  std::vector<std::size_t> usable;
+  for (std::size_t v = 0; v < n; ++v)
+    if (surfaces[v].usable()) usable.push_back(v);
+    else result.reason[v] = "expected at least 50 points on smooth surface, found " + std::to_string(surfaces[v].samples.size());
+  if (usable.empty()) return result;
+  context.report("comparing views", 0);
+  const std::vector<PairCandidates> pairs = compare_pairs(surfaces, usable, growth.reach, context);
+  std::vector<std::size_t>& placed = growth.placed;
+  const PairCandidates* first = nullptr;
+  for (const PairCandidates& pair : pairs)
+    if (!pair.found.empty() && (!first || pair.found[0].agreement.score() > first->found[0].agreement.score())) first = &pair;
+  placed.push_back(first ? first->target : usable.front());
+  std::vector<std::size_t> waiting;
+  for (const std::size_t v : usable)
+    if (v != placed[0]) waiting.push_back(v);
+  std::vector<std::size_t> failed_at(n, 0);  // how many were placed when it failed
+  while (!waiting.empty() && !context.cancelled) {
+    double best_score = -1e30;
+    std::size_t best = waiting.size();
+    std::vector<Pose> best_starts;
+    const Placement placement{surfaces, result.poses, placed, growth.reach};
+    for (std::size_t k = 0; k < waiting.size(); ++k) {
+      const std::size_t v = waiting[k];
+      if (failed_at[v] == placed.size()) continue;
+      std::vector<Candidate> starts;
+      for (const PairCandidates& pair : pairs) {
+        const bool forward = pair.source == v, backward = pair.target == v;
+        const std::size_t other = forward ? pair.target : pair.source;
+        if ((!forward && !backward) || std::find(placed.begin(), placed.end(), other) == placed.end()) continue;
+        for (const Candidate& c : pair.found) {
+          const Pose pose = result.poses[other] * (forward ? c.pose : c.pose.inverse());
+          starts.push_back({pose, placement.judge(v, pose, 2, 300)});
+        }
+      }
+      std::stable_sort(starts.begin(), starts.end(), [](const Candidate& x, const Candidate& y) { return x.agreement.score() > y.agreement.score(); });
+      if (starts.empty() || starts[0].agreement.score() <= best_score) continue;
+      best_score = starts[0].agreement.score(), best = k;
+      best_starts.clear();
+      for (std::size_t s = 0; s < std::min<std::size_t>(starts.size(), 20); ++s) best_starts.push_back(starts[s].pose);
+    }
+    if (best == waiting.size()) break;
+    const std::size_t view = waiting[best];
+    Vec3 center = Vec3::Zero();
+    for (const std::size_t v : placed) center += result.poses[v] * surfaces[v].center / static_cast<double>(placed.size());
+    for (const Pose& pose : symmetric_turns(surfaces[view], best_starts.front(), center)) best_starts.push_back(pose);
+    const bool good = growth.place(view, best_starts, placed, context);
+    context.say("view " + std::to_string(view) + " with " + std::to_string(placed.size()) + " placed, score " + print_number(best_score) + (good ? "" : ": " + result.reason[view]));
+    if (!good) {
+      failed_at[view] = placed.size();
+      continue;
+    }
+    placed.push_back(view);
+    waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(best));
+  }
+  for (const std::size_t v : waiting)
+    if (result.reason[v].empty()) result.reason[v] = "no features like those of another view";
   for (const std::size_t v : placed) result.placed[v] = 1;
   return result;
 }

@@ -23,4 +23,8 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
                                const RegisterOptions& options, Context& context);
 
 
+/// Without guesses: every two views are compared by their features, the pair that agrees best comes first, then the
+/// view that agrees best with all that are placed. World is the frame of the first view that is placed.
+StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context);
+
 }  // namespace partscribe

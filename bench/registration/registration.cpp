@@ -1,5 +1,7 @@
 /// Registration measured on scans with known poses; prints the tables of docs/registration.md.
 ///
+///   bench_registration published FILE DEG MM  poses of FILE disturbed, and how far apart the views end up
+///   bench_registration unknown FILE           the same with the poses forgotten
 ///   bench_registration cases DIR [CASE...]   scans with true poses and disturbed guesses, as `partscribe simulate` writes
 #include <Eigen/Geometry>
 #include <cmath>
@@ -11,11 +13,13 @@
 #include <string>
 
 #include "core/number.h"
+#include "core/random.h"
 #include "core/statistics.h"
 #include "scan/read.h"
 #include "scan/register.h"
 #include "scan/register_joint.h"
 #include "scan/register_pair.h"
+#include "scan/register_surface.h"
 
 using namespace partscribe;
 
@@ -140,11 +144,67 @@ void cases(const Path& folder, const std::vector<std::string>& names) {
   }
 }
 
+/// The median distance of each pair of views that overlap, as register_views reports it, at given poses.
+std::string gap_at(const std::vector<RegisterView>& views, const std::vector<Pose>& poses) {
+  const auto surfaces = view_surfaces(views, 2000, quiet());
+  std::vector<double> gaps;
+  for (std::size_t a = 0; a < views.size(); ++a)
+    for (std::size_t b = 0; b < views.size(); ++b) {
+      if (a == b) continue;
+      const Pose there = poses[b].inverse() * poses[a];
+      std::vector<double> distances;
+      for (const auto i : surfaces[a].samples) {
+        const Vec3 p = there * surfaces[a].points[i];
+        const Neighbour near = surfaces[b].tree->nearest_one(p);
+        const Vec3& n = surfaces[b].normals[near.index];
+        if (near.sq_distance < 9 && n.dot(there.rotation * surfaces[a].normals[i]) > 0.8) distances.push_back(std::abs((p - surfaces[b].points[near.index]).dot(n)));
+      }
+      if (distances.size() > surfaces[a].samples.size() / 6) gaps.push_back(median(std::move(distances)));
+    }
+  char text[100];
+  std::snprintf(text, sizeof text, "%.3f median, %.3f worst", median(gaps), gaps.empty() ? 0 : quantile(gaps, 0.999));
+  return text;
+}
+
+/// Views with published poses, disturbed by so much, or forgotten.
+void published(const Path& file, double degrees_off, double shift, bool forget) {
+  const auto scan = read_scan({file}, {}, quiet());
+  if (!scan.ok()) { std::printf("not run: %s\n", scan.error().message.c_str()); return; }
+  auto views = views_of(*scan);
+  std::vector<Pose> truth;
+  Random random(5);
+  for (RegisterView& view : views) {
+    truth.push_back(*view.guess);
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& p : view.cloud.points) middle += (*view.guess * p) / double(view.cloud.size());
+    const auto direction = [&] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
+    const Mat3 turn = rotation_of(degrees_off * pi / 180 * direction());
+    view.guess = Pose{turn, middle - turn * middle + shift * direction()} * *view.guess;
+    if (forget) view.guess.reset();
+  }
+  RegisterOptions options;
+  if (forget) options.arrangement = Arrangement::unknown;
+  const double start = seconds();
+  const auto result = register_views(views, options, quiet());
+  if (!result.ok()) { std::printf("%s\n", result.error().message.c_str()); return; }
+  const double spent = seconds() - start;
+  std::vector<Pose> found;
+  for (const auto& view : result->views) found.push_back(view.world_from_view);
+  const PoseErrors e = errors_of(truth, *result, radius_of(*scan));
+  std::printf("| %s | %s | %d of %zu | %.3f / %.3f | %.3f / %.3f | %s | %s | %.1f |\n", file.parent_path().filename().c_str(),
+              forget ? "no poses" : (std::to_string(int(degrees_off)) + " deg, " + std::to_string(int(shift)) + " mm off").c_str(),
+              int(views.size()) - refused(*result), views.size(), e.rms_angle, e.worst_angle, e.rms_shift, e.worst_shift,
+              gap_at(views, found).c_str(), gap_at(views, truth).c_str(), spent);
+  for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
   if (words.size() >= 2 && words[0] == "cases") return cases(words[1], {words.begin() + 2, words.end()}), 0;
+  if (words.size() == 4 && words[0] == "published") return published(words[1], std::stod(words[2]), std::stod(words[3]), false), 0;
+  if (words.size() == 2 && words[0] == "unknown") return published(words[1], 0, 0, true), 0;
   std::fprintf(stderr, "usage: bench_registration cases DIR [CASE...]\n");
   return 2;
 }
