@@ -114,12 +114,15 @@ SurfacePoint point_of(const SurfaceGraph& graph, const std::vector<std::uint32_t
 }  // namespace
 
 SurfaceClass class_of_signs(int mean, int gaussian) {
-  if (mean < 0) return gaussian > 0 ? SurfaceClass::peak : gaussian < 0 ? SurfaceClass::saddle_ridge : SurfaceClass::ridge;
-  if (mean > 0) return gaussian > 0 ? SurfaceClass::pit : gaussian < 0 ? SurfaceClass::saddle_valley : SurfaceClass::valley;
+  if (mean < 0)
+    return gaussian > 0 ? SurfaceClass::peak : gaussian < 0 ? SurfaceClass::saddle_ridge : SurfaceClass::ridge;
+  if (mean > 0)
+    return gaussian > 0 ? SurfaceClass::pit : gaussian < 0 ? SurfaceClass::saddle_valley : SurfaceClass::valley;
   return gaussian < 0 ? SurfaceClass::minimal : SurfaceClass::flat;
 }
 
-std::vector<SurfacePoint> characterize(const SurfaceGraph& graph, const CharacterizeOptions& options, Context& context) {
+std::vector<SurfacePoint> characterize(const SurfaceGraph& graph, const CharacterizeOptions& options,
+                                       Context& context) {
   std::vector<SurfacePoint> result(graph.size());
   const double radius = options.radius > 0 ? options.radius : 5.5 * graph.spacing;
   if (!(radius > 0)) return result;

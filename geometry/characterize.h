@@ -15,7 +15,14 @@ namespace partscribe {
 /// By the signs of mean and Gaussian curvature (Besl & Jain 1988).
 enum class SurfaceClass : std::uint8_t {
   unknown,  ///< too few neighbours on the same surface
-  flat, peak, pit, ridge, valley, saddle_ridge, saddle_valley, minimal
+  flat,
+  peak,
+  pit,
+  ridge,
+  valley,
+  saddle_ridge,
+  saddle_valley,
+  minimal
 };
 
 struct SurfacePoint {
@@ -29,7 +36,7 @@ struct SurfacePoint {
 };
 
 struct CharacterizeOptions {
-  double radius = 0;   ///< mm of a neighbourhood; larger sees less curvature and blurs more; 0: 5.5 spacings
+  double radius = 0;  ///< mm of a neighbourhood; larger sees less curvature and blurs more; 0: 5.5 spacings
   int least_neighbours = 15;
 };
 

@@ -206,8 +206,10 @@ PatchCounts most_patches(const std::vector<int>& label, int width, int height, i
   };
   PatchCounts most;
   const auto w = static_cast<std::size_t>(width);
-  for (int r = 0; r < height; ++r) most.along_row = std::max(most.along_row, stretches(static_cast<std::size_t>(r) * w, 1, width));
-  for (int c = 0; c < width; ++c) most.along_column = std::max(most.along_column, stretches(static_cast<std::size_t>(c), w, height));
+  for (int r = 0; r < height; ++r)
+    most.along_row = std::max(most.along_row, stretches(static_cast<std::size_t>(r) * w, 1, width));
+  for (int c = 0; c < width; ++c)
+    most.along_column = std::max(most.along_column, stretches(static_cast<std::size_t>(c), w, height));
   return most;
 }
 

@@ -10,12 +10,12 @@ namespace partscribe {
 
 /// z = x0 + x1 u + x2 v (+ x3 u^2 + x4 uv + x5 v^2) in a frame of its own.
 struct SurfacePatch {
-  int order = 1;                        ///< 1: plane, 2: second order
+  int order = 1;  ///< 1: plane, 2: second order
   Vec3 origin = Vec3::Zero();
-  Mat3 axes = Mat3::Identity();         ///< columns u, v and the normal at the seed
-  double coefficients[6] = {};          ///< mm, from the origin
+  Mat3 axes = Mat3::Identity();  ///< columns u, v and the normal at the seed
+  double coefficients[6] = {};   ///< mm, from the origin
   std::size_t points = 0;
-  double rms = 0;                       ///< of the residuals, in units of each point's noise
+  double rms = 0;  ///< of the residuals, in units of each point's noise
 
   double height(const Vec3& point) const;  ///< of a point above the patch along the axis, mm
   Vec3 normal(const Vec3& point) const;    ///< of the patch below or above a point

@@ -50,7 +50,8 @@ SurfaceGraph surface_graph(const RangeImage& image, const FilteredImage& filtere
       if (!filtered.kept[i]) continue;
       const double z = filtered.depth[i];
       // Tangents of the surface along a row and a column, by differences of half a pixel.
-      const double sx = 0.5 * static_cast<double>(filtered.slope_column[i]), sy = 0.5 * static_cast<double>(filtered.slope_row[i]);
+      const double sx = 0.5 * static_cast<double>(filtered.slope_column[i]),
+                   sy = 0.5 * static_cast<double>(filtered.slope_row[i]);
       const Vec3 along = place(r, c + 0.5, z + sx) - place(r, c - 0.5, z - sx);
       const Vec3 down = place(r + 0.5, c, z + sy) - place(r - 0.5, c, z - sy);
       Vec3 normal = along.cross(down);

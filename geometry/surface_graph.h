@@ -16,12 +16,12 @@ namespace partscribe {
 
 /// Nodes keep the index of their pixel (row * width + column) or point; nodes without a usable point have no links.
 struct SurfaceGraph {
-  std::vector<Vec3> points;              ///< raw samples: the sensor's frame for images, the cloud's for clouds
-  std::vector<Vec3> normals;             ///< unit, against the ray or as in the cloud
-  std::vector<double> sigma;             ///< mm along the normal
+  std::vector<Vec3> points;   ///< raw samples: the sensor's frame for images, the cloud's for clouds
+  std::vector<Vec3> normals;  ///< unit, against the ray or as in the cloud
+  std::vector<double> sigma;  ///< mm along the normal
   std::vector<std::uint8_t> usable;
-  double spacing = 0;                    ///< mm, median length of a link
-  std::vector<std::uint32_t> first;      ///< of each node's links; one more than nodes
+  double spacing = 0;                ///< mm, median length of a link
+  std::vector<std::uint32_t> first;  ///< of each node's links; one more than nodes
   std::vector<std::uint32_t> links;
 
   std::size_t size() const { return points.size(); }

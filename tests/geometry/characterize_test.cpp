@@ -52,9 +52,9 @@ TEST_CASE("characterize: the signs of the eight classes are found on images") {
   CHECK(share(characterized(bowl(0.03, 0, -0.012)), SurfaceClass::saddle_ridge) > 0.8);
   CHECK(share(characterized(bowl(-0.03, 0, 0.012)), SurfaceClass::saddle_valley) > 0.8);
   CHECK(share(characterized(bowl(0, 0, 0)), SurfaceClass::flat) > 0.98);
-  CHECK(share(characterized(range_scene({.width = 31, .height = 31, .sigma = 0.01}, [](double x, double y) {
-          return 60 + 0.02 * (x - 15) * (y - 15);
-        })), SurfaceClass::minimal) > 0.4);  // exactly minimal along its axes only
+  CHECK(share(characterized(range_scene({.width = 31, .height = 31, .sigma = 0.01},
+                                        [](double x, double y) { return 60 + 0.02 * (x - 15) * (y - 15); })),
+              SurfaceClass::minimal) > 0.4);  // exactly minimal along its axes only
   CHECK(share(characterized(bowl(0.004, 0, 0.004, 0.5)), SurfaceClass::flat) > 0.95);  // hidden in noise
 }
 
@@ -76,9 +76,8 @@ TEST_CASE("characterize: curvatures of a sphere and a cylinder, with the noise t
     }
   CHECK(std::sqrt(pull / count) < 1.5);
   CHECK(std::sqrt(pull / count) > 0.6);
-  const auto bar = characterized(range_scene({.sigma = 0.01}, [](double, double y) {
-    return 100 - std::sqrt(40 * 40 - (y - 30) * (y - 30));
-  }));
+  const auto bar = characterized(
+      range_scene({.sigma = 0.01}, [](double, double y) { return 100 - std::sqrt(40 * 40 - (y - 30) * (y - 30)); }));
   CHECK(middle(bar, [](const SurfacePoint& p) { return p.least; }) == Approx(-0.025).epsilon(0.05));
   CHECK(middle(bar, [](const SurfacePoint& p) { return std::abs(p.along_least.y()); }) > 0.8);
   CHECK(middle(bar, [](const SurfacePoint& p) { return std::abs(p.most); }) < 0.002);
@@ -141,7 +140,8 @@ TEST_CASE("characterize: bad input has answers too") {
   PointCloud line;
   for (int i = 0; i < 100; ++i)
     line.points.push_back({0.1 * i, 0, 0}), line.normals.push_back(Vec3::UnitZ()), line.sigma.push_back(0);
-  for (const auto& p : characterize(surface_graph(line, {}, context), {}, context)) CHECK(p.kind == SurfaceClass::unknown);
+  for (const auto& p : characterize(surface_graph(line, {}, context), {}, context))
+    CHECK(p.kind == SurfaceClass::unknown);
   const double none = std::numeric_limits<double>::quiet_NaN();
   const auto nothing = range_scene({}, [&](double, double) { return none; });
   for (const auto& p : characterized(nothing)) CHECK(p.kind == SurfaceClass::unknown);
