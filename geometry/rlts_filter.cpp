@@ -91,15 +91,13 @@ Grid finite(const RangeHeights& h) {
   return result;
 }
 
-Planes planes_of(const RangeHeights& h, const Grid& heights, const Grid& kept, Context& context) {
-  Planes planes(h.width, h.height_px);
+void fit_planes(const RangeHeights& h, const Grid& heights, const Grid& kept, Planes& planes, Context& context) {
   each_row(h, context, [&](int r) {
     std::array<const float*, 5> z{}, w{};
     for (int k = -2; k <= 2; ++k)
       z[static_cast<std::size_t>(k + 2)] = heights.row(r + k), w[static_cast<std::size_t>(k + 2)] = kept.row(r + k);
     facets(z, w, h.width, planes.out(r));
   });
-  return planes;
 }
 
 /// Slope and incidence at each pixel from that window around it which is most like a plane: none of them reaches
@@ -181,7 +179,8 @@ void add_shifted(Grid& to, const Grid& from, int width, int height, bool down) {
 }
 
 Bends smooth_bends(const RangeHeights& h, const Planes& planes, const PaddedGrid<Fitness>& fit) {
-  Bends one(h.width, h.height_px), rows(h.width, h.height_px), sum(h.width, h.height_px);
+  Bends one(h.width, h.height_px);
+  Grid rows(h.width, h.height_px, 0);
   for (int r = 0; r < h.height_px; ++r)
     for (int c = 0; c < h.width; ++c) {
       if (planes.count.row(r)[c] < 25 || (fit.row(r)[c] != Fitness::plane && fit.row(r)[c] != Fitness::quadric))
@@ -190,10 +189,10 @@ Bends smooth_bends(const RangeHeights& h, const Planes& planes, const PaddedGrid
       one.xy.row(r)[c] = planes.bend_xy.row(r)[c], one.count.row(r)[c] = 1;
     }
   for (const auto member : {&Bends::xx, &Bends::yy, &Bends::xy, &Bends::count}) {
-    add_shifted(rows.*member, one.*member, h.width, h.height_px, false);
-    add_shifted(sum.*member, rows.*member, h.width, h.height_px, true);
+    add_shifted(rows, one.*member, h.width, h.height_px, false);
+    add_shifted(one.*member, rows, h.width, h.height_px, true);
   }
-  return sum;
+  return one;
 }
 
 /// A bend of the surface around a pixel, in heights per pixel^2; all zero if none shows.
@@ -326,13 +325,14 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
   Grid sigma = noise_map(h, out.noise, nullptr);
   // Two directions are enough to learn slopes and noise.
   Grid kept = screened(h, sigma, known ? 4 : 2, context);
-  Planes planes = planes_of(h, heights, kept, context);
+  Planes planes(h.width, h.height_px);
+  fit_planes(h, heights, kept, planes, context);
   const Slopes slopes = slopes_of(h, planes, context);
   if (!known) {
     out.noise = sloped_noise(h, kept, slopes.incidence);
     sigma = noise_map(h, out.noise, &slopes.incidence);
     kept = screened(h, sigma, 4, context);
-    planes = planes_of(h, heights, kept, context);
+    fit_planes(h, heights, kept, planes, context);
   }
   PaddedGrid<Fitness> fit(h.width, h.height_px, Fitness::none);
   each_row(h, context, [&](int r) {

@@ -62,7 +62,7 @@ WindowFacet window_facet(const Window& heights, const Window& weights) {
     consider(trimmed(quadric_fit, heights, weights), three_terms);
   if (split_cost >= cost) return best;
   best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side};
-  if (sides.near_count[s] < 9 || sides.near_sse[s] <= three_terms) return best;
+  if (sides.near_count[s] < 9 || sides.near_sse[s] <= three_terms + 0.5F * sides.near_count[s]) return best;
   Window near = weights;
   for (int k = 0; k < 25; ++k)
     if (!on_side(side, k % 5 - 2, k / 5 - 2)) near[static_cast<std::size_t>(k)] = 0;

@@ -9,6 +9,24 @@ namespace {
 /// The middle's residual against the prediction of the others; a fit that hangs on the middle predicts nothing.
 bool agrees(const WindowFacet& facet) { return facet.value * facet.value <= 9 * (1 - facet.variance); }
 
+/// Without gaps the terms, x^2 and y^2 less 2, are orthogonal.
+WindowFit whole_quadric(const Window& heights) {
+  double u = 0, x1 = 0, y1 = 0, xx = 0, xy = 0, yy = 0, squares = 0;
+  for (std::size_t k = 0; k < 25; ++k) {
+    const double x = static_cast<double>(k % 5) - 2, y = static_cast<double>(k / 5) - 2, h = heights[k];
+    u += h, x1 += h * x, y1 += h * y, xx += h * (x * x - 2), xy += h * (x * y), yy += h * (y * y - 2);
+    squares += h * h;
+  }
+  WindowFit fit;
+  fit.bend = {static_cast<float>(xx / 70), static_cast<float>(xy / 100), static_cast<float>(yy / 70)};
+  fit.facet = {static_cast<float>(u / 25 - (xx + yy) / 35), static_cast<float>(x1 / 50), static_cast<float>(y1 / 50),
+               27.F / 175, RltsModel::quadric};
+  const double sse = squares - u * u / 25 - (x1 * x1 + y1 * y1) / 50 - (xx * xx + yy * yy) / 70 - xy * xy / 100;
+  fit.sse = static_cast<float>(std::max(sse, 0.0));
+  fit.good = agrees(fit.facet);
+  return fit;
+}
+
 }  // namespace
 
 float WindowFit::at(int x, int y) const {
@@ -40,6 +58,7 @@ WindowFit plane_fit(const Window& heights, const Window& weights) {
 }
 
 WindowFit quadric_fit(const Window& heights, const Window& weights) {
+  if (std::count(weights.begin(), weights.end(), 1.F) == 25) return whole_quadric(heights);
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   using Mat6 = Eigen::Matrix<double, 6, 6>;
   Mat6 a = Mat6::Zero();

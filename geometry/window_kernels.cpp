@@ -236,24 +236,20 @@ constexpr float far_cost = 7.5F;  // of a sample that the far side's plane does 
 constexpr float own_limit = 9;    // chi^2 of the middle sample against the rest of its own side
 constexpr float impossible = 1e9F;
 
-/// One side per lane, from side j on.
+/// One side per lane, from side j on. What is not near is far.
 template <class F>
 PARTSCRIBE_INLINE void split_at(const std::array<float, 25>& heights, const std::array<float, 25>& weights,
-                                const SideMasks& masks, int j, Sides& out) {
+                                const SideMasks& masks, const PlaneSums<float>& all, int j, Sides& out) {
   PlaneSums<F> near, far;
   for (std::size_t k = 0; k < 25; ++k) {
     const float x = static_cast<float>(k % 5) - 2, y = static_cast<float>(k / 5) - 2;
-    const F m = load<F>(masks[k].data() + j);
-    const F w[2] = {m * weights[k], weights[k] - m * weights[k]};
-    PlaneSums<F>* sums[2] = {&near, &far};
-    for (int side = 0; side < 2; ++side) {
-      PlaneSums<F>& s = *sums[side];
-      const F& v = w[side];
-      const F h = v * heights[k];
-      s.n += v, s.x += v * x, s.y += v * y, s.xx += v * (x * x), s.xy += v * (x * y), s.yy += v * (y * y);
-      s.u += h, s.xu += h * x, s.yu += h * y, s.uu += h * heights[k];
-    }
+    const F w = load<F>(masks[k].data() + j) * weights[k], h = w * heights[k];
+    near.n += w, near.x += w * x, near.y += w * y, near.xx += w * (x * x), near.xy += w * (x * y);
+    near.yy += w * (y * y), near.u += h, near.xu += h * x, near.yu += h * y, near.uu += h * heights[k];
   }
+  far.n = all.n - near.n, far.x = all.x - near.x, far.y = all.y - near.y, far.xx = all.xx - near.xx;
+  far.xy = all.xy - near.xy, far.yy = all.yy - near.yy, far.u = all.u - near.u, far.xu = all.xu - near.xu;
+  far.yu = all.yu - near.yu, far.uu = all.uu - near.uu;
   const F zero{};
   PlaneFit<F> own, other;
   plane_of(near, own), plane_of(far, other);
@@ -271,7 +267,14 @@ PARTSCRIBE_INLINE void split_at(const std::array<float, 25>& heights, const std:
 
 PARTSCRIBE_INLINE void split_body(const std::array<float, 25>& heights, const std::array<float, 25>& weights,
                                   const SideMasks& masks, Sides& out) {
-  for (int j = 0; j < side_count; j += width_of<Lanes>) split_at<Lanes>(heights, weights, masks, j, out);
+  PlaneSums<float> all;
+  for (std::size_t k = 0; k < 25; ++k) {
+    const float x = static_cast<float>(k % 5) - 2, y = static_cast<float>(k / 5) - 2;
+    const float w = weights[k], h = w * heights[k];
+    all.n += w, all.x += w * x, all.y += w * y, all.xx += w * (x * x), all.xy += w * (x * y), all.yy += w * (y * y);
+    all.u += h, all.xu += h * x, all.yu += h * y, all.uu += h * heights[k];
+  }
+  for (int j = 0; j < side_count; j += width_of<Lanes>) split_at<Lanes>(heights, weights, masks, all, j, out);
 }
 
 #ifdef PARTSCRIBE_AVX2

@@ -108,13 +108,17 @@ void bit_table(const SceneOptions& options) {
       if (change == 1 << b) ++flips[b], found[b] += f.model[i] == RltsModel::rejected;
   }
   std::printf(
-      "\n%d bits, sigma %g mm, %.4g mm per code\n\n| bit | flips | found | expected | named by the filter "
+      "\nBit errors of 5 %%, %d bits, sigma %g mm, %.4g mm per code\n\n| bit | flips | found | expected | named by the "
+      "filter "
       "|\n|---|---|---|---|---|\n",
       options.bits, options.sigma, with.image.q);
   for (int b = 0; b < options.bits; ++b) {
     const auto k = static_cast<std::size_t>(b);
+    double expected = 0;
+    for (std::size_t i = 0; i < f.model.size(); ++i)
+      if (f.model[i] != RltsModel::none) expected += detectable_share(b, with.image.q, with.truth[i].sigma);
     std::printf("| %d | %d | %.0f %% | %.0f %% | %zu |\n", b, flips[k], 100.0 * found[k] / std::max(flips[k], 1),
-                100 * detectable_share(b, with.image.q, options.sigma), f.bit_errors[k]);
+                100 * expected / static_cast<double>(std::max<std::size_t>(f.returns, 1)), f.bit_errors[k]);
   }
 }
 
