@@ -10,7 +10,9 @@
 #include "core/statistics.h"
 #include "scan/register_joint.h"
 #include "scan/register_pair.h"
+#include "scan/register_paper.h"
 #include "scan/register_start.h"
+#include "scan/register_turntable.h"
 
 namespace partscribe {
 namespace {
@@ -129,6 +131,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
 }
 
 std::optional<Error> check(const std::vector<RegisterView>& views, const RegisterOptions& options) {
+  if (options.method == PairMethod::paper && options.arrangement != Arrangement::guessed)
+    return usage_error("expected guesses of the poses for registration as published, found another arrangement");
   std::size_t points = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
     points += views[v].cloud.size();
@@ -199,15 +203,23 @@ void place_views(const Registration& registration, Scan& scan) {
 Result<Registration> register_views(const std::vector<RegisterView>& views, const RegisterOptions& options, Context& context) {
   if (auto error = check(views, options)) return *error;
   const Error stopped{"stopped while registering views", ErrorKind::stopped};
-  const std::vector<ViewSurface> surfaces = view_surfaces(views, options.samples, context);
+  std::vector<ViewSurface> surfaces = view_surfaces(views, options.samples, context);
   if (context.cancelled) return stopped;
   std::vector<Pose> guesses;
   for (const RegisterView& view : views) guesses.push_back(view.guess.value_or(Pose{}));
-  const StartResult start = options.arrangement == Arrangement::guessed ? start_from_guesses(surfaces, guesses, options, context)
-                                                                        : start_from_features(surfaces, options, context);
+  Registration result;
+  StartResult start;
+  if (options.arrangement == Arrangement::turntable) {
+    auto table = start_from_turntable(surfaces, options, context);
+    if (!table && !context.cancelled) return bad_input("expected views that equal steps about one axis lay over one another, found no such axis");
+    if (table) start = std::move(table->start), result.turntable = table->table;
+  } else if (options.method == PairMethod::paper) {
+    start = register_as_published(surfaces, guesses, {}, context);
+  } else {
+    start = options.arrangement == Arrangement::guessed ? start_from_guesses(surfaces, guesses, options, context) : start_from_features(surfaces, options, context);
+  }
   if (context.cancelled) return stopped;
 
-  Registration result;
   result.views.resize(views.size());
   std::vector<std::size_t> used;
   double step = 0;
@@ -223,6 +235,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   while (true) {
     JointOptions adjust;
     adjust.start_reach = step, adjust.contours = options.contours;
+    if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
     const Judged judged = judge(surfaces, joint, used, options, result);
@@ -233,6 +246,8 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   result.free_motions = free_motions(joint, views);
+  if (result.turntable && !result.turntable->step_observed)
+    result.warnings.push_back("the part is round about the axis of the table: the steps cannot be seen and are taken as equal parts of one turn");
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);
   for (std::size_t v = 0; v < views.size(); ++v)
     if (result.views[v].status == ViewStatus::refused)

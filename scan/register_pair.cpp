@@ -93,50 +93,72 @@ std::unique_ptr<PlacedModel> place_surfaces(const std::vector<ViewSurface>& surf
   return model;
 }
 
-Pose align_symmetric(const Surfels& source, const PlacedModel& target, const Pose& start, const AlignOptions& options) {
+namespace {
+
+/// The normal equations of one source against one target; rotations about `origin`, times `size`.
+struct PairEquations {
+  Mat6 h = Mat6::Zero();
+  Vec6 g = Vec6::Zero();
+  double weights = 0;
+};
+
+void add_pair(const Surfels& source, const PlacedModel& target, const Pose& pose, const Vec3& origin, double size,
+              double reach, double noise, PairEquations& sum) {
+  const double across = 2 * reach * reach;
+  const double wide = std::max(reach / 2, 3 * noise);
+  for (std::size_t i = 0; i < source.points.size(); ++i) {
+    const Vec3 x = pose * source.points[i], nx = pose.rotation * source.normals[i];
+    const Neighbour near = target.tree->nearest_one(x);
+    if (near.sq_distance > 9 * reach * reach) continue;
+    const Vec3& ny = target.surfels.normals[near.index];
+    if (nx.dot(ny) < 0.7071) continue;
+    const Vec3 n = (nx + ny).normalized(), d = x - target.surfels.points[near.index];
+    const double e = d.dot(n);
+    const double w = std::exp(-d.squaredNorm() / across - e * e / (2 * wide * wide));
+    Vec6 row;
+    row << (x - 0.5 * d - origin).cross(n) / size, n;
+    sum.h += w * row * row.transpose(), sum.g -= w * e * row, sum.weights += w;
+  }
+}
+
+}  // namespace
+
+Pose align_symmetric(const std::vector<AlignPair>& pairs, const Pose& start, const AlignOptions& options) {
   Pose pose = start;
-  if (source.points.empty() || target.surfels.points.empty()) return pose;
   Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : source.points) middle += p;
-  middle /= static_cast<double>(source.points.size());
+  std::size_t count = 0;
+  for (const AlignPair& pair : pairs) {
+    if (pair.target->surfels.points.empty()) return pose;
+    for (const Vec3& p : pair.source->points) middle += p;
+    count += pair.source->points.size();
+  }
+  if (count == 0) return pose;
+  middle /= static_cast<double>(count);
   double size = 0;
-  for (const Vec3& p : source.points) size += (p - middle).squaredNorm();
-  size = std::max(std::sqrt(size / static_cast<double>(source.points.size())), 1e-9);
+  for (const AlignPair& pair : pairs)
+    for (const Vec3& p : pair.source->points) size += (p - middle).squaredNorm();
+  size = std::max(std::sqrt(size / static_cast<double>(count)), 1e-9);
   double reach = options.start_reach;
   int at_reach = 0;
   for (int round = 0; round < options.iterations; ++round) {
-    Mat6 h = Mat6::Zero();
-    Vec6 g = Vec6::Zero();
-    double weights = 0;
     const Vec3 origin = pose * middle;
-    const double across = 2 * reach * reach;
-    const double wide = std::max(reach / 2, 3 * options.noise);
-    for (std::size_t i = 0; i < source.points.size(); ++i) {
-      const Vec3 x = pose * source.points[i], nx = pose.rotation * source.normals[i];
-      const Neighbour near = target.tree->nearest_one(x);
-      if (near.sq_distance > 9 * reach * reach) continue;
-      const Vec3& ny = target.surfels.normals[near.index];
-      if (nx.dot(ny) < 0.7071) continue;
-      const Vec3 n = (nx + ny).normalized(), d = x - target.surfels.points[near.index];
-      const double e = d.dot(n);
-      const double w = std::exp(-d.squaredNorm() / across - e * e / (2 * wide * wide));
-      Vec6 row;
-      row << (x - 0.5 * d - origin).cross(n) / size, n;
-      h += w * row * row.transpose(), g -= w * e * row, weights += w;
-    }
-    if (weights < 6) {
-      if (reach >= options.start_reach && at_reach > 2) break;
-    }
-    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(h);
+    PairEquations sum;
+    for (const AlignPair& pair : pairs) add_pair(*pair.source, *pair.target, pose, origin, size, reach, options.noise, sum);
+    if (sum.weights < 6 && reach >= options.start_reach && at_reach > 2) break;
+    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sum.h);
     Vec6 step = Vec6::Zero();
     for (int k = 0; k < 6; ++k)
       if (eigen.eigenvalues()[k] > std::max(3e-4 * eigen.eigenvalues()[5], 1e-12))
-        step += eigen.eigenvectors().col(k) * (eigen.eigenvectors().col(k).dot(g) / eigen.eigenvalues()[k]);
+        step += eigen.eigenvectors().col(k) * (eigen.eigenvectors().col(k).dot(sum.g) / eigen.eigenvalues()[k]);
     Vec3 turn = step.head<3>() / size, shift = step.tail<3>();
     if (turn.norm() > 0.3) turn *= 0.3 / turn.norm();
     if (shift.norm() > 2 * reach) shift *= 2 * reach / shift.norm();
     const Mat3 rotation = rotation_of(turn);
     pose = Pose{rotation, origin + shift - rotation * origin} * pose;
+    if (options.pure_rotation) {
+      const Vec3 axis = rotation_vector(pose.rotation).normalized();
+      pose.translation -= axis.dot(pose.translation) * axis;
+    }
     const double moved = turn.norm() * size + shift.norm();
     ++at_reach;
     const bool last = reach <= options.end_reach;
@@ -144,6 +166,10 @@ Pose align_symmetric(const Surfels& source, const PlacedModel& target, const Pos
     if (!last && (moved < 0.1 * reach || at_reach >= 5)) reach = std::max(0.6 * reach, options.end_reach), at_reach = 0;
   }
   return pose;
+}
+
+Pose align_symmetric(const Surfels& source, const PlacedModel& target, const Pose& start, const AlignOptions& options) {
+  return align_symmetric({{&source, &target}}, start, options);
 }
 
 Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view,

@@ -35,35 +35,19 @@ struct AlignOptions {
   double end_reach = 0.5;    ///< mm, in the last rounds
   double noise = 0.05;       ///< mm along the normal, of a difference
   int iterations = 60;
+  bool pure_rotation = false;  ///< about an axis that is found, without a shift along it
+};
+
+struct AlignPair {
+  const Surfels* source;
+  const PlacedModel* target;
 };
 
 /// Symmetric point to plane (Rusinkiewicz 2019) under a Welsch kernel that narrows as the steps get small. Directions
 /// that the partners leave free are not moved along.
 Pose align_symmetric(const Surfels& source, const PlacedModel& target, const Pose& start, const AlignOptions& options);
-
-struct PaperOptions {
-  double normal_angle = 0.785398;  ///< rad
-  double stop = 1e-6;              ///< mm; the least change of the root of the mean square error
-  int iterations = 120;
-};
-
-/// A planar patch: the paper's primitive, and its centre of gravity the paper's point.
-struct Patch {
-  Vec3 center, normal;
-  double area = 0;                        ///< mm^2, as the points cover it
-  std::vector<std::uint32_t> members;     ///< points of the view
-};
-
-/// Patches grown by the consistency of normals; small ones are dropped as unstable. Where the surface is curved the
-/// patches are what the paper's low-resolution triangles are: pieces of it of bounded size.
-std::vector<Patch> planar_patches(const ViewSurface& surface, double angle, double most_radius);
-
-/// The paper's constrained iterative closest point (section 2.1): e(q) = 1/N sum |x - R p - t|^2 by quaternions, x the
-/// nearest point of the nearest plane of the model; invisible points, residuals above mean + 2 deviations of the last
-/// state and normals off by more than `normal_angle` are left out until none is.
-Pose align_paper(const std::vector<Patch>& source, const std::vector<Patch>& model_patches,
-                 const std::vector<Vec3>& model_points, const std::vector<std::uint8_t>& visible, const Pose& start,
-                 const PaperOptions& options);
+/// The one motion that lays every source over its target.
+Pose align_symmetric(const std::vector<AlignPair>& pairs, const Pose& start, const AlignOptions& options);
 
 /// What the other views say of a pose.
 struct Agreement {

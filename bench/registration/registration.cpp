@@ -2,6 +2,8 @@
 ///
 ///   bench_registration published FILE DEG MM  poses of FILE disturbed, and how far apart the views end up
 ///   bench_registration unknown FILE           the same with the poses forgotten
+///   bench_registration paper DIR [CASE...]    the same as cases by the method of 1993
+///   bench_registration turntable FILE FILE... views by equal steps about an unknown axis
 ///   bench_registration cases DIR [CASE...]   scans with true poses and disturbed guesses, as `partscribe simulate` writes
 #include <Eigen/Geometry>
 #include <cmath>
@@ -108,7 +110,7 @@ int refused(const Registration& registration) {
   return count;
 }
 
-void cases(const Path& folder, const std::vector<std::string>& names) {
+void cases(const Path& folder, const std::vector<std::string>& names, bool paper) {
   std::printf("| case | views | refused | free motions | rms deg | worst deg | rms mm | worst mm | overlap least | gap mm | s |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::vector<std::string> found = names;
   if (found.empty())
@@ -121,7 +123,9 @@ void cases(const Path& folder, const std::vector<std::string>& names) {
     const auto guess = read_scan({file}, {{}, true}, quiet());
     if (!exact.ok() || !guess.ok()) { std::printf("| %s | not run |\n", name.c_str()); continue; }
     const double start = seconds();
-    const auto result = register_views(views_of(*guess), {}, quiet());
+    RegisterOptions options;
+    if (paper) options.method = PairMethod::paper;
+    const auto result = register_views(views_of(*guess), options, quiet());
     const double spent = seconds() - start;
     if (!result.ok()) { std::printf("| %s | %s |\n", name.c_str(), result.error().message.c_str()); continue; }
     std::vector<Pose> truth;
@@ -198,13 +202,34 @@ void published(const Path& file, double degrees_off, double shift, bool forget) 
   for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
 }
 
+/// Files of a turntable's views, in order.
+void turntable(const std::vector<std::string>& files) {
+  std::vector<RegisterView> views;
+  for (const auto& file : files) {
+    const auto scan = read_scan({file}, {}, quiet());
+    if (!scan.ok()) { std::printf("not run: %s\n", scan.error().message.c_str()); return; }
+    views.push_back(views_of(*scan)[0]);
+    views.back().guess.reset();
+  }
+  RegisterOptions options;
+  options.arrangement = Arrangement::turntable;
+  const double start = seconds();
+  const auto result = register_views(views, options, quiet());
+  if (!result.ok()) { std::printf("%s\n", result.error().message.c_str()); return; }
+  const Turntable& table = *result->turntable;
+  std::printf("axis (%.4f, %.4f, %.4f) through (%.2f, %.2f, %.2f), step %.3f degrees (sigma %.3f)%s, %d of %zu registered, worst gap %.3f mm, %.1f s\n", table.axis.x(), table.axis.y(),
+              table.axis.z(), table.point.x(), table.point.y(), table.point.z(), table.step * 180 / pi, table.step_sigma * 180 / pi, table.step_observed ? "" : " not observed", int(views.size()) - refused(*result), views.size(), result->worst_gap, seconds() - start);
+  for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
-  if (words.size() >= 2 && words[0] == "cases") return cases(words[1], {words.begin() + 2, words.end()}), 0;
+  if (words.size() >= 2 && (words[0] == "cases" || words[0] == "paper")) return cases(words[1], {words.begin() + 2, words.end()}, words[0] == "paper"), 0;
   if (words.size() == 4 && words[0] == "published") return published(words[1], std::stod(words[2]), std::stod(words[3]), false), 0;
   if (words.size() == 2 && words[0] == "unknown") return published(words[1], 0, 0, true), 0;
+  if (words.size() >= 3 && words[0] == "turntable") return turntable({words.begin() + 1, words.end()}), 0;
   std::fprintf(stderr, "usage: bench_registration cases DIR [CASE...]\n");
   return 2;
 }

@@ -1,0 +1,195 @@
+#include "scan/register_turntable.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/number.h"
+#include "core/parallel.h"
+#include "scan/register_features.h"
+
+namespace partscribe {
+namespace {
+
+struct Line {
+  Vec3 point, axis;
+};
+
+/// How far a normal passes by an axis, as a sine.
+double off_axis(const Line& line, const Vec3& p, const Vec3& normal, double least) {
+  const Vec3 q = p - line.point, across = q - q.dot(line.axis) * line.axis;
+  return std::abs(normal.dot(line.axis.cross(across))) / std::max(across.norm(), least);
+}
+
+/// The axis that most normals of all views meet while they lie in the sensor's frame: a.(p x n) + m.n = 0 (Pottmann &
+/// Wallner 2001), by iterated weights. Nothing if fewer than half of them do.
+std::optional<Line> axis_of_normals(const std::vector<ViewSurface>& surfaces) {
+  const double size = surfaces[0].radius;
+  const Vec3 center = surfaces[0].center;
+  std::optional<Line> line;
+  double kept = 0;
+  for (int round = 0; round < 25; ++round) {
+    Mat6 sum = Mat6::Zero();
+    double weights = 0, count = 0;
+    const double width = std::max(0.15, 0.6 * std::pow(0.85, round));
+    for (const ViewSurface& surface : surfaces)
+      // Not the samples: they favour rare directions.
+      for (std::size_t i = 0; i < surface.points.size(); i += 11) {
+        if (!surface.smooth[i]) continue;
+        const Vec3 p = (surface.points[i] - center) / size, normal = surface.normals[i];
+        const double off = line ? off_axis(*line, surface.points[i], normal, 0.02 * size) : 0;
+        const double w = std::exp(-off * off / (2 * width * width));
+        Eigen::Matrix<double, 6, 1> l;
+        l << p.cross(normal), normal;
+        sum += w * l * l.transpose();
+        weights += w, ++count;
+      }
+    kept = weights / count;
+    const Mat3 a = sum.topLeftCorner<3, 3>(), b = sum.topRightCorner<3, 3>();
+    const Mat3 d = sum.bottomRightCorner<3, 3>() + 1e-9 * count * Mat3::Identity();
+    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(a - b * d.inverse() * b.transpose());
+    const Vec3 axis = eigen.eigenvectors().col(0);
+    Vec3 moment = -d.inverse() * b.transpose() * axis;
+    moment -= moment.dot(axis) * axis;
+    line = Line{center + size * axis.cross(moment), axis};
+  }
+  if (kept < 0.5) return {};
+  return line;
+}
+
+Pose rotation_about(const Line& line, double angle) {
+  const Mat3 r = rotation_of(angle * line.axis);
+  return {r, line.point - r * line.point};
+}
+
+/// The fixed line of a pure rotation.
+Line line_of(const Pose& pose, const Vec3& near) {
+  const Vec3 turn = rotation_vector(pose.rotation);
+  const double angle = turn.norm();
+  const Vec3 axis = turn / std::max(angle, 1e-12);
+  const Vec3 moved = pose * near - near;
+  const Vec3 across = moved - moved.dot(axis) * axis;
+  return {near + 0.5 * (across + axis.cross(across) / std::tan(0.5 * angle)), axis};
+}
+
+std::vector<Pose> powers(const Pose& step, std::size_t count) {
+  std::vector<Pose> result{Pose{}};
+  while (result.size() < count) result.push_back(result.back() * step);
+  return result;
+}
+
+/// The mean score of all views at equal steps.
+double score_of(const std::vector<ViewSurface>& surfaces, const Pose& step, double reach, std::size_t samples) {
+  const auto poses = powers(step, surfaces.size());
+  std::vector<std::size_t> all(surfaces.size());
+  for (std::size_t v = 0; v < all.size(); ++v) all[v] = v;
+  double sum = 0;
+  for (const std::size_t v : all) {
+    const Agreement a = agreement(surfaces, poses, v, poses[v], all, reach, samples);
+    // What a part hides from itself differs little between steps; surfaces that no other view confirms count most.
+    sum += a.overlap() - 3 * a.seen_through();
+  }
+  return sum / static_cast<double>(surfaces.size());
+}
+
+void keep_round(std::vector<ViewSurface>& surfaces, const Line& line) {
+  for (ViewSurface& s : surfaces)
+    std::erase_if(s.samples, [&](std::uint32_t i) { return off_axis(line, s.points[i], s.normals[i], 0.02 * s.radius) > 0.35; });
+}
+
+}  // namespace
+
+std::optional<TurntableStart> start_from_turntable(std::vector<ViewSurface>& surfaces, const RegisterOptions&, Context& context) {
+  const std::size_t n = surfaces.size();
+  if (n < 2) return {};
+  double radius = 0, spacing = 0, sigma = 0;
+  for (const ViewSurface& s : surfaces) {
+    if (!s.usable()) return {};
+    radius = std::max(radius, s.radius), spacing = std::max(spacing, s.spacing), sigma = std::max(sigma, s.sigma);
+  }
+  context.report("looking for the axis", 0);
+  // What stands still beside a round part, such as the foot of the table, is not round about its axis and left out.
+  const auto round_axis = axis_of_normals(surfaces);
+  if (round_axis) keep_round(surfaces, *round_axis);
+  const double coarse_cell = std::max(radius / 12, 2 * spacing), reach = (round_axis ? 2 : 1) * confirm_reach(surfaces);
+  std::vector<Surfels> few, many;
+  std::vector<std::unique_ptr<PlacedModel>> coarse, fine;
+  const std::vector<Pose> still(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    few.push_back(sample_surfels(surfaces[v], 300)), many.push_back(sample_surfels(surfaces[v], 1200));
+    coarse.push_back(place_surfaces(surfaces, still, {v}, coarse_cell));
+    fine.push_back(place_surfaces(surfaces, still, {v}, 1.5 * spacing));
+  }
+  const auto pairs_of = [&](const std::vector<Surfels>& sources, const std::vector<std::unique_ptr<PlacedModel>>& targets) {
+    std::vector<AlignPair> pairs;
+    for (std::size_t v = 0; v + 1 < n; ++v) pairs.push_back({&sources[v + 1], targets[v].get()});
+    return pairs;
+  };
+  const auto rough_pairs = pairs_of(few, coarse), exact_pairs = pairs_of(many, fine);
+
+  std::vector<Pose> starts;
+  const double cell = std::max(radius / 16, 2 * spacing);
+  std::vector<std::unique_ptr<Features>> features;
+  for (const ViewSurface& s : surfaces) features.push_back(features_of(s, cell));
+  for (std::size_t v = 0; v + 1 < n; ++v)
+    for (const Pose& pose : feature_poses(*features[v + 1], *features[v], 12)) starts.push_back(pose);
+  const double full = 2 * pi / static_cast<double>(n);
+  struct Scored {
+    Pose step;
+    double score = -1e30;
+  };
+  std::vector<Scored> scored(starts.size());
+  AlignOptions rough;
+  rough.start_reach = 0.35 * radius, rough.end_reach = coarse_cell, rough.noise = 0.1 * coarse_cell, rough.iterations = 40, rough.pure_rotation = true;
+  parallel_for(starts.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Pose step = align_symmetric(rough_pairs, starts[k], rough);
+      const Vec3 turn = rotation_vector(step.rotation);
+      if (turn.norm() < 0.05) continue;
+      // A long round part also fits when it is turned end over end.
+      if (round_axis && std::abs(turn.normalized().dot(round_axis->axis)) < 0.9) continue;
+      scored[k] = {step, score_of(surfaces, step, 4 * reach, 100)};
+    }
+  }, 1);
+  std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<Scored> best;
+  for (const Scored& s : scored) {
+    bool known = false;
+    for (const Scored& b : best) known = known || rotation_vector(b.step.rotation.transpose() * s.step.rotation).norm() < 0.05;
+    if (!known && s.score > -1e29) best.push_back(s);
+    if (best.size() >= 8) break;
+  }
+  // Round parts start on their axis; anything coarser than their radius would lose it.
+  if (round_axis) {
+    best.clear();
+    for (const double angle : {full, pi / 12, pi / 6, pi / 4, pi / 2})
+      for (const double sign : {1.0, -1.0}) best.push_back({rotation_about(*round_axis, sign * angle)});
+  }
+  AlignOptions exact;
+  exact.start_reach = coarse_cell, exact.end_reach = std::max(1.5 * spacing, 4 * sigma), exact.noise = std::max(0.5 * sigma, 0.02 * spacing), exact.pure_rotation = true;
+  if (round_axis) exact.start_reach = 6 * spacing;
+  for (Scored& s : best) {
+    s.step = align_symmetric(exact_pairs, s.step, exact);
+    s.score = rotation_vector(s.step.rotation).norm() < 0.05 ? -1e30 : score_of(surfaces, s.step, 1.5 * reach, 500);
+    context.say("step " + print_number(rotation_vector(s.step.rotation).norm() * 180 / pi) + " degrees, score " + print_number(s.score));
+  }
+  std::stable_sort(best.begin(), best.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  if (best.empty() || best[0].score < 0.25) return {};
+  TurntableStart result{{{}, std::vector<std::uint8_t>(n, 1), std::vector<std::string>(n)}, {}};
+  Turntable& table = result.table;
+  const Line line = line_of(best[0].step, surfaces[0].center);
+  table.axis = line.axis, table.point = line.point, table.step = rotation_vector(best[0].step.rotation).norm();
+  table.step_observed = true;
+  for (std::size_t k = 1; k < best.size(); ++k) table.step_observed = table.step_observed && best[k].score < best[0].score - 0.05;
+  if (!table.step_observed) {
+    // Only a part that is round about the axis may look the same after any step; the steps are taken as parts of a turn.
+    if (!round_axis || score_of(surfaces, rotation_about(line, full), 1.5 * reach, 500) < 0.25) return {};
+    table.step = full, table.step_sigma = std::numeric_limits<double>::infinity();
+  }
+  result.start.poses = powers(rotation_about(line, table.step), n);
+  return result;
+}
+
+}  // namespace partscribe
