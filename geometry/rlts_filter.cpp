@@ -103,8 +103,9 @@ void fit_planes(const RangeHeights& h, const Grid& heights, const Grid& kept, Pl
 /// Slope and incidence at each pixel from that window around it which is most like a plane: none of them reaches
 /// across an edge if one does not (Kuwahara's choice).
 struct Slopes {
-  Slopes(int width, int height) : x(width, height, 0), y(x), incidence(x) {}
+  Slopes(int width, int height) : x(width, height, 0), y(x), incidence(x), down(width, height, 0), right(down) {}
   Grid x, y, incidence;
+  PaddedGrid<std::int8_t> down, right;  ///< from the pixel to that window's middle
 };
 
 Slopes slopes_of(const RangeHeights& h, const Planes& planes, Context& context) {
@@ -121,7 +122,9 @@ Slopes slopes_of(const RangeHeights& h, const Planes& planes, Context& context) 
         const float count = planes.count.row(r + dr)[c + dc];
         if (!(planes.variance.row(r + dr)[c + dc] > 0) || count < 6) continue;
         const float score = planes.sse.row(r + dr)[c + dc] / (count - 3);
-        if (score < best) best = score, x = planes.slope_x.row(r + dr)[c + dc], y = planes.slope_y.row(r + dr)[c + dc];
+        if (!(score < best)) continue;
+        best = score, x = planes.slope_x.row(r + dr)[c + dc], y = planes.slope_y.row(r + dr)[c + dc];
+        slopes.down.row(r)[c] = static_cast<std::int8_t>(dr), slopes.right.row(r)[c] = static_cast<std::int8_t>(dc);
       }
       slopes.x.row(r)[c] = x, slopes.y.row(r)[c] = y;
       slopes.incidence.row(r)[c] = static_cast<float>(std::min(h.incidence(r, c, height, x, y), 100.0));
@@ -346,7 +349,9 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
       const float s = sigma.row(r)[c];
       WindowFacet facet = rejected_facet;
       if (kept.row(r)[c] != 0) {
-        const Bend bend = bend_at(bends, r, c, s);
+        Bend bend = bend_at(bends, r, c, s);
+        if (bends.count.row(r)[c] == 0)  // next to an edge; the bend of the surface that the pixel belongs to
+          bend = bend_at(bends, r + slopes.down.row(r)[c], c + slopes.right.row(r)[c], s);
         const bool smooth = fit.row(r)[c] == Fitness::plane || fit.row(r)[c] == Fitness::quadric;
         facet = smooth ? smooth_facet(heights, kept, planes, bend, r, c, s)
                        : broken_facet(heights, kept, slopes, bend, r, c, s);

@@ -233,7 +233,7 @@ SideMasks side_masks() {
 }
 
 constexpr float far_cost = 7.5F;  // of a sample that the far side's plane does not explain: (2.5 sigma)^2 * 1.2
-constexpr float own_limit = 9;    // chi^2 of the middle sample against the rest of its own side
+constexpr float own_limit = 7;    // chi^2 of the middle sample against the rest of its own side
 constexpr float impossible = 1e9F;
 
 /// One side per lane, from side j on. What is not near is far.
@@ -257,7 +257,7 @@ PARTSCRIBE_INLINE void split_at(const std::array<float, 25>& heights, const std:
   const F beyond = select(other.variance > 0.F, select(other.sse < bound, other.sse, bound), bound);
   // The middle's residual against the plane's prediction without it; a plane that hangs on the middle predicts nothing.
   const F cost = select(own.value * own.value <= own_limit * (1.F - own.variance), own.sse + beyond, zero + impossible);
-  const F usable = select(own.variance > 0.F, select(near.n > 4.5F, cost, zero + impossible), zero + impossible);
+  const F usable = select(own.variance > 0.F, select(near.n > 5.5F, cost, zero + impossible), zero + impossible);
   const auto at = static_cast<std::size_t>(j);
   store<F>(&out.cost[at], usable);
   store<F>(&out.value[at], own.value), store<F>(&out.slope_x[at], own.slope_x);
