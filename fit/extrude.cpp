@@ -11,6 +11,8 @@
 #include "core/statistics.h"
 #include "fit/end_rims.h"
 #include "fit/evidence.h"
+#include "fit/outline_cells.h"
+#include "fit/plane_circle.h"
 #include "fit/sketch_builder.h"
 #include "geometry/kd_tree.h"
 
@@ -221,10 +223,7 @@ class Nearby {
   KdTree tree_;
 };
 
-struct Circle {
-  Vec2 center;
-  double radius;
-};
+using Circle = PlaneCircle;
 
 /// Sectors of 10 degrees that hold points.
 int sectors_of(const Circle& c, const std::vector<Vec2>& on) {
@@ -260,25 +259,6 @@ std::vector<Vec2> points_of(const Circle& c, const std::vector<PlanePoint>& wall
     if (std::abs(r - c.radius) < band && std::abs(d.dot(w.normal)) > 0.9 * r) on.push_back(w.position);
   }
   return on;
-}
-
-/// Orthogonal least squares by Gauss-Newton.
-Circle polished(Circle c, const std::vector<Vec2>& on) {
-  for (int round = 0; round < 10; ++round) {
-    Mat3 h = 1e-9 * Mat3::Identity();
-    Vec3 g = Vec3::Zero();
-    for (const Vec2& p : on) {
-      const Vec2 d = p - c.center;
-      const double r = d.norm();
-      if (!(r > 0)) continue;
-      const Vec3 row(-d.x() / r, -d.y() / r, -1);
-      h += row * row.transpose(), g += (r - c.radius) * row;
-    }
-    const Vec3 step = -h.ldlt().solve(g);
-    if (!step.allFinite() || step.norm() > c.radius) break;
-    c.center += step.head<2>(), c.radius += step.z();
-  }
-  return c;
 }
 
 /// Round holes of which at least 70 degrees of wall were seen, in one piece or several: circles on which the normals of two
@@ -368,6 +348,44 @@ std::vector<Chain> rings_of_parts(const std::vector<PlanePoint>& walls, const st
   return rings;
 }
 
+/// The extrusion of an outline and its holes; x runs along the longest straight edge.
+Candidate extrusion_of(std::vector<LoopPieces> loops, const FitInput& input, const Sweep& sweep, const Mat3& frame) {
+  double longest = 0, angle = 0;
+  for (const auto& s : loops[0].segments)
+    if (!s.arc && !s.spline && s.length() > longest)
+      longest = s.length(), angle = std::atan2(s.direction.y(), s.direction.x());
+  for (auto& loop : loops)
+    for (auto& s : loop.segments) turn(s, -angle);
+  SketchOptions sketch_options;
+  sketch_options.tolerance = input.tolerance;
+  BuiltSketch built = build_sketch(loops, sketch_options);
+  // The part extends from its origin along +x rather than along -x.
+  double left = 0, right = 0;
+  for (const auto& s : loops[0].segments)
+    for (const double x : {s.start.x(), s.end.x()})
+      left = std::max(left, built.origin.x() - x), right = std::max(right, x - built.origin.x());
+  if (left > right + input.tolerance) {
+    for (auto& loop : loops)
+      for (auto& s : loop.segments) turn(s, pi);
+    angle += pi;
+    built = build_sketch(loops, sketch_options);
+  }
+  Candidate c;
+  c.procedure = "extrusion";
+  c.object_name = "plate";
+  c.parameters = std::move(built.parameters);
+  Parameter height;
+  height.name = "height";
+  height.value = height.fitted = sweep.high - sweep.low;
+  height.note = "length of the extrusion";
+  c.parameters.push_back(height);
+  c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
+  c.scan_from_part.rotation = frame * rotation_of(Vec3(0, 0, angle));
+  c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
+  simplify(c);
+  return c;
+}
+
 /// Adds a candidate for every level of detail at which the rings split differently.
 void add_outlines(const FitInput& input, const Sweep& sweep, const Mat3& frame, const std::vector<Chain>& rings,
                   double outline, std::vector<Candidate>& candidates) {
@@ -392,41 +410,7 @@ void add_outlines(const FitInput& input, const Sweep& sweep, const Mat3& frame, 
       const std::size_t key = pieces + 1000 * controls;
       if (loops.empty() || pieces > 120 || std::find(seen.begin(), seen.end(), key) != seen.end()) continue;
       seen.push_back(key);
-      // x along the longest straight edge.
-      double longest = 0, angle = 0;
-      for (const auto& s : loops[0].segments)
-        if (!s.arc && !s.spline && s.length() > longest)
-          longest = s.length(), angle = std::atan2(s.direction.y(), s.direction.x());
-      for (auto& loop : loops)
-        for (auto& s : loop.segments) turn(s, -angle);
-      SketchOptions sketch_options;
-      sketch_options.tolerance = input.tolerance;
-      BuiltSketch built = build_sketch(loops, sketch_options);
-      // The part extends from its origin along +x rather than along -x.
-      double left = 0, right = 0;
-      for (const auto& s : loops[0].segments)
-        for (const double x : {s.start.x(), s.end.x()})
-          left = std::max(left, built.origin.x() - x), right = std::max(right, x - built.origin.x());
-      if (left > right + input.tolerance) {
-        for (auto& loop : loops)
-          for (auto& s : loop.segments) turn(s, pi);
-        angle += pi;
-        built = build_sketch(loops, sketch_options);
-      }
-      Candidate c;
-      c.procedure = "extrusion";
-      c.object_name = "plate";
-      c.parameters = std::move(built.parameters);
-      Parameter height;
-      height.name = "height";
-      height.value = height.fitted = sweep.high - sweep.low;
-      height.note = "length of the extrusion";
-      c.parameters.push_back(height);
-      c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
-      c.scan_from_part.rotation = frame * rotation_of(Vec3(0, 0, angle));
-      c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
-      simplify(c);
-      candidates.push_back(std::move(c));
+      candidates.push_back(extrusion_of(std::move(loops), input, sweep, frame));
     }
 }
 
@@ -460,6 +444,18 @@ Section section_of(const FitInput& input, const Sweep& sweep) {
   return s;
 }
 
+/// With walls alone, and with the rims of the end faces.
+void add_outlines_by_cells(const FitInput& input, const Section& s, double band, std::vector<Candidate>& candidates) {
+  for (const bool with_rims : {false, true}) {
+    OutlineData data;
+    data.walls = s.walls, data.band = band, data.spacing = input.thin_spacing;
+    if (with_rims) data.rims = outer_rims(s.ends, s.walls, std::max(s.fine, 3 * input.thin_spacing));
+    for (const auto& end : s.ends) data.ends.insert(data.ends.end(), end.begin(), end.end());
+    auto loops = outline_by_cells(data);
+    if (!loops.empty()) candidates.push_back(extrusion_of(std::move(loops), input, s.sweep, s.frame));
+  }
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
@@ -479,10 +475,13 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     if (wide > 1.6 * s.fine) add_outlines(input, s.sweep, s.frame, rings_of(s.walls, s.noise, wide), s.outline, candidates);
   }
   const auto near = [&](const Candidate& c) { return drawable(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance; };
-  if (std::any_of(candidates.begin(), candidates.end(), near)) return candidates;
-  // Some walls were not seen.
+  const bool any_near = std::any_of(candidates.begin(), candidates.end(), near);
+  if (any_near && input.stray_share == 0) return candidates;
+  // Some walls were not seen, or strays lie beside them.
   for (const Section& s : sections) {
     const double band = std::max(2.5 * s.noise, 0.3 * input.tolerance);
+    add_outlines_by_cells(input, s, band, candidates);
+    if (any_near) continue;
     for (const bool with_rims : {false, true})
       for (const double cell : {std::max(s.fine, 3 * input.thin_spacing), std::max({s.fine, wide, 5 * input.thin_spacing})})
         add_outlines(input, s.sweep, s.frame, rings_of_parts(s.walls, s.ends, with_rims, s.noise, cell, band, s.size), s.outline, candidates);
