@@ -97,18 +97,22 @@ struct Judged {
   bool changed = false;
 };
 
+constexpr double most_disagreement = 0.15;  // true poses leave 0.01 of simulated and 0.11 of real scans
+
 /// Fills in what the final poses say of each view, and refuses those that break a rule.
 Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used,
-             const RegisterOptions& options, Registration& result) {
+             const RegisterOptions& options, const Context& context, Registration& result) {
   Judged judged;
   const double reach = confirm_reach(surfaces);
   for (const std::size_t v : used) {
     RegisteredView& view = result.views[v];
     view.world_from_view = joint.poses[v], view.covariance = joint.covariance[v];
+    Agreement found;
     if (used.size() > 1) {
-      const Agreement found = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
+      found = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
       view.overlap = found.overlap(), view.residual_median = found.residual, view.seen_through = found.seen_through();
     }
+    context.say(std::to_string(v) + ": disagreement " + print_number(found.disagreement()));
     std::string reason;
     const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
     const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
@@ -117,6 +121,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = "only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap);
       else if (view.seen_through > options.max_seen_through)
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
+      else if (found.disagreement() > most_disagreement)
+        reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_disagreement);
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
         reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";
     }
@@ -238,10 +244,17 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
-    const Judged judged = judge(surfaces, joint, used, options, result);
+    const Judged judged = judge(surfaces, joint, used, options, context, result);
     if (!judged.changed) break;
     used = judged.good;
   }
+  // Without guesses a few views may agree by chance.
+  if (options.arrangement == Arrangement::unknown && used.size() * 3 < views.size() * 2)
+    for (const std::size_t v : used) {
+      if (v == used.front()) continue;
+      result.views[v].status = ViewStatus::refused;
+      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected two thirds where no poses are known";
+    }
   result.center = joint.center;
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);

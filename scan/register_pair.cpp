@@ -194,13 +194,16 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
         case Sight::measured: break;
         default: continue;
       }
-      if (facing < 0) continue;
+      if (facing < 0.3) continue;
       const Neighbour near = other.tree->nearest_one(p);
+      ++result.faced;
       const Vec3 d = p - other.points[near.index];
       const double e = std::abs(d.dot(other.normals[near.index]));
       if (near.sq_distance > 9 * reach * reach + 4 * other.spacing * other.spacing || e > reach ||
-          n.dot(other.normals[near.index]) < 0.866)
+          n.dot(other.normals[near.index]) < 0.866) {
+        ++result.odd;
         continue;
+      }
       confirmed[i] = 1, best[i] = std::min(best[i], e);
     }
     const Surfels theirs = sample_surfels(other, samples / 2);

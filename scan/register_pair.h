@@ -56,11 +56,14 @@ struct Agreement {
   int through = 0;       ///< looked through by another view (the worst one)
   int back_through = 0;  ///< samples of others that the view itself looked through, scaled to its number of samples
   int missing = 0;       ///< faced by a sensor that returned nothing around them
+  int faced = 0;         ///< lie where another view measured a surface and face its sensor, summed over the views
+  int odd = 0;           ///< of these, with another surface there than the view's own
   double residual = 0;   ///< median |distance| along the normal of the confirmed ones, mm
+  double disagreement() const { return faced ? double(odd) / faced : 0; }
   double overlap() const { return samples ? double(confirmed) / samples : 0; }
   double seen_through() const { return samples ? double(std::max(through, back_through)) / samples : 0; }
   /// What ranks poses: confirmed less what contradicts.
-  double score() const { return samples ? (confirmed - 3.0 * (through + back_through) - missing) / double(samples) : -1; }
+  double score() const { return samples ? (confirmed - 3.0 * (through + back_through) - missing) / double(samples) - disagreement() : -1; }
 };
 
 /// `reach` is how far off a confirmed place may be along the normal, three times that across.

@@ -25,8 +25,9 @@ Pose closest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) 
 
 std::vector<Patch> planar_patches(const ViewSurface& surface, const PaperOptions& options) {
   const double most_radius = 0.35 * surface.radius, bend = std::cos(options.patch_angle);
-  const double reach = 1.6 * surface.spacing;
+  const double reach = 2.3 * surface.spacing;  // to the next return of a slanted face
   std::vector<std::uint8_t> taken(surface.points.size(), 0);
+  const auto least = static_cast<std::size_t>(std::max(12.0, 0.1 * 3 * most_radius * most_radius / (surface.spacing * surface.spacing)));
   std::vector<Patch> patches;
   std::vector<Neighbour> near;
   std::vector<std::uint32_t> pending;
@@ -49,7 +50,7 @@ std::vector<Patch> planar_patches(const ViewSurface& surface, const PaperOptions
       }
     }
     std::sort(patch.members.begin(), patch.members.end());
-    if (patch.members.size() < 40) continue;
+    if (patch.members.size() < least) continue;
     for (const auto i : patch.members)
       patch.center += surface.points[i] / static_cast<double>(patch.members.size()), patch.normal += surface.normals[i];
     patch.normal.normalize();

@@ -316,27 +316,18 @@ std::vector<Pose> symmetric_turns(const ViewSurface& surface, const Pose& pose, 
 
 }  // namespace
 
-StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
-  const std::size_t n = surfaces.size();
-  const std::vector<Pose> none(n);
-  Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, {none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)}, {}, false};
+namespace {
+
+/// Views placed one after the other upon a first pair.
+void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::size_t first, const std::vector<std::size_t>& usable, Context& context) {
+  const std::vector<ViewSurface>& surfaces = growth.surfaces;
   StartResult& result = growth.result;
-  std::vector<std::size_t> usable;
-  for (std::size_t v = 0; v < n; ++v)
-    if (surfaces[v].usable()) usable.push_back(v);
-    else result.reason[v] = "expected at least 50 points on smooth surface, found " + std::to_string(surfaces[v].samples.size());
-  if (usable.empty()) return result;
-  context.report("comparing views", 0);
-  const std::vector<PairCandidates> pairs = compare_pairs(surfaces, usable, growth.reach, context);
   std::vector<std::size_t>& placed = growth.placed;
-  const PairCandidates* first = nullptr;
-  for (const PairCandidates& pair : pairs)
-    if (!pair.found.empty() && (!first || pair.found[0].agreement.score() > first->found[0].agreement.score())) first = &pair;
-  placed.push_back(first ? first->target : usable.front());
+  placed.assign(1, first);
   std::vector<std::size_t> waiting;
   for (const std::size_t v : usable)
-    if (v != placed[0]) waiting.push_back(v);
-  std::vector<std::size_t> failed_at(n, 0);  // how many were placed when it failed
+    if (v != first) waiting.push_back(v);
+  std::vector<std::size_t> failed_at(surfaces.size(), 0);  // how many were placed when it failed
   while (!waiting.empty() && !context.cancelled) {
     double best_score = -1e30;
     std::size_t best = waiting.size();
@@ -366,9 +357,7 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     Vec3 center = Vec3::Zero();
     for (const std::size_t v : placed) center += result.poses[v] * surfaces[v].center / static_cast<double>(placed.size());
     for (const Pose& pose : symmetric_turns(surfaces[view], best_starts.front(), center)) best_starts.push_back(pose);
-    const bool good = growth.place(view, best_starts, placed, context);
-    context.say("view " + std::to_string(view) + " with " + std::to_string(placed.size()) + " placed, score " + print_number(best_score) + (good ? "" : ": " + result.reason[view]));
-    if (!good) {
+    if (!growth.place(view, best_starts, placed, context)) {
       failed_at[view] = placed.size();
       continue;
     }
@@ -378,6 +367,44 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
   for (const std::size_t v : waiting)
     if (result.reason[v].empty()) result.reason[v] = "no features like those of another view";
   for (const std::size_t v : placed) result.placed[v] = 1;
+}
+
+}  // namespace
+
+StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
+  const std::size_t n = surfaces.size();
+  const std::vector<Pose> none(n);
+  const StartResult nothing{none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)};
+  StartResult result = nothing;
+  std::vector<std::size_t> usable;
+  for (std::size_t v = 0; v < n; ++v)
+    if (surfaces[v].usable()) usable.push_back(v);
+    else result.reason[v] = "expected at least 50 points on smooth surface, found " + std::to_string(surfaces[v].samples.size());
+  if (usable.empty()) return result;
+  context.report("comparing views", 0);
+  std::vector<PairCandidates> pairs = compare_pairs(surfaces, usable, confirm_reach(surfaces), context);
+  std::erase_if(pairs, [](const PairCandidates& p) { return p.found.empty(); });
+  std::stable_sort(pairs.begin(), pairs.end(), [](const PairCandidates& a, const PairCandidates& b) { return a.found[0].agreement.score() > b.found[0].agreement.score(); });
+  // A pair that only seems to fit does not grow far: a few are tried, the largest structure wins.
+  std::vector<std::size_t> tried;
+  std::size_t most = 0;
+  for (const PairCandidates& pair : pairs) {
+    if (tried.size() >= 4 || most == usable.size()) break;
+    if (std::find(tried.begin(), tried.end(), pair.target) != tried.end()) continue;
+    tried.push_back(pair.target);
+    Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, nothing, {}, false};
+    grow_from(growth, pairs, pair.target, usable, context);
+    context.say("from view " + std::to_string(pair.target) + ": " + std::to_string(growth.placed.size()) + " placed");
+    if (growth.placed.size() > most) most = growth.placed.size(), result = std::move(growth.result);
+  }
+  // Few views that agree among themselves may do so by chance; of many that is unlikely.
+  if (3 * most < 2 * usable.size()) {
+    for (const std::size_t v : usable) {
+      result.placed[v] = v == usable.front();
+      if (!result.placed[v]) result.reason[v] = "only " + std::to_string(most) + " of " + std::to_string(usable.size()) + " views can be laid over one another by their features; expected two thirds";
+    }
+    result.poses = none;
+  }
   return result;
 }
 

@@ -1,0 +1,325 @@
+/// Views of known poses are found again, and what cannot be known is said.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/number.h"
+#include "core/random.h"
+#include "scan/register.h"
+#include "scan/register_joint.h"
+#include "scan/register_pair.h"
+#include "scan/register_paper.h"
+#include "scan/simulate.h"
+
+using namespace partscribe;
+
+namespace {
+
+/// Half spaces n.p <= d; a ray meets a convex part where it enters the last of them.
+struct Side {
+  Vec3 normal;
+  double offset;
+};
+
+Surface convex(const std::vector<Side>& sides, double reach) {
+  Surface surface;
+  surface.bounds.add(Vec3::Constant(-reach)), surface.bounds.add(Vec3::Constant(reach));
+  surface.first_hit = [sides](const Vec3& origin, const Vec3& direction) -> std::optional<SurfaceHit> {
+    double in = -1e30, out = 1e30;
+    Vec3 normal = Vec3::Zero();
+    for (const Side& s : sides) {
+      const double rate = s.normal.dot(direction), gap = s.offset - s.normal.dot(origin);
+      if (rate < 0 && gap / rate > in) in = gap / rate, normal = s.normal;
+      else if (rate > 0) out = std::min(out, gap / rate);
+      else if (rate == 0 && gap < 0) return {};
+    }
+    if (in >= out || in < 0) return {};
+    return SurfaceHit{in, normal};
+  };
+  return surface;
+}
+
+/// A block that nothing turns onto itself: every corner is cut differently.
+Surface cut_block() {
+  std::vector<Side> sides;
+  for (int k = 0; k < 3; ++k)
+    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 14.0 + 3 * k});
+  const auto cut = [&](const Vec3& n, double d) { sides.push_back({n.normalized(), d}); };
+  cut({1, 1, 1}, 20), cut({1, -1, 0.6}, 19), cut({-1, 0.7, 1}, 22), cut({-0.6, -1, 1}, 18);
+  cut({1, 0.5, -1}, 21), cut({-1, -1, -0.8}, 20.5), cut({0.4, -1, -1}, 23), cut({-1, 1, -0.5}, 19.5);
+  return convex(sides, 22);
+}
+
+/// Balls grown together: creases everywhere and no two alike.
+Surface balls() {
+  const std::vector<std::pair<Vec3, double>> parts{{{0, 0, 0}, 12}, {{11, 2, 3}, 8}, {{-8, 7, 4}, 9}, {{1, -11, 5}, 7}, {{3, 4, -12}, 6.5}, {{-6, -6, -9}, 6}, {{2, 8, 11}, 5}};
+  Surface surface;
+  surface.bounds.add(Vec3::Constant(-20)), surface.bounds.add(Vec3::Constant(20));
+  surface.first_hit = [parts](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
+    std::optional<SurfaceHit> best;
+    for (const auto& [center, radius] : parts) {
+      const double along = (center - o).dot(d), sq = radius * radius - (o + along * d - center).squaredNorm();
+      if (sq <= 0) continue;
+      const double t = along - std::sqrt(sq);
+      if (t > 0 && (!best || t < best->distance)) best = SurfaceHit{t, (o + t * d - center) / radius};
+    }
+    return best;
+  };
+  return surface;
+}
+
+Surface cylinder() {
+  Surface surface;
+  surface.bounds.add(Vec3(-10, -10, -15)), surface.bounds.add(Vec3(10, 10, 15));
+  surface.first_hit = [](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
+    const double a = d.head<2>().squaredNorm(), b = o.head<2>().dot(d.head<2>()), c = o.head<2>().squaredNorm() - 100;
+    double best = 1e30;
+    Vec3 normal = Vec3::Zero();
+    if (b * b > a * c) {
+      const double t = (-b - std::sqrt(b * b - a * c)) / a;
+      const Vec3 p = o + t * d;
+      if (t > 0 && std::abs(p.z()) <= 15) best = t, normal = Vec3(p.x(), p.y(), 0) / 10;
+    }
+    for (const double s : {1.0, -1.0}) {
+      const double t = (15 * s - o.z()) / d.z();
+      if (t > 0 && t < best && d.z() * s < 0 && (o + t * d).head<2>().norm() <= 10) best = t, normal = s * Vec3::UnitZ();
+    }
+    if (best > 1e29) return {};
+    return SurfaceHit{best, normal};
+  };
+  return surface;
+}
+
+struct Case {
+  std::vector<RegisterView> views;
+  std::vector<Pose> truth;
+};
+
+Case scan_of(const Surface& surface, SimulateOptions options, double angle, double shift) {
+  options.pose_noise_angle = angle, options.pose_noise_shift = shift;
+  Context context;
+  context.threads = 2;
+  const SimulatedScan scan = simulate(surface, options, context);
+  Case result{views_of(scan.merged), {}};
+  for (std::size_t v = 0; v < scan.views.size(); ++v) {
+    result.truth.push_back(scan.views[v].image.world_from_view);
+    result.views[v].guess = scan.views[v].initial_guess;
+  }
+  return result;
+}
+
+SimulateOptions small() {
+  SimulateOptions options;
+  options.views = "cube", options.resolution = 72, options.sigma = 0.02, options.bit_error = 0.002;
+  return options;
+}
+
+Registration run(const std::vector<RegisterView>& views, const RegisterOptions& options = {}, int threads = 2) {
+  Context context;
+  context.threads = threads;
+  const auto result = register_views(views, options, context);
+  REQUIRE(result.ok());
+  return *result;
+}
+
+/// Largest rotation and shift off the truth, relative to the reference view.
+struct Off {
+  double angle = 0, shift = 0;
+};
+
+Off off_truth(const Registration& found, const std::vector<Pose>& truth) {
+  std::size_t reference = 0;
+  while (found.views[reference].status != ViewStatus::reference) ++reference;
+  const Pose back = truth[reference] * found.views[reference].world_from_view.inverse();
+  Off worst;
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    if (found.views[v].status == ViewStatus::refused) continue;
+    const Pose d = back * found.views[v].world_from_view * truth[v].inverse();
+    worst.angle = std::max(worst.angle, rotation_vector(d.rotation).norm());
+    worst.shift = std::max(worst.shift, (d * Vec3(0, 0, 0)).norm());
+  }
+  return worst;
+}
+
+int count(const Registration& registration, ViewStatus status) {
+  return static_cast<int>(std::count_if(registration.views.begin(), registration.views.end(), [&](const auto& v) { return v.status == status; }));
+}
+
+}  // namespace
+
+TEST_CASE("register: views of a block are found from guesses 3 degrees and 1 mm off") {
+  const Case scan = scan_of(cut_block(), small(), 0.05, 1);
+  const Registration found = run(scan.views);
+  CHECK(count(found, ViewStatus::registered) == 7);
+  CHECK(found.free_motions.empty());
+  const Off off = off_truth(found, scan.truth);
+  const double pixel = scan.views[0].cloud.points.empty() ? 0 : 44 * std::sqrt(3.0) / 72;
+  CHECK(off.shift < pixel / 8);
+  CHECK(off.angle < 0.2 * pi / 180);
+  for (const auto& view : found.views) CHECK(view.overlap > 0.5);
+}
+
+TEST_CASE("register: a stated sigma is of the size of the error") {
+  double sum = 0, most = 0;
+  int n = 0;
+  for (std::uint64_t seed : {3, 4, 5}) {
+    auto options = small();
+    options.seed = seed, options.resolution = 60;
+    const Case scan = scan_of(cut_block(), options, 0.03, 0.5);
+    const Registration found = run(scan.views);
+    const Pose back = scan.truth[0] * found.views[0].world_from_view.inverse();
+    for (std::size_t v = 1; v < scan.truth.size(); ++v) {
+      const Pose d = back * found.views[v].world_from_view * scan.truth[v].inverse();
+      const double z = rotation_vector(d.rotation).squaredNorm() / found.views[v].covariance.topLeftCorner<3, 3>().trace();
+      sum += z, most = std::max(most, z), ++n;
+    }
+  }
+  CHECK(sum / n > 0.1);
+  CHECK(sum / n < 6);
+  CHECK(most < 30);
+}
+
+TEST_CASE("register: without any poses the features do, or it is refused") {
+  RegisterOptions unknown;
+  unknown.arrangement = Arrangement::unknown;
+  auto options = small();
+  options.resolution = 120, options.views = "24";
+  Case scan = scan_of(balls(), options, 0, 0);
+  scan.views.resize(6), scan.truth.resize(6);
+  for (auto& view : scan.views) view.guess.reset();
+  const Registration found = run(scan.views, unknown);
+  for (const auto& view : found.views) UNSCOPED_INFO(view.reason << view.overlap);
+  CHECK(count(found, ViewStatus::registered) == 5);
+  CHECK(off_truth(found, scan.truth).angle < 0.5 * pi / 180);
+
+  // Views across the edges of a block share few faces, and faces are all alike.
+  options.resolution = 40, options.views = "octahedron";
+  Case block = scan_of(cut_block(), options, 0, 0);
+  for (auto& view : block.views) view.guess.reset();
+  const Registration doubtful = run(block.views, unknown);
+  CHECK(off_truth(doubtful, block.truth).angle < 1 * pi / 180);
+}
+
+TEST_CASE("register: a cylinder turns about its axis, and that is said") {
+  auto options = small();
+  options.resolution = 56;
+  const Case scan = scan_of(cylinder(), options, 0.05, 0.5);
+  const Registration found = run(scan.views);
+  REQUIRE(found.free_motions.size() >= 1);
+  const auto turning = std::find_if(found.free_motions.begin(), found.free_motions.end(), [](const FreeMotion& m) { return m.turns; });
+  REQUIRE(turning != found.free_motions.end());
+  CHECK(turning->views.size() == 7);
+  CHECK(turning->words.find("turn about") != std::string::npos);
+  // In the frame of the reference view's guess the axis is z within that guess's error.
+  CHECK(std::abs(turning->axis.z()) > 0.99);
+  CHECK(found.warnings.size() >= 1);
+}
+
+TEST_CASE("register: a view of another part is refused") {
+  auto options = small();
+  options.resolution = 60;
+  Case scan = scan_of(cut_block(), options, 0.03, 0.5);
+  auto other = scan_of(cylinder(), options, 0, 0);
+  scan.views[5].cloud = other.views[5].cloud;
+  const Registration found = run(scan.views);
+  CHECK(found.views[5].status == ViewStatus::refused);
+  CHECK(!found.views[5].reason.empty());
+  CHECK(count(found, ViewStatus::registered) == 6);
+  CHECK(off_truth(found, scan.truth).angle < 0.3 * pi / 180);
+}
+
+TEST_CASE("register: a start that is a quarter turn off is refused or put right, never wrong") {
+  auto options = small();
+  options.resolution = 60;
+  Case scan = scan_of(cut_block(), options, 0.02, 0.3);
+  const Mat3 turn = rotation_of(Vec3(0.2, 0.4, 1).normalized() * 1.5);
+  scan.views[3].guess = Pose{turn, Vec3::Zero()} * *scan.views[3].guess;
+  const Registration found = run(scan.views);
+  CHECK(found.views[3].status == ViewStatus::refused);
+  CHECK(off_truth(found, scan.truth).angle < 0.3 * pi / 180);
+}
+
+TEST_CASE("register: the same bytes for any number of threads") {
+  auto options = small();
+  options.resolution = 40, options.views = "octahedron";
+  const Case scan = scan_of(cut_block(), options, 0.03, 0.5);
+  const Registration one = run(scan.views, {}, 1), three = run(scan.views, {}, 3);
+  for (std::size_t v = 0; v < one.views.size(); ++v) {
+    CHECK(one.views[v].world_from_view.rotation == three.views[v].world_from_view.rotation);
+    CHECK(one.views[v].world_from_view.translation == three.views[v].world_from_view.translation);
+    CHECK(one.views[v].covariance == three.views[v].covariance);
+  }
+}
+
+TEST_CASE("register: views are taken apart and put together again") {
+  auto options = small();
+  options.resolution = 32, options.views = "tetrahedron";
+  Context context;
+  SimulatedScan scan = simulate(cut_block(), options, context);
+  const auto views = views_of(scan.merged);
+  REQUIRE(views.size() == 4);
+  Registration registration;
+  const Pose moved{rotation_of(Vec3(0.1, 0.2, 0.3)), Vec3(5, 6, 7)};
+  for (const auto& view : views) {
+    registration.views.emplace_back();
+    registration.views.back().world_from_view = moved * *view.guess, registration.views.back().status = ViewStatus::registered;
+  }
+  registration.views[2].status = ViewStatus::refused;
+  const PointCloud before = scan.merged.cloud;
+  place_views(registration, scan.merged);
+  const PointCloud& after = scan.merged.cloud;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before.view[i] == 2) continue;
+    REQUIRE((after.points[k] - moved * before.points[i]).norm() < 1e-9);
+    REQUIRE(after.view[k] == before.view[i]);
+    ++k;
+  }
+  CHECK(after.size() == k);
+  CHECK(after.rays.size() == k);
+}
+
+TEST_CASE("register: the closed form of the paper finds a motion exactly") {
+  Random random(3);
+  const Pose motion{rotation_of(Vec3(0.4, -1.2, 0.7)), Vec3(3, -4, 5)};
+  std::vector<Vec3> from, to;
+  for (int k = 0; k < 12; ++k) from.emplace_back(random.normal(), random.normal(), random.normal()), to.push_back(motion * from.back());
+  const Pose found = closest_motion(from, to);
+  CHECK((found.rotation - motion.rotation).norm() < 1e-12);
+  CHECK((found.translation - motion.translation).norm() < 1e-12);
+}
+
+TEST_CASE("register: as published, a polyhedron's views are found to a pixel") {
+  auto options = small();
+  options.resolution = 72, options.bit_error = 0;
+  const Case scan = scan_of(cut_block(), options, 0.02, 0.3);
+  RegisterOptions paper;
+  paper.method = PairMethod::paper;
+  const Registration found = run(scan.views, paper);
+  for (const auto& view : found.views) UNSCOPED_INFO(view.reason << view.overlap);
+  CHECK(count(found, ViewStatus::registered) == 7);
+  CHECK(off_truth(found, scan.truth).shift < 44 * std::sqrt(3.0) / 72);
+}
+
+TEST_CASE("register: a screw between poses keeps its axis") {
+  const Vec3 on_axis(3, 1, 0), axis = Vec3(0.2, 0.3, 0.9).normalized();
+  const Mat3 r = rotation_of(1.2 * axis);
+  const Pose b{r, on_axis - r * on_axis + 2 * axis};
+  const Pose half = between({}, b, 0.5);
+  CHECK(((half * on_axis) - (on_axis + axis)).norm() < 1e-12);
+  CHECK((between({}, b, 1).translation - b.translation).norm() < 1e-12);
+}
+
+TEST_CASE("register: bad_requests say what was expected") {
+  Context context;
+  RegisterView view;
+  view.name = "a.ply", view.cloud.points.assign(100, Vec3(1, 2, 3));
+  auto missing = register_views({view}, {}, context);
+  REQUIRE(!missing.ok());
+  CHECK(missing.error().message.find("a.ply") != std::string::npos);
+  CHECK(missing.error().kind == ErrorKind::usage);
+  CHECK(!register_views({}, {}, context).ok());
+  view.guess = Pose{}, view.cloud.points[7].x() = std::nan("");
+  CHECK(!register_views({view}, {}, context).ok());
+}
