@@ -18,9 +18,9 @@ bool smooth(const SurfaceGraph& g, std::size_t a, std::size_t b, const SurfaceGr
   const Vec3 d = g.points[b] - g.points[a];
   const double length = d.norm(), noise = g.sigma[a] + g.sigma[b];
   const double climb = std::max(std::abs(d.dot(g.normals[a])), std::abs(d.dot(g.normals[b])));
-  if (climb > options.max_climb * length + 4 * noise) return false;
-  // A normal from half a window of 5x5 is uncertain by sigma / (sqrt 10 spacing).
-  const double turn = options.max_turn + (length > 0 ? noise / length : 0);
+  if (climb > options.max_climb * length + 2 * noise) return false;
+  // Two normals, each from a part of a 5x5 window and uncertain by up to sigma / (sqrt 10 spacing).
+  const double turn = options.max_turn + (length > 0 ? 0.35 * noise / length : 0);
   return g.normals[a].cross(g.normals[b]).norm() <= std::sin(std::min(turn, 1.2)) && g.normals[a].dot(g.normals[b]) > 0;
 }
 

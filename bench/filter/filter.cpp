@@ -9,6 +9,8 @@
 #include "bench/filter/peers.h"
 #include "bench/filter/scenes.h"
 #include "core/random.h"
+#include "core/statistics.h"
+#include "geometry/region_growing.h"
 #include "geometry/rlts_filter.h"
 
 using namespace partscribe;
@@ -167,6 +169,37 @@ void profile_table() {
   }
 }
 
+/// Normals and flatness beside the truth.
+void surface_table(const std::vector<SceneOptions>& scenes) {
+  std::printf(
+      "\n| scene | sigma | graph, characterize: us per point | normals: median | 95 %% | below 10 degrees | "
+      "patches, along a row, a column | patches: us per point |\n|---|---|---|---|---|---|---|---|\n");
+  for (const SceneOptions& options : scenes) {
+    const Scene scene = scene_of(options);
+    Context context;
+    const FilteredImage f = rlts_filter(scene.image, {}, context);
+    const std::clock_t start = std::clock();
+    const SurfaceGraph graph = surface_graph(scene.image, f, {});
+    const std::vector<SurfacePoint> points = characterize(graph, {}, context);
+    const std::clock_t middle = std::clock();
+    const Patches patches = grow_patches(graph, points, {}, context);
+    const std::clock_t end = std::clock();
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (points[i].kind != SurfaceClass::unknown && !std::isnan(scene.truth[i].depth))
+        angles.push_back(std::acos(std::clamp(points[i].normal.dot(scene.truth[i].normal), -1.0, 1.0)) * 57.29577951);
+    const auto us = [&](std::clock_t ticks) {
+      return 1e6 * static_cast<double>(ticks) / CLOCKS_PER_SEC / static_cast<double>(f.returns);
+    };
+    const auto near = std::count_if(angles.begin(), angles.end(), [](double a) { return a < 10; });
+    const PatchCounts most = most_patches(patches.label, scene.image.width, scene.image.height);
+    std::printf("| %s | %g | %.1f | %.2f deg | %.2f deg | %.1f %% | %zu, %d, %d | %.1f |\n", options.part.c_str(),
+                options.sigma, us(middle - start), quantile(angles, 0.5), quantile(angles, 0.95),
+                100.0 * static_cast<double>(near) / static_cast<double>(angles.size()), patches.patches.size(),
+                most.along_row, most.along_column, us(end - middle));
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -208,6 +241,7 @@ int main() {
       std::fflush(stdout);
     }
   }
+  surface_table({scenes.begin(), scenes.begin() + 4});
   bit_table({.resolution = 320, .bits = 12, .sigma = 0.2, .bit_error = 0.05});
   bit_table({.resolution = 320, .bits = 16, .sigma = 0.01, .bit_error = 0.05});
 }
