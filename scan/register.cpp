@@ -101,7 +101,7 @@ constexpr double most_disagreement = 0.15;  // true poses leave 0.01 of simulate
 
 /// Fills in what the final poses say of each view, and refuses those that break a rule.
 Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used,
-             const RegisterOptions& options, const Context& context, Registration& result) {
+             const RegisterOptions& options, Registration& result) {
   Judged judged;
   const double reach = confirm_reach(surfaces);
   for (const std::size_t v : used) {
@@ -112,7 +112,6 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
       found = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
       view.overlap = found.overlap(), view.residual_median = found.residual, view.seen_through = found.seen_through();
     }
-    context.say(std::to_string(v) + ": disagreement " + print_number(found.disagreement()));
     std::string reason;
     const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
     const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
@@ -244,7 +243,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
-    const Judged judged = judge(surfaces, joint, used, options, context, result);
+    const Judged judged = judge(surfaces, joint, used, options, result);
     if (!judged.changed) break;
     used = judged.good;
   }
@@ -259,6 +258,9 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   result.free_motions = free_motions(joint, views);
+  // The last view has turned by all the steps together.
+  if (result.turntable && result.turntable->step_observed)
+    result.turntable->step_sigma = std::sqrt(joint.covariance[used.back()].topLeftCorner<3, 3>().trace() / 3) / std::max(1.0, double(used.back()));
   if (result.turntable && !result.turntable->step_observed)
     result.warnings.push_back("the part is round about the axis of the table: the steps cannot be seen and are taken as equal parts of one turn");
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);

@@ -3,6 +3,7 @@
 ///   bench_registration published FILE DEG MM  poses of FILE disturbed, and how far apart the views end up
 ///   bench_registration unknown FILE           the same with the poses forgotten
 ///   bench_registration paper DIR [CASE...]    the same as cases by the method of 1993
+///   bench_registration starts DIR CASE...     pairs of views from starts 5 to 60 degrees off
 ///   bench_registration turntable FILE FILE... views by equal steps about an unknown axis
 ///   bench_registration cases DIR [CASE...]   scans with true poses and disturbed guesses, as `partscribe simulate` writes
 #include <Eigen/Geometry>
@@ -222,6 +223,53 @@ void turntable(const std::vector<std::string>& files) {
   for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
 }
 
+/// Pairs of views of scans with true poses from starts ever farther off: recovered, refused or wrong.
+void starts(const Path& folder, const std::vector<std::string>& names) {
+  struct Counts {
+    int recovered = 0, refused = 0, wrong = 0;
+  };
+  std::map<std::pair<int, int>, Counts> table;  // overlap in steps of 20 %, start in degrees
+  Random random(11);
+  for (const auto& name : names) {
+    const auto scan = read_scan({folder / name / "scan" / "scan.json"}, {}, quiet());
+    if (!scan.ok()) continue;
+    const auto views = views_of(*scan);
+    std::vector<Pose> all;
+    for (const auto& view : views) all.push_back(*view.guess);
+    const auto surfaces = view_surfaces(views, 1500, quiet());
+    const Vec3 middle = scan->cloud.bounds().center();
+    for (std::size_t b = 1; b < views.size(); ++b) {
+      const Agreement truth = agreement(surfaces, all, b, all[b], {b - 1}, 4 * surfaces[b].sigma, 800);
+      if (truth.overlap() < 0.2) continue;
+      for (const int off : {5, 15, 30, 60}) {
+        std::vector<RegisterView> pair{views[b - 1], views[b]};
+        const auto direction = [&] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
+        const Mat3 turn = rotation_of(off * pi / 180 * direction());
+        pair[1].guess = Pose{turn, middle - turn * middle + 0.05 * radius_of(*scan) * direction()} * all[b];
+        RegisterOptions options;
+        options.guess_angle = off * pi / 180 + 0.1;
+        const auto result = register_views(pair, options, quiet());
+        if (!result.ok()) continue;
+        Counts& counts = table[{std::min(4, int(truth.overlap() * 5)), off}];
+        const PoseErrors e = errors_of({all[b - 1], all[b]}, *result, radius_of(*scan));
+        if (refused(*result) > 0) ++counts.refused;
+        // Half of the difference stands with each view after the best fit.
+        else if (2 * e.worst_angle < 1 && 2 * e.worst_shift < 0.02 * radius_of(*scan)) ++counts.recovered;
+        else ++counts.wrong, std::fprintf(stderr, "%s %zu %zu from %d: %.2f deg %.2f mm\n", name.c_str(), b - 1, b, off, 2 * e.worst_angle, 2 * e.worst_shift);
+      }
+    }
+  }
+  std::printf("| overlap | start 5 deg | 15 | 30 | 60 |\n|---|---|---|---|---|\n");
+  for (int share = 1; share <= 4; ++share) {
+    std::printf("| %d-%d %% |", 20 * share, 20 * share + 20);
+    for (const int off : {5, 15, 30, 60}) {
+      const Counts c = table[{share, off}];
+      std::printf(" %d / %d / %d |", c.recovered, c.refused, c.wrong);
+    }
+    std::printf("\n");
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -230,6 +278,7 @@ int main(int count, char** arguments) {
   if (words.size() == 4 && words[0] == "published") return published(words[1], std::stod(words[2]), std::stod(words[3]), false), 0;
   if (words.size() == 2 && words[0] == "unknown") return published(words[1], 0, 0, true), 0;
   if (words.size() >= 3 && words[0] == "turntable") return turntable({words.begin() + 1, words.end()}), 0;
-  std::fprintf(stderr, "usage: bench_registration cases DIR [CASE...]\n");
+  if (words.size() >= 3 && words[0] == "starts") return starts(words[1], {words.begin() + 2, words.end()}), 0;
+  std::fprintf(stderr, "usage: bench_registration cases|paper|starts DIR CASE... | published FILE DEG MM | unknown FILE | turntable FILE...\n");
   return 2;
 }

@@ -201,6 +201,36 @@ TEST_CASE("register: without any poses the features do, or it is refused") {
   CHECK(off_truth(doubtful, block.truth).angle < 1 * pi / 180);
 }
 
+TEST_CASE("register: a turntable's axis and step are found from views without poses") {
+  const Surface part = balls();
+  const Vec3 point(4, -3, 60), axis = Vec3(0.1, 0.95, 0.2).normalized();
+  const double step = 35 * pi / 180;
+  std::vector<RegisterView> views(4);
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    // The part was turned backwards as seen from the next view: first_from_second is the step.
+    const Mat3 turn = rotation_of(-step * double(k) * axis);
+    const Pose view_from_part = Pose{turn, point - turn * point} * Pose{Mat3::Identity(), Vec3(0, 0, 60)};
+    const Pose part_from_view = view_from_part.inverse();
+    views[k].width = views[k].height = 100;
+    for (int pixel = 0; pixel < 10000; ++pixel) {
+      const Vec3 from((pixel % 100 - 49.5) * 0.45 + 2, (pixel / 100 - 49.5) * 0.45, 0);
+      const auto hit = part.first_hit(part_from_view * from, part_from_view.rotation * Vec3::UnitZ());
+      if (!hit) continue;
+      views[k].cloud.points.push_back(from + hit->distance * Vec3::UnitZ());
+      views[k].cloud.pixel.push_back(pixel), views[k].cloud.rays.push_back(Vec3::UnitZ());
+    }
+  }
+  RegisterOptions turntable;
+  turntable.arrangement = Arrangement::turntable;
+  const Registration found = run(views, turntable);
+  REQUIRE(found.turntable);
+  CHECK(found.turntable->step_observed);
+  CHECK(found.turntable->step * 180 / pi == Approx(35).margin(0.3));
+  CHECK(found.turntable->axis.dot(axis) > 0.9999);
+  CHECK((found.turntable->point - point).cross(axis).norm() < 0.2);
+  CHECK(count(found, ViewStatus::registered) == 3);
+}
+
 TEST_CASE("register: a cylinder turns about its axis, and that is said") {
   auto options = small();
   options.resolution = 56;
