@@ -7,6 +7,7 @@
 #include "cli/inputs.h"
 #include "cli/report_page.h"
 #include "cli/stages.h"
+#include "cli/views.h"
 #include "core/number.h"
 #include "geometry/read_geometry.h"
 #include "model/json.h"
@@ -20,6 +21,7 @@ constexpr const char* help =
   partscribe build bracket.stl --tolerance 0.1            within 0.1 mm everywhere, or it says so
   partscribe build view1.ply view2.ply --units inch       several views in one common frame, inches
   partscribe build scan.json --to openscad,step --out cad  range images with poses; two kinds of file
+  partscribe build scan.json --poses guess                rough poses: the views are registered first
   partscribe build worn.ply --no-nominal                  the measured sizes, nothing rounded to nominal ones
   partscribe build pin.ply --procedure revolve            only a surface of revolution
 
@@ -31,6 +33,7 @@ struct BuildArguments {
   std::vector<Path> scans;
   std::vector<std::string> to;
   FitArguments fit;
+  PoseArguments poses;
   Path templates;
 };
 
@@ -64,12 +67,15 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
     reads_cloud = reads_cloud || std::filesystem::equivalent(scan, cloud_file, ignored);
   auto outputs = artifact_names();
   for (const char* file : {"model.json", "verdict.json", "report.html"}) outputs.push_back(file);
+  const bool registers = arguments.poses.poses != "given";
+  if (registers) outputs.push_back("poses.json");
   if (!reads_cloud) outputs.push_back("cloud.ply");
 
   if (auto ok = check_overwriting(folder, outputs, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
-  auto scan = read_scans(arguments.scans, session);
-  if (!scan) return scan.error();
+  auto placed = read_views(arguments.scans, arguments.poses, FilterUse::flags, session);
+  if (!placed) return placed.error();
+  Scan* const scan = &placed->scan;
   if (auto ok = make_folder(folder); !ok) return ok.error();
   const auto tolerance = tolerance_for(*scan, session);
   session.print(
@@ -84,6 +90,8 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   if (auto ok = session.stage("write"); !ok) return ok.error();
   if (!reads_cloud)
     if (auto ok = write_file(cloud_file, write_cloud_ply(scan->cloud)); !ok) return ok.error();
+  if (registers)
+    if (auto ok = write_file(folder / "poses.json", poses_json(*placed)); !ok) return ok.error();
   if (auto ok = write_file(folder / "model.json", write_model_json(**model)); !ok) return ok.error();
   const auto scripts = emit_stage(*model, *backends, arguments.templates, folder, session);
   if (!scripts) return scripts.error();
@@ -115,7 +123,8 @@ Command build_command() {
   auto arguments = std::make_shared<BuildArguments>();
   return {"build", "read scans, find the procedure, write it for every CAD system, verify it, report", help,
           [arguments](Arguments& a) {
-            a.paths(arguments->scans, "scan", "scan files of one part, in one common frame");
+            a.paths(arguments->scans, "scan", "scan files of one part");
+            declare(arguments->poses, a);
             a.list(arguments->to, "--to", "LIST", "which of openscad,alpha1,iges,step to write (default: all)");
             a.text(arguments->fit.name, "--name", "NAME", "name of the part (default: from the first file)");
             a.flag(arguments->fit.no_nominal, "--no-nominal",

@@ -1,78 +1,96 @@
 /// scan: from scan files to one cloud in one frame.
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
 #include "cli/describe.h"
 #include "cli/inputs.h"
 #include "cli/stages.h"
-#include "core/json_text.h"
+#include "cli/views.h"
 #include "geometry/normals.h"
 #include "geometry/read_geometry.h"
+#include "scan/merge.h"
 
 namespace partscribe {
 namespace {
 
 constexpr const char* help =
     R"(Examples
-  partscribe scan view1.ply view2.ply                  writes view1-partscribe/cloud.ply and poses.json
-  partscribe scan folder/scan.json --out part          range images with poses
-  partscribe scan bracket.obj --units m                the file's numbers are metres
+  partscribe scan folder/scan.json --out part             range images with poses
+  partscribe scan folder/scan.json --poses guess          rough poses: the views are registered
+  partscribe scan 0.ply 1.ply 2.ply --poses none          no poses at all: the surfaces tell them
+  partscribe scan v*.ply --poses turntable                equal steps about an unknown axis
+  partscribe scan bracket.obj --units m                   the file's numbers are metres
 
-Reads every format and units once, estimates normals and noise, flags outliers (they are kept, and counted). Writes
-cloud.ply (points, normals, noise, view, flags) and poses.json (where each view stood). 'fit' goes on from there.)";
+Range images are filtered (reweighted least trimmed squares: outliers flagged, noise averaged, edges kept), views are
+brought into one frame, and where they overlap they become one nonredundant cloud. A view that cannot be placed for
+sure is left out, and the reason is said. Writes cloud.ply (points, normals, noise, view, flags) and poses.json (where
+each view stood, its covariance, overlap and status). 'fit' goes on from there.)";
 
-nlohmann::ordered_json pose_json(const Pose& pose) {
-  auto rows = nlohmann::ordered_json::array();
-  for (int r = 0; r < 3; ++r)
-    rows.push_back({pose.rotation(r, 0), pose.rotation(r, 1), pose.rotation(r, 2), pose.translation[r]});
-  rows.push_back({0, 0, 0, 1});
-  return rows;
-}
+struct ScanArguments {
+  std::vector<Path> inputs;
+  PoseArguments poses;
+  bool all_points = false;
+};
 
-std::string poses_json(const Scan& scan) {
-  nlohmann::ordered_json json;
-  json["views"] = nlohmann::ordered_json::array();
-  for (const auto& view : scan.views) {
-    nlohmann::ordered_json row;
-    row["file"] = view.file;
-    row["world_from_view"] = pose_json(view.world_from_view);
-    row["status"] = "given";
-    json["views"].push_back(row);
+/// The filter knows normals and noise of its pixels better than neighbourhoods of all views do.
+void keep_known(const PointCloud& before, PointCloud& cloud) {
+  const bool normals = before.normals.size() == before.size(), sigma = before.sigma.size() == before.size();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (normals && !before.normals[i].isZero()) cloud.normals[i] = before.normals[i];
+    if (sigma && before.sigma[i] > 0) cloud.sigma[i] = before.sigma[i];
   }
-  return json_text(json);
 }
 
-Result<int> run(const std::vector<Path>& inputs, Session& session) {
+Result<int> run(const ScanArguments& arguments, Session& session) {
+  const auto& inputs = arguments.inputs;
   const Path folder = output_folder(session.options, inputs.front(), part_name(inputs.front()));
   if (auto ok = check_overwriting(folder, {"cloud.ply", "poses.json"}, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
-  auto scan = read_scans(inputs, session);
-  if (!scan) return scan.error();
+  auto placed = read_views(inputs, arguments.poses, FilterUse::values, session);
+  if (!placed) return placed.error();
+  Scan& scan = placed->scan;
   if (auto ok = make_folder(folder); !ok) return ok.error();
   if (auto ok = session.stage("normals"); !ok) return ok.error();
-  const auto sampling = estimate_normals(scan->cloud, {}, session.context);
+  std::string news;
+  if (placed->filter.views > 0)
+    news += "Filtered " + std::to_string(placed->filter.views) + " range images: noise " + readable(placed->filter.sigma) + " mm, rejected " +
+            std::to_string(placed->filter.rejected) + " of " + std::to_string(placed->filter.returns) + " returns\n";
+  const bool several = scan.views.size() > 1 && scan.mesh.empty() && !arguments.all_points;
+  const PointCloud samples = scan.cloud;
+  SamplingSummary sampling = estimate_normals(scan.cloud, {}, session.context);
+  if (several) {
+    keep_known(samples, scan.cloud);
+    if (auto ok = session.stage("merge"); !ok) return ok.error();
+    MergedCloud merged = merge_views(scan.cloud, {}, session.context);
+    news += "Merged " + std::to_string(merged.sample.size()) + " points into " + std::to_string(merged.cloud.size()) + ", " +
+            readable(merged.spacing) + " mm apart\n";
+    scan.cloud = std::move(merged.cloud), sampling.spacing = merged.spacing;
+  }
   if (auto ok = session.stage("write"); !ok) return ok.error();
-  if (auto ok = write_file(folder / "cloud.ply", write_cloud_ply(scan->cloud)); !ok) return ok.error();
-  if (auto ok = write_file(folder / "poses.json", poses_json(*scan)); !ok) return ok.error();
+  if (auto ok = write_file(folder / "cloud.ply", write_cloud_ply(scan.cloud)); !ok) return ok.error();
+  if (auto ok = write_file(folder / "poses.json", poses_json(*placed)); !ok) return ok.error();
   session.finish_stage();
-  const Vec3 size = scan->cloud.bounds().size();
-  session.print("Points " + std::to_string(scan->cloud.size()) + ", set aside " + std::to_string(sampling.rejected) +
-                ", views " + std::to_string(scan->views.size()) + "\nSize " + readable(size.x()) + " x " +
+  const Vec3 size = scan.cloud.bounds().size();
+  session.print(news + "Points " + std::to_string(scan.cloud.size()) + ", set aside " + std::to_string(sampling.rejected) +
+                ", views " + std::to_string(scan.views.size()) + "\nSize " + readable(size.x()) + " x " +
                 readable(size.y()) + " x " + readable(size.z()) + " mm, noise " + readable(sampling.sigma) +
                 " mm, distance between points " + readable(sampling.spacing) + " mm\nCloud in " +
                 (folder / "cloud.ply").string() + "; next: partscribe fit " + (folder / "cloud.ply").string() + "\n");
-  session.print_json(summary_json("scan", {folder / "cloud.ply", folder / "poses.json"}, scan->warnings));
+  session.print_json(summary_json("scan", {folder / "cloud.ply", folder / "poses.json"}, scan.warnings));
   return 0;
 }
 
 }  // namespace
 
 Command scan_command() {
-  auto inputs = std::make_shared<std::vector<Path>>();
-  return {"scan", "read scan files into one cleaned cloud in millimetres", help,
-          [inputs](Arguments& a) { a.paths(*inputs, "scan", "scan files of one part, in one common frame"); },
-          [inputs](Session& session) { return run(*inputs, session); }};
+  auto arguments = std::make_shared<ScanArguments>();
+  return {"scan", "read, filter, register and merge scan files into one clean cloud in millimetres", help,
+          [arguments](Arguments& a) {
+            a.paths(arguments->inputs, "scan", "scan files of one part");
+            declare(arguments->poses, a);
+            a.flag(arguments->all_points, "--all-points", "keep every point instead of averaging overlapping views");
+          },
+          [arguments](Session& session) { return run(*arguments, session); }};
 }
 
 }  // namespace partscribe

@@ -75,9 +75,12 @@ void scale(Piece& piece, double factor) {
   for (auto& p : piece.mesh.vertices) p *= factor;
   for (auto& s : piece.cloud.sigma) s = static_cast<float>(s * factor);
   piece.view.world_from_view.translation *= factor;
+  RangeImage& image = piece.image;
+  for (double* length : {&image.z0, &image.q, &image.x0, &image.y0, &image.pitch_x, &image.pitch_y}) *length *= factor;
+  image.world_from_view.translation *= factor;
 }
 
-Result<Scan> joined(Pieces&& source, const ReadOptions& options) {
+Result<Scan> joined(Pieces&& source, const ReadOptions& options, std::vector<RangeImage>* images) {
   Scan scan;
   scan.files = std::move(source.files);
   scan.sha256 = std::move(source.sha256);
@@ -121,6 +124,10 @@ Result<Scan> joined(Pieces&& source, const ReadOptions& options) {
     if (piece.cloud.view.empty()) piece.cloud.view.assign(count, 0);
     for (const auto v : piece.cloud.view) cloud.view.push_back(v < 0 ? -1 : first_view + v);
     scan.views.insert(scan.views.end(), static_cast<std::size_t>(last) + 1, piece.view);
+    if (images) {
+      images->resize(scan.views.size());
+      if (last == 0) images->back() = std::move(piece.image);
+    }
     cloud.points.insert(cloud.points.end(), piece.cloud.points.begin(), piece.cloud.points.end());
     piece = {};
   }
@@ -236,18 +243,20 @@ void add_range_image(const RangeImage& image, const std::string& file, const std
   piece.view = {file, image.world_from_view, image.projection == Projection::pinhole, image.width, image.height};
   piece.unit = unit;
   piece.cloud = cloud_of(image);
+  piece.image = image;
   if (piece.cloud.empty()) pieces.warnings.push_back(file + ": not one of its pixels has a return");
   pieces.pieces.push_back(std::move(piece));
 }
 
-Result<Scan> read_scan(const std::vector<Path>& inputs, const ReadOptions& options, Context& context) {
+Result<Scan> read_scan(const std::vector<Path>& inputs, const ReadOptions& options, Context& context, std::vector<RangeImage>* images) {
   if (inputs.empty()) return usage_error("expected a file or folder to read, found none");
   Pieces pieces;
   for (const auto& input : inputs) {
     if (auto error = add_input(input, options, context, pieces)) return *error;
     if (context.cancelled) return Error{"cancelled while reading", ErrorKind::stopped};
   }
-  return joined(std::move(pieces), options);
+  if (images) images->clear();
+  return joined(std::move(pieces), options, images);
 }
 
 }  // namespace partscribe

@@ -9,6 +9,7 @@
 #include "core/files.h"
 #include "core/result.h"
 #include "geometry/point_cloud.h"
+#include "geometry/range_image.h"
 
 namespace partscribe {
 
@@ -42,7 +43,10 @@ struct ReadOptions {
 /// Where more than a fifth of the surface lies in triangles longer than 1/50 of the bounding diagonal (CAD, not a
 /// scan), vertices alone do not stand for the surface: samples follow them, spread evenly over the triangles with an
 /// edge above 1/125 of the diagonal, one per (diagonal/250)^2, with their triangle's normal; same mesh, same samples.
-Result<Scan> read_scan(const std::vector<Path>& inputs, const ReadOptions& options, Context& context);
+///
+/// `images`, if asked for: the range image of every view, in mm; without pixels for a view that is none.
+Result<Scan> read_scan(const std::vector<Path>& inputs, const ReadOptions& options, Context& context,
+                       std::vector<RangeImage>* images = nullptr);
 
 /// The surface samples of the rule above; none for a mesh that is dense already.
 struct SurfaceSamples {

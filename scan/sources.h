@@ -16,6 +16,7 @@ struct Piece {
   PointCloud cloud;
   TriangleMesh mesh;
   View view;
+  RangeImage image;  ///< without pixels if it is none
   std::string unit;  ///< stated by the file or its sidecar; empty if nobody says
 };
 

@@ -1,0 +1,146 @@
+#include "cli/views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cli/describe.h"
+#include "cli/inputs.h"
+#include "core/json_text.h"
+#include "core/number.h"
+#include "scan/read.h"
+
+namespace partscribe {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* word_of(ViewStatus status) {
+  return status == ViewStatus::reference ? "reference" : status == ViewStatus::registered ? "registered" : "refused";
+}
+
+Json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json rows_of(const Pose& pose) {
+  Json rows = Json::array();
+  for (int r = 0; r < 3; ++r)
+    rows.push_back({pose.rotation(r, 0), pose.rotation(r, 1), pose.rotation(r, 2), pose.translation[r]});
+  rows.push_back({0, 0, 0, 1});
+  return rows;
+}
+
+Json rows_of(const Mat6& m) {
+  Json rows = Json::array();
+  for (int r = 0; r < 6; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3), m(r, 4), m(r, 5)});
+  return rows;
+}
+
+std::string degrees(double angle) { return print_number(snapped(angle * 180 / pi, 1e-3)) + " degrees"; }
+
+void say(const Registration& registration, const Scan& scan, Session& session) {
+  for (const auto& warning : registration.warnings) session.warn(warning);
+  for (std::size_t v = 0; v < registration.views.size(); ++v)
+    if (registration.views[v].status == ViewStatus::refused)
+      session.warn("view " + std::to_string(v) + " (" + scan.views[v].file + ") is left out: " + registration.views[v].reason);
+  // A verdict within T needs poses four times as sure.
+  if (session.options.tolerance)
+    for (std::size_t v = 0; v < registration.views.size(); ++v) {
+      const double sigma = std::sqrt(registration.views[v].covariance.bottomRightCorner<3, 3>().diagonal().maxCoeff());
+      if (registration.views[v].status == ViewStatus::registered && sigma > 0.25 * *session.options.tolerance)
+        session.warn("view " + std::to_string(v) + " (" + scan.views[v].file + ") is placed to " + readable(sigma) +
+                     " mm only; within " + readable(*session.options.tolerance) + " mm that may not be enough");
+    }
+  if (const auto& table = registration.turntable)
+    session.print("Turntable: axis (" + readable(table->axis.x()) + ", " + readable(table->axis.y()) + ", " + readable(table->axis.z()) +
+                  ") through (" + readable(table->point.x()) + ", " + readable(table->point.y()) + ", " + readable(table->point.z()) +
+                  "), step " + degrees(table->step) + (table->step_observed ? "" : ", as for a full turn: the part is round") + "\n");
+}
+
+Result<Registration> registration_of(const Scan& filtered, const PoseArguments& poses, Session& session) {
+  if (filtered.views.size() < 2)
+    return usage_error("--poses " + poses.poses + ": expected several views to bring together, found one");
+  RegisterOptions options;
+  options.arrangement = poses.poses == "none"        ? Arrangement::unknown
+                        : poses.poses == "turntable" ? Arrangement::turntable
+                                                     : Arrangement::guessed;
+  options.method = poses.method == "paper" ? PairMethod::paper : PairMethod::symmetric;
+  auto registration = register_views(views_of(filtered), options, session.context);
+  if (!registration) return registration;
+  const auto placed = [](const RegisteredView& v) { return v.status == ViewStatus::registered; };
+  if (std::none_of(registration->views.begin(), registration->views.end(), placed)) {
+    std::string why;
+    for (const auto& v : registration->views)
+      if (v.status == ViewStatus::refused && why.empty()) why = v.reason;
+    return bad_input(filtered.files.front() + ": expected views that can be brought together, found none: " + why);
+  }
+  return registration;
+}
+
+}  // namespace
+
+void declare(PoseArguments& poses, Arguments& arguments) {
+  arguments.choice(poses.poses, "--poses", {"given", "guess", "none", "turntable"},
+                   "where the views stood: as the files say; roughly so; unknown; turned by equal steps in their order");
+  arguments.choice(poses.method, "--registration", {"symmetric", "paper"},
+                   "how views are brought together: all at once; or one after the other as published in 1993");
+}
+
+Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, FilterUse use, Session& session) {
+  ReadOptions options;
+  if (!session.options.units.empty()) options.unit = parse_unit(session.options.units);
+  options.initial_guess = poses.poses == "guess";
+  std::vector<RangeImage> images;
+  auto read = read_scan(inputs, options, session.context, &images);
+  if (!read) return read.error();
+  for (const auto& warning : read->warnings) session.warn(warning);
+  PlacedViews placed;
+  placed.scan = std::move(*read);
+  if (poses.poses == "given") {
+    placed.filter = filter_views(placed.scan, images, use, session.context);
+    return placed;
+  }
+  if (auto ok = session.stage("register"); !ok) return ok.error();
+  Scan filtered = placed.scan;
+  placed.filter = filter_views(filtered, images, FilterUse::values, session.context);
+  auto registration = registration_of(filtered, poses, session);
+  if (!registration) return registration.error();
+  say(*registration, placed.scan, session);
+  if (use == FilterUse::values) placed.scan = std::move(filtered);
+  else placed.scan.cloud.rejected = filtered.cloud.rejected;
+  place_views(*registration, placed.scan);
+  placed.registration = std::move(*registration);
+  return placed;
+}
+
+std::string poses_json(const PlacedViews& placed) {
+  Json json;
+  json["views"] = Json::array();
+  for (std::size_t v = 0; v < placed.scan.views.size(); ++v) {
+    const View& view = placed.scan.views[v];
+    Json row;
+    row["file"] = view.file;
+    row["world_from_view"] = rows_of(view.world_from_view);
+    if (placed.registration) {
+      const RegisteredView& r = placed.registration->views[v];
+      row["covariance"] = rows_of(r.covariance);
+      row["overlap"] = r.overlap, row["residual_median"] = r.residual_median, row["seen_through"] = r.seen_through;
+      row["status"] = word_of(r.status);
+      if (!r.reason.empty()) row["reason"] = r.reason;
+    } else {
+      row["status"] = "given";
+    }
+    json["views"].push_back(row);
+  }
+  if (const auto& r = placed.registration) {
+    json["center"] = numbers(r->center);
+    json["worst_gap"] = r->worst_gap;
+    json["free_motions"] = Json::array();
+    for (const auto& free : r->free_motions) json["free_motions"].push_back(free.words);
+    if (r->turntable)
+      json["turntable"] = {{"axis", numbers(r->turntable->axis)}, {"point", numbers(r->turntable->point)},
+                           {"step_deg", r->turntable->step * 180 / pi}, {"step_observed", r->turntable->step_observed}};
+  }
+  return json_text(json);
+}
+
+}  // namespace partscribe

@@ -1,0 +1,38 @@
+/// Reads several views of a part, filters range images and brings all views into one frame.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/arguments.h"
+#include "cli/session.h"
+#include "core/files.h"
+#include "core/result.h"
+#include "scan/filter.h"
+#include "scan/register.h"
+
+namespace partscribe {
+
+/// What the user says of the poses of the views.
+struct PoseArguments {
+  std::string poses = "given";       ///< given, guess, none, turntable
+  std::string method = "symmetric";  ///< symmetric, paper
+};
+
+void declare(PoseArguments& poses, Arguments& arguments);
+
+struct PlacedViews {
+  Scan scan;
+  FilterSummary filter;
+  std::optional<Registration> registration;  ///< unless the poses were taken as given
+};
+
+/// Registration works on filtered points whatever `use` asks for; views that it refuses are left out and named. Fails if no
+/// two views can be brought together.
+Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, FilterUse use, Session& session);
+
+/// poses.json: where each view stood and how sure that is.
+std::string poses_json(const PlacedViews& views);
+
+}  // namespace partscribe

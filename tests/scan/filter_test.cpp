@@ -1,0 +1,86 @@
+#include "scan/filter.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "scan/simulate.h"
+
+using namespace partscribe;
+
+namespace {
+
+struct Ball {
+  SimulatedScan scan;
+  std::vector<RangeImage> images;
+};
+
+constexpr double radius = 20, sigma = 0.04;
+
+Ball scanned_ball(Projection projection) {
+  Context context;
+  SimulateOptions options;
+  options.resolution = 96, options.sigma = sigma, options.outliers = 0.01, options.projection = projection;
+  Surface surface;
+  surface.bounds.add(Vec3::Constant(-radius)), surface.bounds.add(Vec3::Constant(radius));
+  surface.first_hit = [](const Vec3& origin, const Vec3& direction) -> std::optional<SurfaceHit> {
+    const double middle = -origin.dot(direction), sq_off = (origin + middle * direction).squaredNorm();
+    if (sq_off >= radius * radius) return {};
+    const double t = middle - std::sqrt(radius * radius - sq_off);
+    return SurfaceHit{t, (origin + t * direction) / radius};
+  };
+  Ball ball{simulate(surface, options, context), {}};
+  for (const auto& view : ball.scan.views) ball.images.push_back(view.image);
+  return ball;
+}
+
+double off(const Vec3& p) { return std::abs(p.norm() - radius); }
+
+}  // namespace
+
+TEST_CASE("filter: flags find the outliers and leave the points where they were") {
+  Ball ball = scanned_ball(Projection::orthographic);
+  Context context;
+  Scan scan = ball.scan.merged;
+  const FilterSummary summary = filter_views(scan, ball.images, FilterUse::flags, context);
+  CHECK(summary.views == ball.images.size());
+  CHECK(scan.cloud.points == ball.scan.merged.cloud.points);
+  std::size_t bad = 0, caught = 0, good = 0, lost = 0;
+  for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+    const bool outlier = off(scan.cloud.points[i]) > 12 * sigma;
+    (outlier ? bad : good) += 1;
+    if (scan.cloud.rejected[i]) (outlier ? caught : lost) += 1;
+  }
+  REQUIRE(bad > 100);
+  CHECK(double(caught) > 0.95 * double(bad));
+  CHECK(double(lost) < 0.03 * double(good));
+}
+
+TEST_CASE("filter: values lie nearer to the surface, with normals that face out") {
+  for (const Projection projection : {Projection::orthographic, Projection::pinhole}) {
+    Ball ball = scanned_ball(projection);
+    Context context;
+    Scan scan = ball.scan.merged;
+    filter_views(scan, ball.images, FilterUse::values, context);
+    double before = 0, after = 0;
+    std::size_t count = 0, known = 0;
+    for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+      if (scan.cloud.rejected[i]) continue;
+      ++count;
+      before += std::pow(off(ball.scan.merged.cloud.points[i]), 2), after += std::pow(off(scan.cloud.points[i]), 2);
+      if (scan.cloud.normals[i].isZero()) continue;
+      ++known;
+      CHECK(scan.cloud.normals[i].dot(scan.cloud.points[i].normalized()) > 0.6);
+    }
+    CHECK(known > 0.9 * double(count));
+    CHECK(after < 0.4 * before);
+  }
+}
+
+TEST_CASE("filter: points without images stay as they are") {
+  Context context;
+  Scan scan;
+  scan.cloud.points = {Vec3(0, 0, 0), Vec3(1, 0, 0)};
+  scan.views.resize(1);
+  CHECK(filter_views(scan, {}, FilterUse::values, context).views == 0);
+  CHECK(scan.cloud.points[1] == Vec3(1, 0, 0));
+}
