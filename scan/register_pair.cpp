@@ -32,6 +32,20 @@ Vec3 rotation_vector(const Mat3& rotation) {
   return turn.angle() * turn.axis();
 }
 
+FixedLine fixed_line(const Pose& rotation, const Vec3& near) {
+  const Vec3 turn = rotation_vector(rotation.rotation);
+  const double angle = turn.norm();
+  const Vec3 axis = turn / std::max(angle, 1e-12);
+  const Vec3 moved = rotation * near - near;
+  const Vec3 across = moved - moved.dot(axis) * axis;
+  return {near + 0.5 * (across + axis.cross(across) / std::tan(0.5 * angle)), axis, angle};
+}
+
+Pose rotation_about(const Vec3& point, const Vec3& axis, double angle) {
+  const Mat3 r = rotation_of(angle * axis);
+  return {r, point - r * point};
+}
+
 Pose between(const Pose& a, const Pose& b, double share) {
   const Pose change = b * a.inverse();
   const Vec3 turn = rotation_vector(change.rotation);
@@ -158,6 +172,10 @@ Pose align_symmetric(const std::vector<AlignPair>& pairs, const Pose& start, con
     if (options.pure_rotation) {
       const Vec3 axis = rotation_vector(pose.rotation).normalized();
       pose.translation -= axis.dot(pose.translation) * axis;
+      if (options.angle > 0) {
+        const FixedLine line = fixed_line(pose, origin);
+        pose = rotation_about(line.point, line.axis, options.angle);
+      }
     }
     const double moved = turn.norm() * size + shift.norm();
     ++at_reach;

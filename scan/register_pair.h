@@ -36,6 +36,7 @@ struct AlignOptions {
   double noise = 0.05;       ///< mm along the normal, of a difference
   int iterations = 60;
   bool pure_rotation = false;  ///< about an axis that is found, without a shift along it
+  double angle = 0;            ///< rad, of that rotation; 0: found as well
 };
 
 struct AlignPair {
@@ -72,6 +73,16 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
 
 /// The pose a share of the way from one to another along the screw that leads there.
 Pose between(const Pose& a, const Pose& b, double share);
+
+/// The line that a pure rotation leaves in place.
+struct FixedLine {
+  Vec3 point, axis;  ///< the point nearest to `near`
+  double angle = 0;  ///< rad, right-handed about the axis
+};
+FixedLine fixed_line(const Pose& rotation, const Vec3& near);
+
+/// The rotation about a line.
+Pose rotation_about(const Vec3& point, const Vec3& axis, double angle);
 
 /// Rotation vector of a rotation, exact near 0 and near pi.
 Vec3 rotation_vector(const Mat3& rotation);

@@ -59,21 +59,6 @@ std::optional<Line> axis_of_normals(const std::vector<ViewSurface>& surfaces) {
   return line;
 }
 
-Pose rotation_about(const Line& line, double angle) {
-  const Mat3 r = rotation_of(angle * line.axis);
-  return {r, line.point - r * line.point};
-}
-
-/// The fixed line of a pure rotation.
-Line line_of(const Pose& pose, const Vec3& near) {
-  const Vec3 turn = rotation_vector(pose.rotation);
-  const double angle = turn.norm();
-  const Vec3 axis = turn / std::max(angle, 1e-12);
-  const Vec3 moved = pose * near - near;
-  const Vec3 across = moved - moved.dot(axis) * axis;
-  return {near + 0.5 * (across + axis.cross(across) / std::tan(0.5 * angle)), axis};
-}
-
 std::vector<Pose> powers(const Pose& step, std::size_t count) {
   std::vector<Pose> result{Pose{}};
   while (result.size() < count) result.push_back(result.back() * step);
@@ -165,7 +150,7 @@ std::optional<TurntableStart> start_from_turntable(std::vector<ViewSurface>& sur
   if (round_axis) {
     best.clear();
     for (const double angle : {full, pi / 12, pi / 6, pi / 4, pi / 2})
-      for (const double sign : {1.0, -1.0}) best.push_back({rotation_about(*round_axis, sign * angle)});
+      for (const double sign : {1.0, -1.0}) best.push_back({rotation_about(round_axis->point, round_axis->axis, sign * angle)});
   }
   AlignOptions exact;
   exact.start_reach = coarse_cell, exact.end_reach = std::max(1.5 * spacing, 4 * sigma), exact.noise = std::max(0.5 * sigma, 0.02 * spacing), exact.pure_rotation = true;
@@ -179,16 +164,23 @@ std::optional<TurntableStart> start_from_turntable(std::vector<ViewSurface>& sur
   if (best.empty() || best[0].score < 0.25) return {};
   TurntableStart result{{{}, std::vector<std::uint8_t>(n, 1), std::vector<std::string>(n)}, {}};
   Turntable& table = result.table;
-  const Line line = line_of(best[0].step, surfaces[0].center);
-  table.axis = line.axis, table.point = line.point, table.step = rotation_vector(best[0].step.rotation).norm();
+  FixedLine line = fixed_line(best[0].step, surfaces[0].center);
+  table.step = line.angle;
   table.step_observed = true;
   for (std::size_t k = 1; k < best.size(); ++k) table.step_observed = table.step_observed && best[k].score < best[0].score - 0.05;
   if (!table.step_observed) {
     // Only a part that is round about the axis may look the same after any step; the steps are taken as parts of a turn.
-    if (!round_axis || score_of(surfaces, rotation_about(line, full), 1.5 * reach, 500) < 0.25) return {};
+    if (!round_axis) return {};
+    exact.angle = full;
+    const Pose step = align_symmetric(exact_pairs, rotation_about(line.point, line.axis, full), exact);
+    const double score = score_of(surfaces, step, 1.5 * reach, 500);
+    context.say("one turn in all, score " + print_number(score));
+    if (score < 0.25) return {};
+    line = fixed_line(step, surfaces[0].center);
     table.step = full, table.step_sigma = std::numeric_limits<double>::infinity();
   }
-  result.start.poses = powers(rotation_about(line, table.step), n);
+  table.axis = line.axis, table.point = line.point;
+  result.start.poses = powers(rotation_about(line.point, line.axis, table.step), n);
   return result;
 }
 
