@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int groups = 10;           // of the jackknife, by place
-constexpr double free_limit = 4;    // times what noise in the normals explains
+constexpr double free_limit = 10;    // times what noise in the normals explains
 constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
 
 /// The part of the normal equations that one view against another contributes; the other has the opposite sign.

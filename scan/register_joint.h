@@ -31,7 +31,7 @@ struct JointResult {
 /// Gauss-Newton on symmetric point-to-plane distances under Welsch weights, with the occluding contours of each view
 /// against the faces that other views see edge-on to it. `views` are adjusted, the first of them stays.
 /// A direction counts as free when the distances change along it no more than noise in the normals explains:
-/// v'Hv < 4 v'Mv, with M what random normals would give.
+/// v'Hv < 10 v'Mv, with M what random normals would give.
 JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                            const std::vector<std::size_t>& views, const JointOptions& options, Context& context);
 
