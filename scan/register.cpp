@@ -97,7 +97,11 @@ struct Judged {
   bool changed = false;
 };
 
-constexpr double most_disagreement = 0.15;  // true poses leave 0.01 of simulated and 0.11 of real scans
+/// True poses leave 0.01 of range images and 0.11 of unorganised real views. Without guesses only shape speaks against
+/// chance, so that range images have to agree better.
+double most_disagreement(const RegisterOptions& options, const ViewSurface& surface) {
+  return options.arrangement == Arrangement::unknown && surface.organised ? 0.04 : 0.15;
+}
 
 /// Fills in what the final poses say of each view, and refuses those that break a rule.
 Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used,
@@ -120,8 +124,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = "only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap);
       else if (view.seen_through > options.max_seen_through)
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
-      else if (found.disagreement() > most_disagreement)
-        reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_disagreement);
+      else if (found.disagreement() > most_disagreement(options, surfaces[v]))
+        reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_disagreement(options, surfaces[v]));
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
         reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";
     }

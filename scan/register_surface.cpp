@@ -493,7 +493,7 @@ ViewSurface surface_of_view(const RegisterView& view, int samples, Context& cont
   ViewSurface surface;
   if (view.cloud.size() < 50) return surface;
   if (auto camera = camera_of(view)) {
-    surface.raster = std::move(*camera);
+    surface.raster = std::move(*camera), surface.organised = true;
     add_grid(view, surface, context.threads);
   } else {
     add_unorganised(view, surface, context);

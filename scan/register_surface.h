@@ -52,6 +52,7 @@ struct ViewSurface {
   double radius = 0;                  ///< rms distance from the center
   double spacing = 0, sigma = 0;      ///< of neighbours; noise along the normal of a single point, mm
   std::size_t rejected = 0;
+  bool organised = false;             ///< the raster is the sensor's own
   std::unique_ptr<KdTree> tree;       ///< over `points`
   std::unique_ptr<KdTree> sample_tree;  ///< over the places of `samples`
   std::vector<Vec3> sample_points;
