@@ -261,7 +261,7 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
         const ModelHit hit = distance(tessellation.inner_points[static_cast<std::size_t>(i) - 1]);
         const ModelFace& named = distance.faces()[static_cast<std::size_t>(hit.face)];
         const int count = ++used[named.name];
-        BrepFace face;
+        WrittenFace face;
         face.face = std::make_shared<TopoDS_Shape>(faces(i));
         face.name = count == 1 ? named.name : named.name + " (" + std::to_string(count) + ")";
         face.color = palette[static_cast<std::size_t>(object_number.at(named.object)) % palette.size()];

@@ -15,7 +15,7 @@ class TopoDS_Shape;
 namespace partscribe {
 
 /// A face with the name a person gave it.
-struct BrepFace {
+struct WrittenFace {
   std::shared_ptr<TopoDS_Shape> face;
   std::string name;               ///< as ModelDistance has it: "shank"; unique within the part
   std::array<double, 3> color{};  ///< sRGB, 0..1; one colour per object
@@ -24,7 +24,7 @@ struct BrepFace {
 struct Brep {
   std::shared_ptr<TopoDS_Shape> shape;  ///< a solid (or a compound of several), or the shell of an open sheet
   bool solid = true;
-  std::vector<BrepFace> faces;  ///< in the order of the shape
+  std::vector<WrittenFace> faces;  ///< in the order of the shape
   double error = 0;             ///< mm, how far the shape is from the model (superellipsoids are approximated)
 };
 

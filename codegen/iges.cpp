@@ -108,7 +108,7 @@ Result<Artifact> emit_iges(const CheckedModel& checked, const EmitOptions& optio
 
     Labeller labeller(writer);
     if (const Entity body = entity_of(writer, *brep->shape); !body.IsNull()) labeller.name(body, model.name);
-    for (const BrepFace& face : brep->faces) {
+    for (const WrittenFace& face : brep->faces) {
       const Entity entity = entity_of(writer, *face.face);
       if (entity.IsNull()) continue;
       if (!entity->HasName()) labeller.name(entity, face.name);

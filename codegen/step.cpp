@@ -37,7 +37,7 @@ Handle(TDocStd_Document) document_of(const Model& model, const Brep& brep) {
   const Handle(XCAFDoc_ColorTool) colors = XCAFDoc_DocumentTool::ColorTool(document->Main());
   const TDF_Label label = shapes->AddShape(*brep.shape, false);
   TDataStd_Name::Set(label, TCollection_ExtendedString(one_line(model.name).c_str(), true));
-  for (const BrepFace& face : brep.faces) {
+  for (const WrittenFace& face : brep.faces) {
     const TDF_Label sub = shapes->AddSubShape(label, *face.face);
     if (sub.IsNull()) continue;
     TDataStd_Name::Set(sub, TCollection_ExtendedString(one_line(face.name).c_str(), true));

@@ -81,8 +81,8 @@ Quadric quadric_of(const SurfaceGraph& graph, const std::vector<std::uint32_t>& 
 
 int sign_of(double value, double sigma) { return std::abs(value) > 3 * sigma ? (value > 0 ? 1 : -1) : 0; }
 
-SurfacePoint point_of(const SurfaceGraph& graph, const std::vector<std::uint32_t>& nodes, double radius) {
-  SurfacePoint p;
+CharacterizedPoint point_of(const SurfaceGraph& graph, const std::vector<std::uint32_t>& nodes, double radius) {
+  CharacterizedPoint p;
   p.normal = graph.normals[nodes.front()];
   p.neighbours = static_cast<int>(nodes.size());
   Quadric q;
@@ -121,9 +121,9 @@ SurfaceClass class_of_signs(int mean, int gaussian) {
   return gaussian < 0 ? SurfaceClass::minimal : SurfaceClass::flat;
 }
 
-std::vector<SurfacePoint> characterize(const SurfaceGraph& graph, const CharacterizeOptions& options,
+std::vector<CharacterizedPoint> characterize(const SurfaceGraph& graph, const CharacterizeOptions& options,
                                        Context& context) {
-  std::vector<SurfacePoint> result(graph.size());
+  std::vector<CharacterizedPoint> result(graph.size());
   const double radius = options.radius > 0 ? options.radius : 5.5 * graph.spacing;
   if (!(radius > 0)) return result;
   parallel_for(

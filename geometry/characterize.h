@@ -25,7 +25,7 @@ enum class SurfaceClass : std::uint8_t {
   minimal
 };
 
-struct SurfacePoint {
+struct CharacterizedPoint {
   Vec3 normal = Vec3::Zero();               ///< unit
   double least = 0, most = 0;               ///< principal curvatures, 1/mm, least <= most
   Vec3 along_least = Vec3::Zero();          ///< unit, direction of the least
@@ -41,7 +41,7 @@ struct CharacterizeOptions {
 };
 
 /// One per node. Neighbourhoods are reached by links only, so they end at steps and creases.
-std::vector<SurfacePoint> characterize(const SurfaceGraph& graph, const CharacterizeOptions& options, Context& context);
+std::vector<CharacterizedPoint> characterize(const SurfaceGraph& graph, const CharacterizeOptions& options, Context& context);
 
 SurfaceClass class_of_signs(int mean, int gaussian);
 

@@ -84,7 +84,7 @@ double turn_of(ChartKind kind, const Unknowns& step) {
 }
 
 /// Do the points span so much of the circle that its radius is as good a coordinate as its curvature?
-bool is_wide(const PrimitiveChart& chart, const NormalEquations& sums) {
+bool is_wide(const PrimitiveChart& chart, const KernelEquations& sums) {
   if (chart.kind == ChartKind::torus || chart.kappa <= 0) return false;
   double across = sums.H(1, 1);
   if (chart.kind == ChartKind::sphere) across = std::max(across, sums.H(2, 2));
@@ -93,7 +93,7 @@ bool is_wide(const PrimitiveChart& chart, const NormalEquations& sums) {
 
 struct Minimum {
   PrimitiveChart chart;
-  NormalEquations sums;
+  KernelEquations sums;
   bool converged = false;
 };
 
@@ -106,7 +106,7 @@ Minimum minimized(const ScaledPoints& points, const PrimitiveChart& start, doubl
   const int m = unknowns_of(start.kind);
   double previous = 0;
   for (int step_count = 0; step_count < most_steps; ++step_count) {
-    const NormalEquations& sums = best.sums;
+    const KernelEquations& sums = best.sums;
     if (!std::isfinite(sums.cost) || !(sums.weight > 0)) return best;
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_unknowns, max_unknowns> scaled(m, m);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_unknowns, 1> scale(m);
@@ -131,7 +131,7 @@ Minimum minimized(const ScaledPoints& points, const PrimitiveChart& start, doubl
       best.converged = true;
       return best;
     }
-    NormalEquations there = normal_equations(points, next, reach);
+    KernelEquations there = normal_equations(points, next, reach);
     if (there.cost < sums.cost) {
       best.chart = next;
       best.sums = there;
@@ -216,7 +216,7 @@ double largest_sigma(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& covaria
 }
 
 /// The inverse of H; directions that the points say nothing about get a huge variance instead of an infinite one.
-Eigen::MatrixXd inverse_of(const NormalEquations& sums, int m, bool& full_rank) {
+Eigen::MatrixXd inverse_of(const KernelEquations& sums, int m, bool& full_rank) {
   Eigen::VectorXd scale(m);
   for (int i = 0; i < m; ++i) scale[i] = sums.H(i, i) > 0 ? 1 / std::sqrt(sums.H(i, i)) : 1;
   const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.H.topLeftCorner(m, m) * scale.asDiagonal();

@@ -229,7 +229,7 @@ PARTSCRIBE_INLINE void torus_block(int n, const Coefficients& f, Block& b) {
 
 /// Fills b.weight with the robust weight times the weight of each point, and adds the scalar sums.
 void weigh(const ScaledPoints& points, std::size_t begin, int n, int residual, bool circle, double reach, Block& b,
-           NormalEquations& out) {
+           KernelEquations& out) {
   const double half = reach > 0 ? 0.5 / (reach * reach) : 0;
   for (int k = 0; k < n; ++k) {
     const double w = points.weight.empty() ? 1 : points.weight[begin + static_cast<std::size_t>(k)];
@@ -266,7 +266,7 @@ PARTSCRIBE_INLINE void clear_tail(double* column, int n) {
 /// The sums of one chart kind over all blocks.
 template <ChartKind Kind, bool Round>
 PARTSCRIBE_INLINE void sum_blocks(const ScaledPoints& points, const Coefficients& f, double reach,
-                                  NormalEquations& out) {
+                                  KernelEquations& out) {
   constexpr int unknowns = Kind == ChartKind::sphere     ? 4
                            : Kind == ChartKind::cylinder ? 5
                            : Kind == ChartKind::circle   ? 5
@@ -335,7 +335,7 @@ PARTSCRIBE_INLINE void sum_blocks(const ScaledPoints& points, const Coefficients
 
 template <bool Round>
 PARTSCRIBE_INLINE void sum_round(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach,
-                                 NormalEquations& out) {
+                                 KernelEquations& out) {
   switch (kind) {
     case ChartKind::sphere:
       sum_blocks<ChartKind::sphere, Round>(points, f, reach, out);
@@ -355,7 +355,7 @@ PARTSCRIBE_INLINE void sum_round(ChartKind kind, const ScaledPoints& points, con
 }
 
 PARTSCRIBE_INLINE void sum_kind(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach,
-                                NormalEquations& out) {
+                                KernelEquations& out) {
   if (kind == ChartKind::torus)
     sum_blocks<ChartKind::torus, false>(points, f, reach, out);
   else if (f.kappa > 0.05)
@@ -388,7 +388,7 @@ PARTSCRIBE_INLINE void sum_moments(const Vec3* points, std::size_t count, const 
   for (int i = 0; i < 10; ++i) out[i] = sum_of(sums[i]);
 }
 
-void kind_plain(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach, NormalEquations& out) {
+void kind_plain(ChartKind kind, const ScaledPoints& points, const Coefficients& f, double reach, KernelEquations& out) {
   sum_kind(kind, points, f, reach, out);
 }
 void moments_plain(const Vec3* points, std::size_t count, const double* weights, const double* o, double* out) {
@@ -397,12 +397,12 @@ void moments_plain(const Vec3* points, std::size_t count, const double* weights,
 
 #if PARTSCRIBE_WIDE
 __attribute__((target("avx2"))) void kind_avx2(ChartKind kind, const ScaledPoints& points, const Coefficients& f,
-                                               double reach, NormalEquations& out) {
+                                               double reach, KernelEquations& out) {
   sum_kind(kind, points, f, reach, out);
 }
 __attribute__((target("avx512f,avx512vl,avx512dq"))) void kind_avx512(ChartKind kind, const ScaledPoints& points,
                                                                       const Coefficients& f, double reach,
-                                                                      NormalEquations& out) {
+                                                                      KernelEquations& out) {
   sum_kind(kind, points, f, reach, out);
 }
 __attribute__((target("avx2"))) void moments_avx2(const Vec3* points, std::size_t count, const double* weights,
@@ -446,7 +446,7 @@ int unknowns_of(ChartKind kind) {
   return 0;
 }
 
-NormalEquations normal_equations(const ScaledPoints& points, const PrimitiveChart& chart, double reach) {
+KernelEquations normal_equations(const ScaledPoints& points, const PrimitiveChart& chart, double reach) {
   Coefficients f;
   for (int i = 0; i < 3; ++i) {
     f.o[i] = chart.origin[i];
@@ -457,7 +457,7 @@ NormalEquations normal_equations(const ScaledPoints& points, const PrimitiveChar
   f.sq_radius = f.radius * f.radius;
   f.c = std::cos(chart.psi), f.s = std::sin(chart.psi);
   f.ring = chart.ring, f.tube = chart.tube;
-  NormalEquations out;
+  KernelEquations out;
 #if PARTSCRIBE_WIDE
   if (width() == 2) return kind_avx512(chart.kind, points, f, reach, out), out;
   if (width() == 1) return kind_avx2(chart.kind, points, f, reach, out), out;

@@ -44,7 +44,7 @@ inline constexpr int max_unknowns = 7;
 int unknowns_of(ChartKind kind);
 
 /// Sums over points of products of derivatives and distances.
-struct NormalEquations {
+struct KernelEquations {
   Eigen::Matrix<double, max_unknowns, max_unknowns> H = Eigen::Matrix<double, max_unknowns, max_unknowns>::Zero();
   Eigen::Matrix<double, max_unknowns, 1> g = Eigen::Matrix<double, max_unknowns, 1>::Zero();
   double cost = 0;     ///< sum w d^2, or of the robust loss in the same units
@@ -55,7 +55,7 @@ struct NormalEquations {
 
 /// Sums at `chart` over all points, in the same order on every processor. `reach` > 0 weighs points by Welsch's
 /// exp(-u^2 / 2) with u = sqrt(w) d / reach; 0 is plain least squares.
-NormalEquations normal_equations(const ScaledPoints& points, const PrimitiveChart& chart, double reach);
+KernelEquations normal_equations(const ScaledPoints& points, const PrimitiveChart& chart, double reach);
 
 /// Sums of w, w q and w q q^T with q = p - origin; one pass.
 struct Moments {

@@ -25,7 +25,7 @@ Vec6 terms(const Vec3& local, int order) {
 /// One patch while it grows.
 class Growth {
  public:
-  Growth(const SurfaceGraph& graph, const std::vector<SurfacePoint>& points, const std::vector<int>& label,
+  Growth(const SurfaceGraph& graph, const std::vector<CharacterizedPoint>& points, const std::vector<int>& label,
          const PatchOptions& options, std::uint32_t seed)
       : graph_(graph), points_(points), label_(label), options_(options), seed_(seed) {
     patch_.origin = graph.points[seed];
@@ -124,7 +124,7 @@ class Growth {
   }
 
   const SurfaceGraph& graph_;
-  const std::vector<SurfacePoint>& points_;
+  const std::vector<CharacterizedPoint>& points_;
   const std::vector<int>& label_;
   const PatchOptions& options_;
   std::uint32_t seed_;
@@ -133,7 +133,7 @@ class Growth {
 };
 
 /// Best first: whole neighbourhoods, then little curvature; ties by index.
-std::vector<std::uint32_t> seeds(const SurfaceGraph& graph, const std::vector<SurfacePoint>& points) {
+std::vector<std::uint32_t> seeds(const SurfaceGraph& graph, const std::vector<CharacterizedPoint>& points) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < points.size(); ++i)
     if (graph.usable[i] && points[i].kind != SurfaceClass::unknown) order.push_back(i);
@@ -166,7 +166,7 @@ Vec3 SurfacePatch::normal(const Vec3& point) const {
   return axes * Vec3(-du, -dv, 1).normalized();
 }
 
-Patches grow_patches(const SurfaceGraph& graph, const std::vector<SurfacePoint>& points, const PatchOptions& options,
+Patches grow_patches(const SurfaceGraph& graph, const std::vector<CharacterizedPoint>& points, const PatchOptions& options,
                      Context& context) {
   ensure(points.size() == graph.size(), "every node has been characterized");
   Patches result;

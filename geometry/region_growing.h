@@ -32,7 +32,7 @@ struct Patches {
   std::vector<int> label;             ///< per node, -1: none
 };
 
-Patches grow_patches(const SurfaceGraph& graph, const std::vector<SurfacePoint>& points, const PatchOptions& options,
+Patches grow_patches(const SurfaceGraph& graph, const std::vector<CharacterizedPoint>& points, const PatchOptions& options,
                      Context& context);
 
 /// The largest number of patches met along any row and any column of an image: what a spline mesh has to follow.

@@ -40,7 +40,7 @@ double confirm_reach(const std::vector<ViewSurface>& surfaces) {
 }
 
 /// A pose of one view that was found, and what speaks for it.
-struct Candidate {
+struct PoseCandidate {
   Pose pose;
   Agreement agreement;
 };
@@ -63,7 +63,7 @@ bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double
 }
 
 /// All the way from one pose to the other fits as well: a free motion, not two answers.
-bool connected(const Placement& placement, std::size_t view, const Candidate& a, const Candidate& b) {
+bool connected(const Placement& placement, std::size_t view, const PoseCandidate& a, const PoseCandidate& b) {
   for (const double share : {0.25, 0.5, 0.75}) {
     const Pose pose = between(a.pose, b.pose, share);
     if (placement.judge(view, pose, 1.5, 300).overlap() < 0.8 * std::min(a.agreement.overlap(), b.agreement.overlap())) return false;
@@ -72,25 +72,25 @@ bool connected(const Placement& placement, std::size_t view, const Candidate& a,
 }
 
 /// Poses a view ends in from many starts, best first, each place once.
-std::vector<Candidate> candidates_from(const Placement& placement, std::size_t view, const std::vector<Pose>& starts, int threads) {
+std::vector<PoseCandidate> candidates_from(const Placement& placement, std::size_t view, const std::vector<Pose>& starts, int threads) {
   const ViewSurface& surface = placement.surfaces[view];
   const double fine_cell = 1.5 * surface.spacing;
   const auto coarse = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface.radius / 12, 2 * surface.spacing));
   const Surfels few = sample_surfels(surface, 300);
   AlignOptions rough;
   rough.start_reach = 0.35 * surface.radius, rough.end_reach = coarse->cell, rough.noise = 0.1 * coarse->cell, rough.iterations = 40;
-  std::vector<Candidate> rough_results(starts.size());
+  std::vector<PoseCandidate> rough_results(starts.size());
   parallel_for(starts.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       rough_results[k].pose = align_symmetric(few, *coarse, starts[k], rough);
       rough_results[k].agreement = placement.judge(view, rough_results[k].pose, 4, 200);
     }
   }, 1);
-  std::stable_sort(rough_results.begin(), rough_results.end(), [](const Candidate& a, const Candidate& b) { return a.agreement.score() > b.agreement.score(); });
-  std::vector<Candidate> result;
-  for (const Candidate& c : rough_results) {
+  std::stable_sort(rough_results.begin(), rough_results.end(), [](const PoseCandidate& a, const PoseCandidate& b) { return a.agreement.score() > b.agreement.score(); });
+  std::vector<PoseCandidate> result;
+  for (const PoseCandidate& c : rough_results) {
     bool known = false;
-    for (const Candidate& r : result) known = known || same_place(surface, r.pose, c.pose, 0.1, 0.1 * surface.radius);
+    for (const PoseCandidate& r : result) known = known || same_place(surface, r.pose, c.pose, 0.1, 0.1 * surface.radius);
     if (!known) result.push_back(c);
     if (result.size() >= 6) break;
   }
@@ -104,7 +104,7 @@ std::vector<Candidate> candidates_from(const Placement& placement, std::size_t v
       result[k].agreement = placement.judge(view, result[k].pose, 1.5, 1000);
     }
   }, 1);
-  std::stable_sort(result.begin(), result.end(), [](const Candidate& a, const Candidate& b) { return a.agreement.score() > b.agreement.score(); });
+  std::stable_sort(result.begin(), result.end(), [](const PoseCandidate& a, const PoseCandidate& b) { return a.agreement.score() > b.agreement.score(); });
   return result;
 }
 
@@ -163,8 +163,8 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   std::string& reason = result.reason[view];
   const Placement placement{surfaces, result.poses, others, reach};
   const Pose start = starts.front();
-  std::vector<Candidate> found = candidates_from(placement, view, starts, context.threads);
-  std::erase_if(found, [&](const Candidate& c) {
+  std::vector<PoseCandidate> found = candidates_from(placement, view, starts, context.threads);
+  std::erase_if(found, [&](const PoseCandidate& c) {
     if (!guessed) return false;
     const Distance d = distance(surface, guesses[view], c.pose);
     return d.angle > 1.1 * options.guess_angle + 0.05 || d.shift > most_shift;
@@ -174,7 +174,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
     return false;
   }
   // Of a free motion the pose nearest to the start.
-  Candidate chosen = found.front();
+  PoseCandidate chosen = found.front();
   reason.clear();
   for (std::size_t k = 1; k < found.size(); ++k) {
     if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement)) continue;
@@ -274,7 +274,7 @@ namespace {
 /// One view against one other: where it may lie, the likeliest first.
 struct PairCandidates {
   std::size_t target, source;
-  std::vector<Candidate> found;  // target_from_source
+  std::vector<PoseCandidate> found;  // target_from_source
 };
 
 std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfaces, const std::vector<std::size_t>& usable,
@@ -336,17 +336,17 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
     for (std::size_t k = 0; k < waiting.size(); ++k) {
       const std::size_t v = waiting[k];
       if (failed_at[v] == placed.size()) continue;
-      std::vector<Candidate> starts;
+      std::vector<PoseCandidate> starts;
       for (const PairCandidates& pair : pairs) {
         const bool forward = pair.source == v, backward = pair.target == v;
         const std::size_t other = forward ? pair.target : pair.source;
         if ((!forward && !backward) || std::find(placed.begin(), placed.end(), other) == placed.end()) continue;
-        for (const Candidate& c : pair.found) {
+        for (const PoseCandidate& c : pair.found) {
           const Pose pose = result.poses[other] * (forward ? c.pose : c.pose.inverse());
           starts.push_back({pose, placement.judge(v, pose, 2, 300)});
         }
       }
-      std::stable_sort(starts.begin(), starts.end(), [](const Candidate& x, const Candidate& y) { return x.agreement.score() > y.agreement.score(); });
+      std::stable_sort(starts.begin(), starts.end(), [](const PoseCandidate& x, const PoseCandidate& y) { return x.agreement.score() > y.agreement.score(); });
       if (starts.empty() || starts[0].agreement.score() <= best_score) continue;
       best_score = starts[0].agreement.score(), best = k;
       best_starts.clear();

@@ -30,7 +30,7 @@ double wrapped(const ParameterRange& range, double x) {
   return x;
 }
 
-SurfacePoint general_point(const Geom_Surface& surface, double u, double v) {
+SplinePoint general_point(const Geom_Surface& surface, double u, double v) {
   gp_Pnt p;
   gp_Vec du, dv, duu, dvv, duv;
   surface.D2(u, v, p, du, dv, duu, dvv, duv);
@@ -56,7 +56,7 @@ bool in_trim(const BrepFace& face, const Vec2& uv) {
 }
 
 /// Descends to a foot on the surface, held inside the parameters' ranges.
-void descend(const BrepFace& face, const Vec3& query, double& u, double& v, SurfacePoint& s) {
+void descend(const BrepFace& face, const Vec3& query, double& u, double& v, SplinePoint& s) {
   u = wrapped(face.u, u), v = wrapped(face.v, v);
   if (face.u.period == 0) u = std::clamp(u, face.u.low, face.u.high);
   if (face.v.period == 0) v = std::clamp(v, face.v.low, face.v.high);
@@ -95,7 +95,7 @@ void descend(const BrepFace& face, const Vec3& query, double& u, double& v, Surf
       if (face.u.period == 0) nu = std::clamp(nu, face.u.low, face.u.high);
       if (face.v.period == 0) nv = std::clamp(nv, face.v.low, face.v.high);
       nu = wrapped(face.u, nu), nv = wrapped(face.v, nv);
-      const SurfacePoint next = surface_point(face, nu, nv);
+      const SplinePoint next = surface_point(face, nu, nv);
       const double next_value = (next.p - query).squaredNorm();
       if (next_value <= value) {
         improved = next_value < value;
@@ -116,8 +116,8 @@ Vec2 parameters(const Surface& surface, const gp_Pnt& p) {
 
 }  // namespace
 
-SurfacePoint surface_point(const BrepFace& face, double u, double v) {
-  return std::visit([&](const auto& surface) -> SurfacePoint {
+SplinePoint surface_point(const BrepFace& face, double u, double v) {
+  return std::visit([&](const auto& surface) -> SplinePoint {
     using Kind = std::decay_t<decltype(surface)>;
     if constexpr (std::is_same_v<Kind, SplineSurface>) {
       return evaluate(surface, std::clamp(wrapped(face.u, u), surface.u.low(), surface.u.high()),
@@ -156,7 +156,7 @@ CurvePoint curve_point(const BrepEdge& edge, double t) {
 
 std::optional<SurfaceFoot> foot_on_face(const BrepFace& face, const Vec3& query, const Vec2& start) {
   Vec2 uv = start;
-  SurfacePoint s;
+  SplinePoint s;
   if (face.closed_form()) {
     const gp_Pnt p = pnt(query);
     uv = std::visit([&](const auto& surface) -> Vec2 {

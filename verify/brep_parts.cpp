@@ -310,7 +310,7 @@ class Collector {
       parts_->mesh.vertices.push_back(vec(triangulation->Node(int(i) + 1).Transformed(world_from_face)));
       const gp_Pnt2d p = triangulation->UVNode(int(i) + 1);
       uv[i] = {p.X(), p.Y()};
-      const SurfacePoint s = surface_point(own, p.X(), p.Y());
+      const SplinePoint s = surface_point(own, p.X(), p.Y());
       const Vec3 n = s.du.cross(s.dv);
       const double length = n.norm();
       if (length > 1e-9 * (s.du.squaredNorm() + s.dv.squaredNorm())) normal[i] = (own.reversed ? -1 : 1) / length * n;

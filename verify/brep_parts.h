@@ -70,7 +70,7 @@ struct BrepDistance::Parts {
 };
 
 /// The place of parameters, with derivatives; parameters of closed surfaces may lie whole turns away.
-SurfacePoint surface_point(const BrepFace& face, double u, double v);
+SplinePoint surface_point(const BrepFace& face, double u, double v);
 CurvePoint curve_point(const BrepEdge& edge, double t);
 
 /// Throws OpenCASCADE's exceptions; null as BrepDistance::make.

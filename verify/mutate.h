@@ -58,14 +58,14 @@ bool of_whole_part(Mutation::Kind kind);
 std::vector<Mutation> mutations_of(const Model& model);
 
 /// A place on the surface of a part.
-struct SurfacePoint {
+struct PlaceOnPart {
   Vec3 point;
   Vec3 normal;  ///< unit, outward
 };
 
 /// Points where random lines meet the model's surface: as many per area everywhere, inside bores too. In the frame
 /// of ModelDistance; the same for the same seed.
-std::vector<SurfacePoint> surface_points(const Model& model, std::size_t count, std::uint64_t seed);
+std::vector<PlaceOnPart> surface_points(const Model& model, std::size_t count, std::uint64_t seed);
 
 /// Where a damaged model differs from the true one.
 struct Harm {

@@ -54,7 +54,7 @@ Box3 bounds_of(const ModelDistance& distance, Vec3 center) {
 }
 
 /// So many of the points are farther than this.
-double off_by(const std::vector<SurfacePoint>& points, const ModelDistance& distance, std::size_t count) {
+double off_by(const std::vector<PlaceOnPart>& points, const ModelDistance& distance, std::size_t count) {
   std::vector<double> off;
   for (const auto& p : points) off.push_back(std::abs(distance(p.point).distance));
   std::nth_element(off.begin(), off.begin() + long(count), off.end(), std::greater<>());
@@ -90,14 +90,14 @@ bool Gauge::same(const Model& damaged) const {
   return true;
 }
 
-std::vector<SurfacePoint> surface_points(const Model& model, std::size_t count, std::uint64_t seed) {
+std::vector<PlaceOnPart> surface_points(const Model& model, std::size_t count, std::uint64_t seed) {
   const ModelDistance distance(model);
   const Box3 box = bounds_of(model, distance);
   const Vec3 center = box.center();
   const double radius = 0.51 * box.diagonal();
   const double least_step = 1e-3 * radius, sharp = 1e-9 * radius, h = 1e-6 * radius;
   Random random(seed);
-  std::vector<SurfacePoint> points;
+  std::vector<PlaceOnPart> points;
   // Lines uniform in direction and offset meet every piece of surface in proportion to its area (Crofton).
   for (std::size_t lines = 0; points.size() < count; ++lines) {
     ensure(lines < 1000 * count + 10000, "random lines meet the surface");

@@ -19,7 +19,7 @@ class Gauge {
   const Box3& box() const { return box_; }
   const ModelDistance& distance() const { return distance_; }
   /// Even places on the true surface.
-  const std::vector<SurfacePoint>& points() const { return points_; }
+  const std::vector<PlaceOnPart>& points() const { return points_; }
 
   /// At least 1/200 of the true surface is so far from the surface of `damaged`.
   double moved(const Model& damaged) const;
@@ -30,7 +30,7 @@ class Gauge {
 
  private:
   ModelDistance distance_;
-  std::vector<SurfacePoint> points_;
+  std::vector<PlaceOnPart> points_;
   Box3 box_;
 };
 

@@ -70,7 +70,7 @@ CurvePoint evaluate(const SplineCurve& curve, double t) {
   return r;
 }
 
-SurfacePoint evaluate(const SplineSurface& surface, double u, double v) {
+SplinePoint evaluate(const SplineSurface& surface, double u, double v) {
   double nu[3][most_spline_degree + 1], nv[3][most_spline_degree + 1];
   const int first_u = basis(surface.u, u, nu), first_v = basis(surface.v, v, nv);
   const std::size_t row = surface.v.knots.size() - std::size_t(surface.v.degree) - 1;
@@ -86,7 +86,7 @@ SurfacePoint evaluate(const SplineSurface& surface, double u, double v) {
         for (int c = 0; c < 4; ++c) h[d][e][c] += nu[d][i] * line[e][c];
   }
   auto xyz = [&](int d, int e) { return Vec3(h[d][e][0], h[d][e][1], h[d][e][2]); };
-  SurfacePoint r;
+  SplinePoint r;
   const double w = 1 / h[0][0][3], wu = h[1][0][3], wv = h[0][1][3];
   r.p = w * xyz(0, 0);
   r.du = w * (xyz(1, 0) - wu * r.p);

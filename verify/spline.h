@@ -33,9 +33,9 @@ struct CurvePoint {
 };
 CurvePoint evaluate(const SplineCurve& curve, double t);
 
-struct SurfacePoint {
+struct SplinePoint {
   Vec3 p, du, dv, duu, duv, dvv;
 };
-SurfacePoint evaluate(const SplineSurface& surface, double u, double v);
+SplinePoint evaluate(const SplineSurface& surface, double u, double v);
 
 }  // namespace partscribe

@@ -180,7 +180,7 @@ void surface_table(const std::vector<SceneOptions>& scenes) {
     const FilteredImage f = rlts_filter(scene.image, {}, context);
     const std::clock_t start = std::clock();
     const SurfaceGraph graph = surface_graph(scene.image, f, {});
-    const std::vector<SurfacePoint> points = characterize(graph, {}, context);
+    const std::vector<CharacterizedPoint> points = characterize(graph, {}, context);
     const std::clock_t middle = std::clock();
     const Patches patches = grow_patches(graph, points, {}, context);
     const std::clock_t end = std::clock();

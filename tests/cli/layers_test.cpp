@@ -52,7 +52,46 @@ std::vector<std::string> broken_rules(const std::string& folder, const Path& fil
   return complaints;
 }
 
+/// Types that a file defines outside unnamed namespaces and outside other types.
+std::set<std::string> types_of(const Path& file) {
+  std::set<std::string> result;
+  std::istringstream lines(bytes_of(file));
+  int unnamed = 0;
+  std::vector<bool> open;  // of each namespace: has it no name?
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("namespace ")) open.push_back(line.starts_with("namespace {")), unnamed += open.back();
+    if (line.starts_with("}  // namespace") && !open.empty()) unnamed -= open.back(), open.pop_back();
+    const std::size_t skip = line.starts_with("struct ") ? 7 : line.starts_with("class ") ? 6 : 0;
+    if (skip == 0 || unnamed > 0 || line.find('{') == std::string::npos) continue;
+    const std::string name = line.substr(skip, line.find_first_of(" {", skip) - skip);
+    if (name.find("::") == std::string::npos) result.insert(name);
+  }
+  return result;
+}
+
 }  // namespace
+
+TEST_CASE("layers: no two files define types of one name") {
+  // The linker would take the functions of one for the other, without a word.
+  std::map<std::string, Path> first;
+  for (const auto& [folder, below] : allowed)
+    for (const auto& entry : std::filesystem::directory_iterator(source_file(folder))) {
+      const auto suffix = entry.path().extension();
+      if (suffix != ".h" && suffix != ".cpp") continue;
+      for (const auto& type : types_of(entry.path())) {
+        const auto [known, is_new] = first.emplace(type, entry.path());
+        if (!is_new) FAIL_CHECK(type << " is defined in " << known->second << " and in " << entry.path());
+      }
+    }
+  CHECK(first.count("Candidate") == 1);
+}
+
+TEST_CASE("layers: a type within an unnamed namespace is the file's own") {
+  const TemporaryDirectory folder;
+  const Path file = folder.path() / "types.cpp";
+  REQUIRE(write_file(file, "namespace a {\nnamespace {\nstruct Own {\n};\n}  // namespace\nstruct Shared {\n};\nstruct Shared::Part {\n};\n}  // namespace a\n").ok());
+  CHECK(types_of(file) == std::set<std::string>{"Shared"});
+}
 
 TEST_CASE("layers: every folder includes only what stands below it") {
   std::size_t files = 0;

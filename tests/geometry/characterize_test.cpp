@@ -13,20 +13,20 @@ using test::RangeScene;
 
 namespace {
 
-std::vector<SurfacePoint> characterized(const RangeScene& s, double radius = 0) {
+std::vector<CharacterizedPoint> characterized(const RangeScene& s, double radius = 0) {
   Context context;
   const auto filtered = rlts_filter(s.image, {}, context);
   return characterize(surface_graph(s.image, filtered, {}), {.radius = radius}, context);
 }
 
-double share(const std::vector<SurfacePoint>& points, SurfaceClass kind) {
+double share(const std::vector<CharacterizedPoint>& points, SurfaceClass kind) {
   double count = 0, known = 0;
   for (const auto& p : points) known += p.kind != SurfaceClass::unknown, count += p.kind == kind;
   return known > 0 ? count / known : 0;
 }
 
 template <class Value>
-double middle(const std::vector<SurfacePoint>& points, const Value& value) {
+double middle(const std::vector<CharacterizedPoint>& points, const Value& value) {
   std::vector<double> values;
   for (const auto& p : points)
     if (p.kind != SurfaceClass::unknown) values.push_back(value(p));
@@ -63,8 +63,8 @@ TEST_CASE("characterize: curvatures of a sphere and a cylinder, with the noise t
     return 100 - std::sqrt(std::max(50 * 50 - (x - 40) * (x - 40) - (y - 30) * (y - 30), 0.0));
   });
   const auto points = characterized(ball);
-  CHECK(middle(points, [](const SurfacePoint& p) { return p.mean; }) == Approx(-0.02).epsilon(0.05));
-  CHECK(middle(points, [](const SurfacePoint& p) { return p.gaussian; }) == Approx(0.0004).epsilon(0.1));
+  CHECK(middle(points, [](const CharacterizedPoint& p) { return p.mean; }) == Approx(-0.02).epsilon(0.05));
+  CHECK(middle(points, [](const CharacterizedPoint& p) { return p.gaussian; }) == Approx(0.0004).epsilon(0.1));
   double pull = 0;
   int count = 0;
   for (int r = 15; r < 45; ++r)
@@ -78,9 +78,9 @@ TEST_CASE("characterize: curvatures of a sphere and a cylinder, with the noise t
   CHECK(std::sqrt(pull / count) > 0.6);
   const auto bar = characterized(
       range_scene({.sigma = 0.01}, [](double, double y) { return 100 - std::sqrt(40 * 40 - (y - 30) * (y - 30)); }));
-  CHECK(middle(bar, [](const SurfacePoint& p) { return p.least; }) == Approx(-0.025).epsilon(0.05));
-  CHECK(middle(bar, [](const SurfacePoint& p) { return std::abs(p.along_least.y()); }) > 0.8);
-  CHECK(middle(bar, [](const SurfacePoint& p) { return std::abs(p.most); }) < 0.002);
+  CHECK(middle(bar, [](const CharacterizedPoint& p) { return p.least; }) == Approx(-0.025).epsilon(0.05));
+  CHECK(middle(bar, [](const CharacterizedPoint& p) { return std::abs(p.along_least.y()); }) > 0.8);
+  CHECK(middle(bar, [](const CharacterizedPoint& p) { return std::abs(p.most); }) < 0.002);
 }
 
 TEST_CASE("characterize: next to steps and creases a plane stays flat") {
@@ -101,7 +101,7 @@ TEST_CASE("characterize: a cloud says the same as an image") {
   estimate_normals(cloud, {}, context);
   const auto outside = characterize(surface_graph(cloud, {}, context), {}, context);
   CHECK(share(outside, SurfaceClass::peak) > 0.9);
-  CHECK(middle(outside, [](const SurfacePoint& p) { return p.mean; }) == Approx(-0.05).epsilon(0.05));
+  CHECK(middle(outside, [](const CharacterizedPoint& p) { return p.mean; }) == Approx(-0.05).epsilon(0.05));
   for (Vec3& n : cloud.normals) n = -n;  // a hole of the same radius
   CHECK(share(characterize(surface_graph(cloud, {}, context), {}, context), SurfaceClass::pit) > 0.9);
 }
