@@ -73,7 +73,7 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
 
   if (auto ok = check_overwriting(folder, outputs, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
-  auto placed = read_views(arguments.scans, arguments.poses, FilterUse::flags, session);
+  auto placed = read_views(arguments.scans, arguments.poses, Points::measured, session);
   if (!placed) return placed.error();
   Scan* const scan = &placed->scan;
   if (auto ok = make_folder(folder); !ok) return ok.error();

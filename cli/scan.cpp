@@ -46,7 +46,7 @@ Result<int> run(const ScanArguments& arguments, Session& session) {
   const Path folder = output_folder(session.options, inputs.front(), part_name(inputs.front()));
   if (auto ok = check_overwriting(folder, {"cloud.ply", "poses.json"}, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
-  auto placed = read_views(inputs, arguments.poses, FilterUse::values, session);
+  auto placed = read_views(inputs, arguments.poses, arguments.all_points ? Points::measured : Points::filtered, session);
   if (!placed) return placed.error();
   Scan& scan = placed->scan;
   if (auto ok = make_folder(folder); !ok) return ok.error();
@@ -88,7 +88,7 @@ Command scan_command() {
           [arguments](Arguments& a) {
             a.paths(arguments->inputs, "scan", "scan files of one part");
             declare(arguments->poses, a);
-            a.flag(arguments->all_points, "--all-points", "keep every point instead of averaging overlapping views");
+            a.flag(arguments->all_points, "--all-points", "every point as it was measured, neither filtered nor merged");
           },
           [arguments](Session& session) { return run(*arguments, session); }};
 }

@@ -85,7 +85,7 @@ void declare(PoseArguments& poses, Arguments& arguments) {
                    "how views are brought together: all at once; or one after the other as published in 1993");
 }
 
-Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, FilterUse use, Session& session) {
+Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points, Session& session) {
   ReadOptions options;
   if (!session.options.units.empty()) options.unit = parse_unit(session.options.units);
   options.initial_guess = poses.poses == "guess";
@@ -96,17 +96,16 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
   PlacedViews placed;
   placed.scan = std::move(*read);
   if (poses.poses == "given") {
-    placed.filter = filter_views(placed.scan, images, use, session.context);
+    if (points == Points::filtered) placed.filter = filter_views(placed.scan, images, session.context);
     return placed;
   }
   if (auto ok = session.stage("register"); !ok) return ok.error();
   Scan filtered = placed.scan;
-  placed.filter = filter_views(filtered, images, FilterUse::values, session.context);
+  placed.filter = filter_views(filtered, images, session.context);
   auto registration = registration_of(filtered, poses, session);
   if (!registration) return registration.error();
   say(*registration, placed.scan, session);
-  if (use == FilterUse::values) placed.scan = std::move(filtered);
-  else placed.scan.cloud.rejected = filtered.cloud.rejected;
+  if (points == Points::filtered) placed.scan = std::move(filtered);
   place_views(*registration, placed.scan);
   placed.registration = std::move(*registration);
   return placed;

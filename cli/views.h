@@ -28,9 +28,14 @@ struct PlacedViews {
   std::optional<Registration> registration;  ///< unless the poses were taken as given
 };
 
-/// Registration works on filtered points whatever `use` asks for; views that it refuses are left out and named. Fails if no
-/// two views can be brought together.
-Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, FilterUse use, Session& session);
+enum class Points {
+  measured,  ///< for fits and verdicts
+  filtered,
+};
+
+/// Registration works on filtered points in any case; views that it refuses are left out and named. Fails if no two views can
+/// be brought together.
+Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points, Session& session);
 
 /// poses.json: where each view stood and how sure that is.
 std::string poses_json(const PlacedViews& views);

@@ -39,14 +39,13 @@ Sample sample_of(const RangeImage& image, const FilteredImage& filtered, std::si
 
 }  // namespace
 
-FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, FilterUse use, Context& context) {
+FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context) {
   FilterSummary summary;
   PointCloud& cloud = scan.cloud;
   if (images.size() != scan.views.size() || cloud.pixel.size() != cloud.size() || cloud.view.size() != cloud.size()) return summary;
   cloud.rejected.resize(cloud.size(), 0);
   const bool all_images = !images.empty() && std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
-  const bool values = use == FilterUse::values;
-  if (values && all_images) cloud.normals.assign(cloud.size(), Vec3::Zero()), cloud.sigma.assign(cloud.size(), 0.0f);
+  if (all_images) cloud.normals.assign(cloud.size(), Vec3::Zero()), cloud.sigma.assign(cloud.size(), 0.0f);
   std::vector<std::vector<std::uint32_t>> points_of(images.size());
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud.view[i] >= 0 && static_cast<std::size_t>(cloud.view[i]) < points_of.size() && cloud.pixel[i] >= 0)
@@ -64,7 +63,7 @@ FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Fi
       const auto pixel = static_cast<std::size_t>(cloud.pixel[i]);
       if (pixel >= filtered.kept.size()) continue;
       if (!filtered.kept[pixel]) cloud.rejected[i] = 1;
-      if (!values || !filtered.kept[pixel]) continue;
+      if (!filtered.kept[pixel]) continue;
       const Sample sample = sample_of(image, filtered, pixel);
       cloud.points[i] = pose * sample.point;
       if (!all_images) continue;
