@@ -39,9 +39,6 @@ std::string degrees(double angle) { return print_number(snapped(angle * 180 / pi
 
 void say(const Registration& registration, const Scan& scan, Session& session) {
   for (const auto& warning : registration.warnings) session.warn(warning);
-  for (std::size_t v = 0; v < registration.views.size(); ++v)
-    if (registration.views[v].status == ViewStatus::refused)
-      session.warn("view " + std::to_string(v) + " (" + scan.views[v].file + ") is left out: " + registration.views[v].reason);
   // A verdict within T needs poses four times as sure.
   if (session.options.tolerance)
     for (std::size_t v = 0; v < registration.views.size(); ++v) {
@@ -56,22 +53,22 @@ void say(const Registration& registration, const Scan& scan, Session& session) {
                   "), step " + degrees(table->step) + (table->step_observed ? "" : ", as for a full turn: the part is round") + "\n");
 }
 
-Result<Registration> registration_of(const Scan& filtered, const PoseArguments& poses, Session& session) {
-  if (filtered.views.size() < 2)
+Result<Registration> registration_of(const Scan& scan, const PoseArguments& poses, Session& session) {
+  if (scan.views.size() < 2)
     return usage_error("--poses " + poses.poses + ": expected several views to bring together, found one");
   RegisterOptions options;
   options.arrangement = poses.poses == "none"        ? Arrangement::unknown
                         : poses.poses == "turntable" ? Arrangement::turntable
                                                      : Arrangement::guessed;
   options.method = poses.method == "paper" ? PairMethod::paper : PairMethod::symmetric;
-  auto registration = register_views(views_of(filtered), options, session.context);
+  auto registration = register_views(views_of(scan), options, session.context);
   if (!registration) return registration;
   const auto placed = [](const RegisteredView& v) { return v.status == ViewStatus::registered; };
   if (std::none_of(registration->views.begin(), registration->views.end(), placed)) {
     std::string why;
     for (const auto& v : registration->views)
       if (v.status == ViewStatus::refused && why.empty()) why = v.reason;
-    return bad_input(filtered.files.front() + ": expected views that can be brought together, found none: " + why);
+    return bad_input(scan.files.front() + ": expected views that can be brought together, found none: " + why);
   }
   return registration;
 }
@@ -95,19 +92,19 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
   for (const auto& warning : read->warnings) session.warn(warning);
   PlacedViews placed;
   placed.scan = std::move(*read);
-  if (poses.poses == "given") {
-    if (points == Points::filtered) placed.filter = filter_views(placed.scan, images, session.context);
-    return placed;
+  if (poses.poses != "given") {
+    // Registration looks at the points as measured: it weighs their noise itself.
+    if (auto ok = session.stage("register"); !ok) return ok.error();
+    auto registration = registration_of(placed.scan, poses, session);
+    if (!registration) return registration.error();
+    say(*registration, placed.scan, session);
+    placed.registration = std::move(*registration);
   }
-  if (auto ok = session.stage("register"); !ok) return ok.error();
-  Scan filtered = placed.scan;
-  placed.filter = filter_views(filtered, images, session.context);
-  auto registration = registration_of(filtered, poses, session);
-  if (!registration) return registration.error();
-  say(*registration, placed.scan, session);
-  if (points == Points::filtered) placed.scan = std::move(filtered);
-  place_views(*registration, placed.scan);
-  placed.registration = std::move(*registration);
+  if (points == Points::filtered) {
+    if (auto ok = session.stage("filter"); !ok) return ok.error();
+    placed.filter = filter_views(placed.scan, images, session.context);
+  }
+  if (placed.registration) place_views(*placed.registration, placed.scan);
   return placed;
 }
 

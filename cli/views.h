@@ -33,8 +33,7 @@ enum class Points {
   filtered,
 };
 
-/// Registration works on filtered points in any case; views that it refuses are left out and named. Fails if no two views can
-/// be brought together.
+/// Views that registration refuses are left out and named. Fails if no two views can be brought together.
 Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points, Session& session);
 
 /// poses.json: where each view stood and how sure that is.

@@ -1,0 +1,63 @@
+/// Views with rough poses, as a user brings them together.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run.h"
+
+namespace partscribe {
+namespace {
+
+/// A scan of the bundled part whose guesses are off by some degrees.
+std::string rough_scan(const std::string& part, const Path& folder, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = {"simulate", source_file("corpus/" + part + "/model.json").string(), "--resolution", "160",
+                                        "--sigma",  "0.02", "--out", folder.string(), "--quiet"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const auto output = run_partscribe(arguments);
+  INFO(output.err);
+  REQUIRE(output.exit_code == 0);
+  return (folder / "scan.json").string();
+}
+
+}  // namespace
+
+TEST_CASE("views: from rough poses to one cloud without a point twice") {
+  const TemporaryDirectory folder;
+  const std::string scan = rough_scan("tie_bar", folder.path() / "scan", {"--views", "8", "--pose-noise-angle", "3", "--pose-noise-shift", "1"});
+  const Path out = folder.path() / "out";
+  const auto output = run_partscribe({"scan", scan, "--poses", "guess", "--out", out.string()});
+  INFO(output.out << output.err);
+  REQUIRE(output.exit_code == 0);
+  CHECK(output.out.find("Merged") != std::string::npos);
+  const auto poses = nlohmann::json::parse(bytes_of(out / "poses.json"));
+  REQUIRE(poses.at("views").size() == 8);
+  std::size_t placed = 0;
+  for (const auto& view : poses.at("views")) {
+    CHECK(view.at("covariance").size() == 6);
+    if (view.at("status") == "refused") CHECK(view.contains("reason"));
+    else ++placed;
+  }
+  CHECK(placed >= 6);
+}
+
+TEST_CASE("views: what is built from rough poses is verified") {
+  const TemporaryDirectory folder;
+  const std::string scan = rough_scan("tie_bar", folder.path() / "scan", {"--views", "8", "--pose-noise-angle", "3", "--pose-noise-shift", "1"});
+  const auto output = run_partscribe({"build", scan, "--poses", "guess", "--tolerance", "0.25", "--to", "step", "--out",
+                                      (folder.path() / "out").string()});
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 0);
+  CHECK(std::filesystem::is_regular_file(folder.path() / "out/poses.json"));
+}
+
+TEST_CASE("views: one view cannot be registered, and an unknown way of poses is named") {
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "a.xyz", "0 0 0\n1 0 0\n0 1 0\n").ok());
+  const std::string file = (folder.path() / "a.xyz").string();
+  const auto alone = run_partscribe({"scan", file, "--poses", "none", "--units", "mm"}, folder.path());
+  CHECK(alone.exit_code == 2);
+  CHECK(alone.err.find("several views") != std::string::npos);
+  const auto unknown = run_partscribe({"scan", file, "--poses", "somewhere"}, folder.path());
+  CHECK(unknown.exit_code == 2);
+}
+
+}  // namespace partscribe
