@@ -63,7 +63,7 @@ std::optional<Primitive> line_through(const PlanePoint& a, const PlanePoint& b, 
 std::optional<Primitive> circle_through(const Vec2& a, const Vec2& b, const Vec2& c, double band, double size) {
   const Vec2 u = b - a, v = c - a;
   const double det = 2 * (u.x() * v.y() - u.y() * v.x());
-  if (std::abs(det) < 0.1 * u.norm() * v.norm()) return std::nullopt;
+  if (!(std::abs(det) > 0.1 * u.norm() * v.norm())) return std::nullopt;
   const Vec2 offset = Vec2(v.y() * u.squaredNorm() - u.y() * v.squaredNorm(), u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) / det;
   Primitive circle;
   circle.circle = true, circle.center = a + offset, circle.radius = offset.norm();
