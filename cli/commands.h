@@ -28,6 +28,7 @@ Command verify_command();
 Command report_command();
 Command explain_command();
 Command simulate_command();
+Command views_command();
 
 /// Parses, runs one command and returns the exit code. Prints nothing but what the commands print and one line
 /// `partscribe: ...` on standard error for an error.

@@ -26,7 +26,7 @@ TEST_CASE("command line: help and version succeed and speak to standard output")
   CHECK(version.out.starts_with("partscribe 0."));
   const auto help = run_partscribe({"--help"});
   CHECK(help.exit_code == 0);
-  for (const char* command : {"build", "scan", "fit", "emit", "verify", "report", "explain", "simulate"}) {
+  for (const char* command : {"build", "scan", "fit", "emit", "verify", "report", "explain", "simulate", "views"}) {
     CHECK(help.out.find(std::string("  ") + command) != std::string::npos);
     const auto own = run_partscribe({command, "--help"});
     CHECK(own.exit_code == 0);
@@ -47,6 +47,7 @@ TEST_CASE("command line: bad usage ends with 2 and one line that says what to do
       {"build", "x.ply", "--no-such-option"},
       {"verify", "part.scad"},
       {"simulate", "x.stl", "--views", "many"},
+      {"views", "--plan", "many"},
       {"simulate", "x.stl", "--sigma", "1", "--sigma-codes", "2"},
   };
   for (const auto& arguments : bad) {

@@ -49,6 +49,32 @@ TEST_CASE("views: what is built from rough poses is verified") {
   CHECK(std::filesystem::is_regular_file(folder.path() / "out/poses.json"));
 }
 
+TEST_CASE("views: the plan is that of a regular polyhedron, and a part seen all around needs no further view") {
+  const auto plan = run_partscribe({"views", "--plan", "dodecahedron", "--json"});
+  CHECK(plan.exit_code == 0);
+  CHECK(nlohmann::json::parse(plan.out).at("views").size() == 20);
+  const std::string scan = source_file("corpus/pin/scan/scan.json").string();
+  const auto all = run_partscribe({"views", "--scan", scan});
+  CHECK(all.exit_code == 0);
+  CHECK(all.out.find("No further view") != std::string::npos);
+}
+
+TEST_CASE("views: where half of the views are missing, more are named") {
+  const TemporaryDirectory folder;
+  const Path from = source_file("corpus/tie_bar/scan");
+  std::filesystem::copy(from, folder.path() / "scan");
+  auto json = nlohmann::json::parse(bytes_of(folder.path() / "scan/scan.json"));
+  const auto views = json.at("views");
+  json["views"] = {views.at(0), views.at(1)};
+  REQUIRE(write_file(folder.path() / "scan/scan.json", json.dump()).ok());
+  const auto next = run_partscribe({"views", "--scan", (folder.path() / "scan/scan.json").string(), "--json"});
+  INFO(next.err);
+  CHECK(next.exit_code == 0);
+  const auto named = nlohmann::json::parse(next.out).at("views");
+  REQUIRE(named.size() >= 2);
+  CHECK(named.at(0).at("gain_mm2") > named.at(1).at("gain_mm2"));
+}
+
 TEST_CASE("views: one view cannot be registered, and an unknown way of poses is named") {
   const TemporaryDirectory folder;
   REQUIRE(write_file(folder.path() / "a.xyz", "0 0 0\n1 0 0\n0 1 0\n").ok());
