@@ -131,10 +131,10 @@ Result<Done> make_folder(const Path& folder) {
   return Done{};
 }
 
-Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session) {
-  ReadOptions options;
+Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session, ReadOptions options,
+                        std::vector<RangeImage>* images) {
   if (!session.options.units.empty()) options.unit = parse_unit(session.options.units);
-  auto scan = read_scan(inputs, options, session.context);
+  auto scan = read_scan(inputs, options, session.context, images);
   if (scan)
     for (const auto& warning : scan->warnings) session.warn(warning);
   return scan;

@@ -9,6 +9,7 @@
 #include "core/result.h"
 #include "geometry/point_cloud.h"
 #include "model/check.h"
+#include "scan/read.h"
 
 namespace partscribe {
 
@@ -28,8 +29,9 @@ Result<Done> check_overwriting(const Path& file, bool force);
 /// Made only when there is something to put in, so that a bad input leaves no empty folder.
 Result<Done> make_folder(const Path& folder);
 
-/// read_scan with the session's units; its warnings are printed.
-Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session);
+/// read_scan with the units that were asked for; its warnings are printed.
+Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session, ReadOptions options = {},
+                        std::vector<RangeImage>* images = nullptr);
 
 Result<CheckedModel> read_model(const Path& file);
 

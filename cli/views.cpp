@@ -8,7 +8,6 @@
 #include "cli/inputs.h"
 #include "core/json_text.h"
 #include "core/number.h"
-#include "scan/read.h"
 
 namespace partscribe {
 namespace {
@@ -84,12 +83,10 @@ void declare(PoseArguments& poses, Arguments& arguments) {
 
 Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points, Session& session) {
   ReadOptions options;
-  if (!session.options.units.empty()) options.unit = parse_unit(session.options.units);
   options.initial_guess = poses.poses == "guess";
   std::vector<RangeImage> images;
-  auto read = read_scan(inputs, options, session.context, &images);
+  auto read = read_scans(inputs, session, options, &images);
   if (!read) return read.error();
-  for (const auto& warning : read->warnings) session.warn(warning);
   PlacedViews placed;
   placed.scan = std::move(*read);
   if (poses.poses != "given") {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/number.h"
+#include "scan/simulate.h"
 
 namespace partscribe {
 namespace {
@@ -103,16 +103,6 @@ class Eye {
   std::map<std::pair<int, int>, double> nearest_;
 };
 
-/// Directions all around, evenly (a Fibonacci lattice).
-std::vector<Vec3> directions(int count) {
-  std::vector<Vec3> result;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - z * z), a = i * pi * (3 - std::sqrt(5.0));
-    result.emplace_back(r * std::cos(a), r * std::sin(a), z);
-  }
-  return result;
-}
-
 void look_through(const Scan& scan, Grid& grid) {
   const PointCloud& cloud = scan.cloud;
   std::map<std::int32_t, std::pair<std::vector<Vec3>, std::vector<Vec3>>> views;
@@ -193,7 +183,7 @@ NextViews next_views(const Scan& scan, const NextViewsOptions& options, Context&
     if (border) result.unseen += area;
     else if (surface) result.seen += area;
   }
-  const std::vector<Vec3> candidates = directions(162);
+  const std::vector<Vec3> candidates = *viewpoints("162");
   const double least_cosine = std::cos(options.max_incidence);
   std::vector<char> done(borders, 0), visible(borders, 0);
   for (std::size_t round = 0; round <= options.most && !context.cancelled; ++round) {
