@@ -159,7 +159,8 @@ std::vector<Sensor> placed_sensors(const Target& target, double wanted, Random& 
 
 const std::vector<std::string>& kinds() {
   static const std::vector<std::string> list = {"sphere", "ellipsoid", "superellipsoid", "box", "wedge", "cylinder",
-                                                "cone", "torus", "half_spaces", "revolve", "extrude"};
+                                                "cone", "torus", "supertoroid", "fillet", "half_spaces", "revolve",
+                                                "extrude"};
   return list;
 }
 

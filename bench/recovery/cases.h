@@ -38,7 +38,7 @@ struct Case {
 };
 
 /// The kinds that are drawn: "sphere", "ellipsoid", "superellipsoid", "box", "wedge", "cylinder", "cone", "torus",
-/// "half_spaces", "revolve", "extrude".
+/// "supertoroid", "fillet", "half_spaces", "revolve", "extrude".
 const std::vector<std::string>& kinds();
 
 /// The same case for the same arguments always.

@@ -93,6 +93,28 @@ Part torus(Random& random) {
   return part_of(Torus{s("major_radius", ring), s("minor_radius", tube)}, s, Vec3(-out, -out, -tube), Vec3(out, out, tube));
 }
 
+/// A ring with rounded corners, whose tube is between round and nearly square.
+Part supertoroid(Random& random) {
+  Sizes s;
+  const double ring = random.uniform(15, 40), tube = ring * random.uniform(0.25, 0.5), half = tube * random.uniform(0.75, 1.4);
+  const double e1 = random.uniform(0.4, 1), e2 = random.uniform(0.4, 0.7);
+  const double out = ring + tube;
+  return part_of(Supertoroid{s("major_radius", ring), s("minor_radius", tube), s("half_height", half),
+                             s("e1", e1, Quantity::ratio), s("e2", e2, Quantity::ratio)},
+                 s, Vec3(-out, -out, -half), Vec3(out, out, half));
+}
+
+/// Round in half of the cases, else with clearly unequal legs.
+Part fillet(Random& random) {
+  Sizes s;
+  const double width = random.uniform(15, 40), height = width * random.uniform(0.5, 0.85), length = width * random.uniform(0.6, 3);
+  if (random.uniform() < 0.5) {
+    const Expr r = s("radius", width);
+    return part_of(Fillet{r, r, s("length", length)}, s, Vec3::Zero(), Vec3(width, width, length));
+  }
+  return part_of(Fillet{s("width", width), s("height", height), s("length", length)}, s, Vec3::Zero(), Vec3(width, height, length));
+}
+
 Part half_spaces(Random& random) {
   for (int attempt = 0; attempt < 100000; ++attempt) {
     const std::size_t count = 5 + random.below(4);
@@ -214,6 +236,8 @@ Part random_part(const std::string& kind, Random& random) {
   if (kind == "cylinder") return cylinder(random);
   if (kind == "cone") return cone(random);
   if (kind == "torus") return torus(random);
+  if (kind == "supertoroid") return supertoroid(random);
+  if (kind == "fillet") return fillet(random);
   if (kind == "half_spaces") return half_spaces(random);
   if (kind == "revolve") return revolve(random);
   ensure(kind == "extrude", "the kind must be known");

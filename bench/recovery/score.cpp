@@ -8,6 +8,7 @@
 #include "core/number.h"
 #include "fit/build.h"
 #include "model/distance.h"
+#include "model/sketch.h"
 
 namespace partscribe::recovery {
 namespace {
@@ -47,6 +48,12 @@ std::vector<std::vector<double>> ways_to_write(const EvaluatedShape& shape) {
   }
   if (const auto* s = std::get_if<SuperellipsoidOf<double>>(&shape))
     return {{s->a1, s->a2, s->a3, s->e1, s->e2}, {s->a2, s->a1, s->a3, s->e1, s->e2}};
+  if (const auto* s = std::get_if<SupertoroidOf<double>>(&shape))
+    return {{s->major_radius, s->minor_radius, s->half_height, s->e1, s->e2}};
+  if (const auto* s = std::get_if<FilletOf<double>>(&shape)) {
+    if (s->width == s->height) return {{s->width, s->length}};
+    return {{s->width, s->height, s->length}, {s->height, s->width, s->length}};
+  }
   return {};
 }
 
@@ -92,10 +99,21 @@ bool straight_outline(const EvaluatedShape& shape, std::size_t least, std::size_
                      [](const auto& s) { return std::holds_alternative<SketchPointOf<double>>(s); });
 }
 
+/// Two straight walls and an arc: a round fillet in other words, if its surface agrees.
+bool fillet_outline(const EvaluatedShape& shape) {
+  const auto* e = std::get_if<ExtrudeOf<double>>(&shape);
+  if (!e || e->sketch.loops.size() != 1) return false;
+  const Outline2 outline = outline_of(e->sketch);
+  return outline.curves.size() == 3 &&
+         std::count_if(outline.curves.begin(), outline.curves.end(),
+                       [](const OutlineCurve& c) { return std::holds_alternative<Arc2>(c.curve); }) == 1;
+}
+
 bool same_kind(const std::string& truth, const EvaluatedShape& found) {
   if (truth == kind_of(found)) return true;
   if (truth == "box") return straight_outline(found, 4, 4);
   if (truth == "wedge") return straight_outline(found, 3, 4);
+  if (truth == "fillet") return fillet_outline(found);
   return false;
 }
 
