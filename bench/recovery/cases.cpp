@@ -5,11 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "bench/recovery/facets.h"
 #include "bench/recovery/parts.h"
 #include "core/ensure.h"
 #include "core/number.h"
 #include "core/random.h"
 #include "model/distance.h"
+#include "scan/read.h"
 
 namespace partscribe::recovery {
 namespace {
@@ -24,6 +26,10 @@ Vec3 random_direction(Random& random) {
 
 Mat3 random_rotation(Random& random) {
   return Eigen::Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()}.normalized().toRotationMatrix();
+}
+
+Pose random_place(Random& random) {
+  return {random_rotation(random), 100 * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
 }
 
 struct Hit {
@@ -155,6 +161,46 @@ std::vector<Sensor> placed_sensors(const Target& target, double wanted, Random& 
   return best;
 }
 
+/// A coarse mesh as it is read from a file: corners in single precision, and samples where they are far apart.
+void scan_mesh(Case& c, const Part& part, const Conditions& conditions, Random& random) {
+  const int around = conditions.least_facets + static_cast<int>(random.below(static_cast<std::uint64_t>(conditions.most_facets - conditions.least_facets + 1)));
+  TriangleMesh mesh = coarse_mesh(part.model, around);
+  c.noise = std::max(sagitta_of(mesh, part.model), 1e-4 * c.size);
+  const double wanted = std::max(c.noise, 1e-3 * c.size);
+  c.tolerance = snapped(wanted, power_of_ten_below(wanted / 10));
+  c.close = c.noise;
+  const Vec3 towards = random_direction(random);
+  const double whole = area(mesh);
+  if (random.uniform() < 0.5) mesh = without_far_side(mesh, towards, 1 - conditions.seen);
+  c.seen = area(mesh) / whole;
+  c.scan.mesh = transformed(mesh, c.scan_from_part);
+  for (Vec3& v : c.scan.mesh.vertices) v = v.cast<float>().cast<double>();
+  c.scan.cloud.points = c.scan.mesh.vertices;
+  c.scan.cloud.normals = vertex_normals(c.scan.mesh);
+  const SurfaceSamples samples = sample_coarse_mesh(c.scan.mesh);
+  c.scan.cloud.points.insert(c.scan.cloud.points.end(), samples.points.begin(), samples.points.end());
+  c.scan.cloud.normals.insert(c.scan.cloud.normals.end(), samples.normals.begin(), samples.normals.end());
+  c.scan.files = {"simulated"};
+  c.scan.views.push_back({"simulated", {}, false, 0, 0});
+  // The true places below some of the points.
+  const ModelDistance distance(part.model);
+  const Pose part_from_scan = c.scan_from_part.inverse();
+  const std::size_t step = std::max<std::size_t>(1, c.scan.cloud.size() / conditions.points);
+  const double h = 1e-6 * c.size;
+  for (std::size_t i = 0; i < c.scan.cloud.size(); i += step) {
+    Vec3 p = part_from_scan * c.scan.cloud.points[i];
+    for (int round = 0; round < 3; ++round) {
+      Vec3 g;
+      for (int k = 0; k < 3; ++k)
+        g[k] = (distance(p + h * Vec3::Unit(k)).distance - distance(p - h * Vec3::Unit(k)).distance) / (2 * h);
+      p -= g * distance(p).distance;
+    }
+    if (std::abs(distance(p).distance) > 1e-4 * c.size) continue;
+    c.exact.push_back(c.scan_from_part * p);
+    c.sigma.push_back(c.noise);
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& kinds() {
@@ -174,6 +220,13 @@ Conditions hardest_conditions() {
   return c;
 }
 
+Conditions facet_conditions() {
+  Conditions c;
+  c.least_noise = c.most_noise = c.least_outliers = c.most_outliers = 0;
+  c.least_facets = 20, c.most_facets = 50;
+  return c;
+}
+
 Case make_case(const std::string& kind, const Conditions& conditions, std::uint64_t seed) {
   Random random(seed * 7919 + 17);
   for (int i = 0; i < 4; ++i) random.next();
@@ -182,9 +235,15 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
   const Part part = random_part(kind, random);
   c.truth = part.model;
   c.size = part.bounds.size().maxCoeff();
+  if (conditions.least_facets > 0) {
+    c.scan_from_part = random_place(random);
+    scan_mesh(c, part, conditions, random);
+    return c;
+  }
   c.noise = c.size * conditions.least_noise * std::pow(conditions.most_noise / conditions.least_noise, random.uniform());
   c.tolerance = snapped(3 * c.noise, power_of_ten_below(c.noise / 10));
-  c.scan_from_part = {random_rotation(random), 100 * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
+  c.close = 0.3 * c.noise;
+  c.scan_from_part = random_place(random);
   const double wanted = random.uniform(conditions.least_outliers, conditions.most_outliers);
   const bool with_rays = random.uniform() < 0.5;
 

@@ -17,11 +17,14 @@ struct Conditions {
   double seen = 2.0 / 3;                            ///< share of the surface; from one side, the rest is in shadow
   double density_ratio = 10;                        ///< densest to sparsest place
   std::size_t points = 4000;
+  int least_facets = 0, most_facets = 0;            ///< around; above 0: a coarse mesh without noise, half of them whole
 };
 
-/// "standard": up to 10 % outliers, one third unseen. "hardest": 30 %, two thirds, noise 1 %.
+/// "standard": up to 10 % outliers, one third unseen. "hardest": 30 %, two thirds, noise 1 %. "facets": the mesh of a
+/// printed part, 20 to 50 facets around, of every second one a third of the surface is missing.
 Conditions standard_conditions();
 Conditions hardest_conditions();
+Conditions facet_conditions();
 
 /// One scan of which everything is known.
 struct Case {
@@ -30,9 +33,10 @@ struct Case {
   Pose scan_from_part;
   Scan scan;
   double size = 0;                  ///< mm, longest side of the part's own box
-  double noise = 0;                 ///< mm
+  double noise = 0;                 ///< mm; of a mesh the depth of its facets
   double outliers = 0, seen = 0;    ///< shares that came out
   double tolerance = 0;             ///< mm, to be asked for
+  double close = 0;                 ///< mm; a surface of which 95 % lie within this is right
   std::vector<Vec3> exact;          ///< the places that were hit, without noise, in the scan's frame; no outliers
   std::vector<double> sigma;        ///< mm, of each along the surface normal
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/recovery/score.h"
+#include "core/number.h"
 #include "core/statistics.h"
 
 using namespace partscribe;
@@ -15,7 +16,7 @@ using namespace partscribe::recovery;
 namespace {
 
 const char* usage =
-    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest] [--verbose] [--save FILE.xyz]\n";
+    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest|facets] [--verbose] [--save FILE.xyz]\n";
 
 void save(const Case& c, const std::string& file) {
   if (std::FILE* out = std::fopen(file.c_str(), "w")) {
@@ -24,19 +25,28 @@ void save(const Case& c, const std::string& file) {
   }
 }
 
+std::string middle(const std::vector<double>& ratios) {
+  return ratios.empty() ? "-" : print_number(snapped(median(ratios), 0.01));
+}
+
+Conditions conditions_of(const std::string& setting) {
+  return setting == "standard" ? standard_conditions() : setting == "facets" ? facet_conditions() : hardest_conditions();
+}
+
 std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose,
                 const std::string& file) {
   std::map<Answer, std::size_t> answers;
-  std::vector<double> ratios, seconds;
+  std::vector<double> ratios, ratios_on_rays, seconds;
   for (std::uint64_t seed = first; seed < first + runs; ++seed) {
-    const Case c = make_case(kind, setting == "standard" ? standard_conditions() : hardest_conditions(), seed);
+    const Case c = make_case(kind, conditions_of(setting), seed);
     if (!file.empty()) save(c, file);
     Context context;
     if (verbose && runs == 1) context.log = [](const std::string& line) { std::fprintf(stderr, "    %s\n", line.c_str()); };
     const Score score = recovered(c, context);
     ++answers[score.answer];
     seconds.push_back(score.seconds);
-    if (score.answer == Answer::right) ratios.insert(ratios.end(), score.ratios.begin(), score.ratios.end());
+    auto& of_kind = c.scan.cloud.rays.empty() ? ratios : ratios_on_rays;
+    if (score.answer == Answer::right) of_kind.insert(of_kind.end(), score.ratios.begin(), score.ratios.end());
     if (verbose && (score.answer != Answer::right || runs == 1))
       std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",
                    kind.c_str(), setting.c_str(), static_cast<unsigned long long>(seed), name_of(score.answer),
@@ -46,9 +56,9 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
   }
   char text[300];
   const auto share = [&](Answer a) { return 100.0 * double(answers[a]) / double(runs); };
-  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %s | %.2f |", kind.c_str(), setting.c_str(),
+  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
                 share(Answer::right), share(Answer::cannot_tell), share(Answer::wrong),
-                ratios.empty() ? "-" : std::to_string(median(ratios)).substr(0, 4).c_str(), median(seconds));
+                middle(ratios_on_rays).c_str(), middle(ratios).c_str(), median(seconds));
   return text;
 }
 
@@ -56,7 +66,7 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
 
 int main(int argc, char** argv) {
   std::uint64_t runs = 200, first = 1;
-  std::vector<std::string> wanted = kinds(), settings = {"standard", "hardest"};
+  std::vector<std::string> wanted = kinds(), settings = {"standard", "hardest", "facets"};
   bool verbose = false;
   std::string file;
   for (int i = 1; i < argc; ++i) {
@@ -73,7 +83,7 @@ int main(int argc, char** argv) {
   for (const auto& kind : wanted)
     if (std::find(kinds().begin(), kinds().end(), kind) == kinds().end()) return std::fputs(usage, stderr), 2;
   if (runs == 0) return std::fputs(usage, stderr), 2;
-  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | error / bound | s |\n|---|---|---|---|---|---|---|\n",
+  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | error / bound, rays known | rays unknown | s |\n|---|---|---|---|---|---|---|---|\n",
               static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
     for (const auto& kind : wanted) {

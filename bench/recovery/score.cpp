@@ -210,7 +210,7 @@ Score recovered(const Case& c, Context& context) {
   if (worst > 1) {
     score.answer = Answer::wrong;
     score.why = "a number is " + print_number(snapped(worst, 0.1)) + " times the allowed error off";
-  } else if (worst < 0 && score.surface_error > 6 && off > 0.3 * c.noise) {
+  } else if (worst < 0 && score.surface_error > 6 && off > c.close) {
     score.answer = Answer::wrong;
     score.why = "the surface is " + print_number(snapped(score.surface_error, 0.1)) + " times the expected error off";
   }
