@@ -20,6 +20,15 @@ struct EvaluateOptions {
   double memory_mb = 8192;
   double scanned_size = 0;    ///< mm, diagonal of what was scanned; STEP and IGES shapes more than fifty times as large,
                               ///< wrong in their unit, are meshed by as much more coarsely; 0: unknown
+  Path reader = {};           ///< the program partscribe, which reads STEP and IGES apart; empty: this one, or the one
+                              ///< beside this one, or on PATH
+};
+
+/// Where curves and faces of a STEP or IGES body that should meet are farthest apart.
+struct BrepGap {
+  double width = 0;           ///< mm
+  std::string kind;           ///< "vertex", "edge"
+  Vec3 place = Vec3::Zero();
 };
 
 /// The evaluated geometry of one artifact.
@@ -29,6 +38,7 @@ struct Evaluation {
   TriangleMesh mesh;                    ///< mm, outward
   bool solid = false;                   ///< closed and oriented, positive volume
   double error = 0;                     ///< mm, measured bound between `mesh` and the exact geometry
+  BrepGap gap;                          ///< how far a STEP or IGES file contradicts itself
   std::shared_ptr<const BrepDistance> exact;  ///< of a STEP or IGES solid whose surfaces the mesh only approaches
   double seconds = 0;
   bool failed = false;                  ///< the program ran and refused or warned: out of tolerance, never passed

@@ -1,273 +1,285 @@
 #include "verify/run_occt.h"
 
-#include <BRepBndLib.hxx>
-#include <BRepBuilderAPI_MakeSolid.hxx>
-#include <BRepBuilderAPI_Sewing.hxx>
-#include <BRepCheck_Analyzer.hxx>
-#include <BRepLib.hxx>
-#include <BRep_Builder.hxx>
-#include <BRep_Tool.hxx>
-#include <Bnd_Box.hxx>
-#include <IFSelect_ReturnStatus.hxx>
-#include <IGESControl_Controller.hxx>
-#include <IGESControl_Reader.hxx>
-#include <IGESData_IGESModel.hxx>
-#include <IGESSolid_EdgeList.hxx>
-#include <IGESSolid_Face.hxx>
-#include <IGESSolid_Loop.hxx>
-#include <IGESSolid_ManifoldSolid.hxx>
-#include <IGESSolid_Shell.hxx>
-#include <IGESSolid_VertexList.hxx>
-#include <Interface_Static.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
-#include <Message_Printer.hxx>
-#include <OSD.hxx>
-#include <STEPControl_Reader.hxx>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <BinTools.hxx>
 #include <Standard_Failure.hxx>
-#include <Standard_Version.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopoDS.hxx>
-#include <TopoDS_Compound.hxx>
+#include <Standard_OutOfMemory.hxx>
 #include <TopoDS_Shape.hxx>
-#include <TopoDS_Shell.hxx>
-#include <TopoDS_Solid.hxx>
 #include <algorithm>
-#include <chrono>
-#include <cmath>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
 #include <mutex>
+#include <new>
+#include <sstream>
+#include <type_traits>
 
 #include "core/number.h"
-#include "geometry/mesh_distance.h"
+#include "core/process.h"
 #include "verify/brep_distance.h"
-#include "verify/check_exchange.h"
-#include "verify/iges_tree.h"
-#include "verify/mesh_shape.h"
-#include "verify/solid.h"
+#include "verify/read_brep.h"
 
 namespace partscribe {
 namespace {
 
-/// The IGES reader corrupts memory when it runs on two threads, and both readers share global settings.
-std::mutex& reader_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
+constexpr const char* command = "read-brep";
+constexpr int out_of_memory = 99;  // exit code of the reader
+constexpr std::string_view magic = "partscribe brep 1\n";
 
-void silence() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_Printer));
-    IGESControl_Controller::Init();
-  });
-}
+#if defined(__SANITIZE_ADDRESS__)
+constexpr double least_memory_mb = 1 << 26;  // the sanitizer reserves its shadow of all memory
+#else
+constexpr double least_memory_mb = 0;
+#endif
 
-int count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
-  int n = 0;
-  for (TopExp_Explorer e(shape, kind); e.More(); e.Next()) ++n;
-  return n;
-}
+// ---- What the reading process hands back: numbers as they lie in memory, for both ends are one program. ---------------
 
-/// Loose faces sewn together and closed shells made solids; files that hold solids come back as they are.
-TopoDS_Shape as_solids(const TopoDS_Shape& shape) {
-  if (count(shape, TopAbs_SOLID) > 0) return shape;
-  BRepBuilderAPI_Sewing sewing(1e-4);  // mm; faces mode keeps every edge twice, rounded to 9 digits
-  sewing.Add(shape);
-  sewing.Perform();
-  const TopoDS_Shape sewn = sewing.SewedShape();
-  if (sewn.IsNull()) return shape;
-  TopoDS_Compound all;
-  BRep_Builder builder;
-  builder.MakeCompound(all);
-  for (TopExp_Explorer shells(sewn, TopAbs_SHELL); shells.More(); shells.Next()) {
-    const TopoDS_Shell shell = TopoDS::Shell(shells.Current());
-    BRepBuilderAPI_MakeSolid maker(shell);
-    if (BRep_Tool::IsClosed(shell) && maker.IsDone()) {
-      TopoDS_Solid solid = maker.Solid();
-      BRepLib::OrientClosedSolid(solid);
-      builder.Add(all, solid);
-    } else {
-      builder.Add(all, shell);
-    }
+class ByteWriter {
+ public:
+  template <class T>
+    requires std::is_trivially_copyable_v<T>
+  void put(const T& value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  for (TopExp_Explorer faces(sewn, TopAbs_FACE, TopAbs_SHELL); faces.More(); faces.Next()) builder.Add(all, faces.Current());
-  return all;
-}
-
-/// Largest distance from the corners and centres of `from` to `to`.
-double one_way(const TriangleMesh& from, const MeshDistance& to) {
-  double worst = 0;
-  std::vector<Vec3> places = from.vertices;
-  for (std::size_t t = 0; t < from.triangles.size(); ++t)
-    places.push_back((from.corner(t, 0) + from.corner(t, 1) + from.corner(t, 2)) / 3);
-  for (const auto& hit : to.closest(places, 1)) worst = std::max(worst, hit.distance);
-  return worst;
-}
-
-/// How finely to mesh the shape: a kilometre to a hundredth of a millimetre would take hours, and is no scanned part.
-double mesh_tolerance(const TopoDS_Shape& shape, const EvaluateOptions& options) {
-  constexpr double far_too_large = 50;
-  if (!(options.scanned_size > 0)) return options.tolerance;
-  Bnd_Box box;
-  BRepBndLib::Add(shape, box, Standard_False);
-  if (box.IsVoid()) return options.tolerance;
-  return options.tolerance * std::max(1.0, std::sqrt(box.SquareExtent()) / (far_too_large * options.scanned_size));
-}
-
-void take_shape(Evaluation& evaluation, const TopoDS_Shape& shape, double tolerance) {
-  const TopoDS_Shape body = as_solids(shape);
-  if (!BRepCheck_Analyzer(body).IsValid()) {
-    evaluation.failed = true;
-    evaluation.complaints.push_back("OpenCASCADE's checker finds the geometry invalid");
+  void put(const std::string& text) {
+    put(static_cast<std::uint64_t>(text.size()));
+    bytes_ += text;
   }
-  ShapeMesh meshed = mesh_shape(body, tolerance);
-  if (count(shape, TopAbs_SOLID) == 0) orient_facets(meshed.mesh);
-  auto check = check_solid(meshed.mesh);
-  evaluation.mesh = std::move(check.mesh);
-  evaluation.error = meshed.error;
-  evaluation.solid = check.solid;
-  for (auto& fault : check.faults) evaluation.complaints.push_back(std::move(fault));
-  // Flat faces are their mesh; and without a solid the shape's own orientation says nothing.
-  if (evaluation.solid && evaluation.error > 1e-6 * tolerance && count(body, TopAbs_SOLID) > 0)
-    evaluation.exact = BrepDistance::make(body);
-  // A shell with a gap is not made whole by a loose face that happens to lie in it.
-  if (check.solid)
-    for (TopExp_Explorer shells(shape, TopAbs_SHELL); shells.More(); shells.Next())
-      if (!BRep_Tool::IsClosed(TopoDS::Shell(shells.Current()))) {
-        evaluation.failed = true;
-        evaluation.complaints.push_back("a shell of the file is open: " + std::to_string(count(shells.Current(), TopAbs_FACE)) +
-                                        " faces that do not close, with loose faces beside it");
-        break;
-      }
+  void put(const Vec3& v) {
+    for (int k = 0; k < 3; ++k) put(v[k]);
+  }
+  template <class T>
+  void put(const std::vector<T>& list) {
+    put(static_cast<std::uint64_t>(list.size()));
+    for (const auto& item : list) put(item);
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_{magic};
+};
+
+/// The same in the same order; `whole()` is false once something was missing.
+class ByteReader {
+ public:
+  explicit ByteReader(std::string_view bytes) : rest_(bytes) {
+    whole_ = bytes.starts_with(magic);
+    if (whole_) rest_.remove_prefix(magic.size());
+  }
+  template <class T>
+    requires std::is_trivially_copyable_v<T>
+  void get(T& value) {
+    const std::string_view bytes = next(sizeof value);
+    if (whole_) std::memcpy(&value, bytes.data(), sizeof value);
+  }
+  void get(std::string& text) {
+    std::uint64_t size = 0;
+    get(size);
+    text = next(size);
+  }
+  void get(Vec3& v) {
+    for (int k = 0; k < 3; ++k) get(v[k]);
+  }
+  template <class T>
+  void get(std::vector<T>& list) {
+    std::uint64_t size = 0;
+    get(size);
+    whole_ = whole_ && size <= rest_.size();  // an item takes at least one byte
+    if (!whole_) return;
+    list.resize(size);
+    for (auto& item : list) get(item);
+  }
+  bool whole() const { return whole_; }
+
+ private:
+  std::string_view rest_;
+  bool whole_ = true;
+
+  std::string_view next(std::uint64_t size) {
+    whole_ = whole_ && size <= rest_.size();
+    if (!whole_) return {};
+    const std::string_view bytes = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return bytes;
+  }
+};
+
+/// One list of what is handed over, for both directions: `pass` is put or get.
+template <class Reading, class Pass>
+void each_field(Reading& reading, const Pass& pass) {
+  auto& e = reading.evaluation;
+  pass(e.backend), pass(e.program), pass(e.version);
+  pass(e.mesh.vertices), pass(e.mesh.triangles);
+  pass(e.solid), pass(e.error), pass(e.failed), pass(e.complaints);
+  pass(e.gap.width), pass(e.gap.kind), pass(e.gap.place);
+  pass(reading.body);
 }
 
-void compare_with_tree(Evaluation& evaluation, IGESControl_Reader& reader, bool has_body,
-                       const EvaluateOptions& options) {
-  TopoDS_Shape tree_shape;
-  const IgesTree tree = evaluate_iges_tree(reader, tree_shape);
-  if (!tree.present) return;
-  auto refuse = [&](std::string why) {
-    evaluation.failed = true;
-    evaluation.complaints.push_back(std::move(why));
-  };
-  if (tree.fault) return refuse("the file's boolean tree cannot be evaluated: " + *tree.fault);
-  const double tolerance = mesh_tolerance(tree_shape, options);
-  if (!has_body) return take_shape(evaluation, tree_shape, tolerance);
-  const ShapeMesh meshed = mesh_shape(tree_shape, tolerance);
-  if (meshed.mesh.empty()) return refuse("the file's boolean tree describes nothing");
-  if (evaluation.mesh.empty()) return;
-  const double apart = std::max(one_way(meshed.mesh, MeshDistance(evaluation.mesh)),
-                                one_way(evaluation.mesh, MeshDistance(meshed.mesh)));
-  if (apart > tolerance / 5 + meshed.error + evaluation.error)
-    refuse("the file's boolean tree and its body differ by " + print_number(snapped(apart, 0.0001)) + " mm");
+std::string to_bytes(const Result<BrepReading>& result) {
+  ByteWriter writer;
+  writer.put(result.ok());
+  if (result.ok()) {
+    each_field(*result, [&](const auto& field) { writer.put(field); });
+  } else {
+    writer.put(result.error().kind);
+    writer.put(result.error().message);
+  }
+  return writer.take();
 }
 
-/// Runs `read` where no exception of OpenCASCADE escapes, and keeps the time.
-template <class Read>
-Result<Evaluation> guarded(const char* backend, Read&& read) {
-  const std::lock_guard lock(reader_mutex());
-  silence();
-  Evaluation evaluation;
-  evaluation.backend = backend;
-  evaluation.program = "OpenCASCADE";
-  evaluation.version = OCC_VERSION_COMPLETE;
-  const auto start = std::chrono::steady_clock::now();
+std::optional<Result<BrepReading>> from_bytes(std::string_view bytes) {
+  ByteReader reader(bytes);
+  bool ok = false;
+  reader.get(ok);
+  BrepReading reading;
+  Error error;
+  if (ok) {
+    each_field(reading, [&](auto& field) { reader.get(field); });
+  } else {
+    reader.get(error.kind);
+    reader.get(error.message);
+  }
+  if (!reader.whole()) return std::nullopt;
+  if (!ok) return Result<BrepReading>(std::move(error));
+  return Result<BrepReading>(std::move(reading));
+}
+
+// ---- Who reads. -------------------------------------------------------------------------------------------------------
+
+/// The program partscribe: this one if it is, else the one beside it, else the one on PATH.
+Path reader_program() {
+  char name[4096];
+  const auto length = ::readlink("/proc/self/exe", name, sizeof name);
+  if (length > 0) {
+    std::string_view own(name, static_cast<std::size_t>(length));
+    constexpr std::string_view gone = " (deleted)";  // replaced while it runs; what runs can still be started
+    if (own.ends_with(gone)) own.remove_suffix(gone.size());
+    const Path self(own);
+    if (self.filename() == "partscribe") return "/proc/self/exe";
+    if (Path beside = find_program((self.parent_path() / "partscribe").string()); !beside.empty()) return beside;
+  }
+  return find_program("partscribe");
+}
+
+std::string last_line_of(const std::string& text) {
+  std::string last;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) last = line;
+  return last;
+}
+
+std::shared_ptr<const BrepDistance> exact_of(const std::string& body) {
+  if (body.empty()) return nullptr;
+  static std::mutex one_at_a_time;  // of OpenCASCADE's parts only the meshing is known to be safe on several threads
+  const std::lock_guard lock(one_at_a_time);
   try {
-    Interface_Static::SetCVal("xstep.cascade.unit", "MM");
-    read(evaluation);
-  } catch (const Standard_Failure& failure) {
-    evaluation.failed = true;
-    const char* text = failure.GetMessageString();
-    evaluation.complaints.push_back(std::string("OpenCASCADE gave up: ") + (text && *text ? text : failure.DynamicType()->Name()));
+    std::istringstream bytes(body, std::ios::binary);
+    TopoDS_Shape shape;
+    BinTools::Read(shape, bytes);
+    return BrepDistance::make(shape);
+  } catch (const Standard_Failure&) {
+    return nullptr;
   }
-  evaluation.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// What a run of the reader that brought no result says about the file, or about the reader.
+Result<Evaluation> no_result(const char* kind, const Path& path, const EvaluateOptions& options, const ProcessOutput& run,
+                             const std::string& program) {
+  if (run.exit_code == out_of_memory)
+    return Error{"OpenCASCADE needs more than " + print_number(options.memory_mb) + " MB for '" + path.filename().string() + "'",
+                 ErrorKind::stopped};
+  if (run.exit_code <= 128)
+    return Error{"the reader '" + program + "' ended with exit code " + std::to_string(run.exit_code) + " over '" +
+                     path.filename().string() + "': " + last_line_of(run.err) + "; is it of another version?",
+                 ErrorKind::missing_program};
+  Evaluation evaluation;
+  evaluation.backend = kind;
+  evaluation.program = "OpenCASCADE";
+  evaluation.seconds = run.seconds;
+  evaluation.failed = true;
+  evaluation.complaints.push_back("OpenCASCADE crashed over the file, by signal " + std::to_string(run.exit_code - 128));
   return evaluation;
 }
 
-/// True if part of a body refers to nothing, or to something of another kind: OpenCASCADE would follow it all the same.
-bool refers_to_nothing(const Handle(IGESData_IGESModel)& model) {
-  for (int n = 1; n <= model->NbEntities(); ++n) {
-    const auto entity = model->Entity(n);
-    if (const auto solid = Handle(IGESSolid_ManifoldSolid)::DownCast(entity); !solid.IsNull()) {
-      if (solid->Shell().IsNull()) return true;
-      for (int i = 1; i <= solid->NbVoidShells(); ++i)
-        if (solid->VoidShell(i).IsNull()) return true;
-    } else if (const auto shell = Handle(IGESSolid_Shell)::DownCast(entity); !shell.IsNull()) {
-      for (int i = 1; i <= shell->NbFaces(); ++i)
-        if (shell->Face(i).IsNull()) return true;
-    } else if (const auto face = Handle(IGESSolid_Face)::DownCast(entity); !face.IsNull()) {
-      if (face->Surface().IsNull()) return true;
-      for (int i = 1; i <= face->NbLoops(); ++i)
-        if (face->Loop(i).IsNull()) return true;
-    } else if (const auto loop = Handle(IGESSolid_Loop)::DownCast(entity); !loop.IsNull()) {
-      for (int i = 1; i <= loop->NbEdges(); ++i)
-        if (loop->Edge(i).IsNull()) return true;
-    } else if (const auto edges = Handle(IGESSolid_EdgeList)::DownCast(entity); !edges.IsNull()) {
-      for (int i = 1; i <= edges->NbEdges(); ++i)
-        if (edges->Curve(i).IsNull() || edges->StartVertexList(i).IsNull() || edges->EndVertexList(i).IsNull()) return true;
-    }
+Result<Evaluation> evaluate_apart(const char* kind, const Path& path, const EvaluateOptions& options, Context& context) {
+  const std::string shown = "'" + path.filename().string() + "'";
+  if (context.cancelled) return Error{"cancelled before " + shown + " was read", ErrorKind::stopped};
+  const Path program = options.reader.empty() ? reader_program() : options.reader;
+  if (program.empty())
+    return Error{"program 'partscribe', which reads " + shown + " apart, was found neither beside this program nor on PATH",
+                 ErrorKind::missing_program};
+  const TemporaryDirectory folder;
+  const Path answer = folder.path() / "reading";
+  const auto run = run_process({program.string(), command, kind, path.string(), answer.string(), print_number(options.tolerance),
+                                print_number(options.scanned_size)},
+                               {options.seconds, std::max(options.memory_mb, least_memory_mb)}, context);
+  if (!run.ok()) return run.error();
+  if (run->timed_out)
+    return Error{"OpenCASCADE did not finish " + shown + " within " + print_number(options.seconds) + " s", ErrorKind::stopped};
+  if (run->exit_code != 0) return no_result(kind, path, options, *run, program.string());
+  const auto bytes = read_file(answer);
+  if (!bytes.ok()) return bytes.error();
+  auto reading = from_bytes(*bytes);
+  if (!reading) return Error{"the reader '" + program.string() + "' is of another version", ErrorKind::missing_program};
+  if (!reading->ok()) return reading->error();
+  Evaluation evaluation = std::move((*reading)->evaluation);
+  evaluation.exact = exact_of((*reading)->body);
+  evaluation.seconds = run->seconds;
+  return evaluation;
+}
+
+/// OpenCASCADE also throws where nothing may be thrown.
+[[noreturn]] void end_by_exception() {
+  try {
+    if (const auto exception = std::current_exception()) std::rethrow_exception(exception);
+  } catch (const Standard_OutOfMemory&) {
+    ::_exit(out_of_memory);
+  } catch (const std::bad_alloc&) {
+    ::_exit(out_of_memory);
+  } catch (...) {
   }
-  return false;
+  std::abort();
+}
+
+bool parse(const char* text, double& value) {
+  const char* end = text + std::strlen(text);
+  const auto [stop, error] = std::from_chars(text, end, value);
+  return error == std::errc() && stop == end;
 }
 
 }  // namespace
 
 Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& options, Context& context) {
-  if (context.cancelled) return Error{"cancelled before '" + path.filename().string() + "' was read", ErrorKind::stopped};
-  const auto text = read_file(path);
-  if (!text.ok()) return text.error();
-  return guarded("iges", [&](Evaluation& evaluation) {
-    if (const auto fault = fault_of_iges(*text)) {
-      evaluation.failed = true;
-      evaluation.complaints.push_back("the file is not whole: " + *fault);
-      return;
-    }
-    IGESControl_Reader reader;
-    if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) {
-      evaluation.failed = true;
-      evaluation.complaints.push_back("OpenCASCADE cannot read the file as IGES");
-      return;
-    }
-    if (refers_to_nothing(reader.IGESModel())) {
-      evaluation.failed = true;
-      evaluation.complaints.push_back("the file is not whole: a face, loop or edge of its body refers to nothing");
-      return;
-    }
-    reader.TransferRoots();
-    const bool has_body = reader.NbShapes() > 0 && count(reader.OneShape(), TopAbs_FACE) > 0;
-    if (has_body) take_shape(evaluation, reader.OneShape(), mesh_tolerance(reader.OneShape(), options));
-    compare_with_tree(evaluation, reader, has_body, options);
-    if (evaluation.mesh.empty() && !evaluation.failed) {
-      evaluation.failed = true;
-      evaluation.complaints.push_back("the file holds no surface");
-    }
-  });
+  return evaluate_apart("iges", path, options, context);
 }
 
 Result<Evaluation> evaluate_step(const Path& path, const EvaluateOptions& options, Context& context) {
-  if (context.cancelled) return Error{"cancelled before '" + path.filename().string() + "' was read", ErrorKind::stopped};
-  const auto text = read_file(path);
-  if (!text.ok()) return text.error();
-  return guarded("step", [&](Evaluation& evaluation) {
-    if (const auto fault = fault_of_step(*text)) {
-      evaluation.failed = true;
-      evaluation.complaints.push_back("the file is not whole: " + *fault);
-      return;
-    }
-    STEPControl_Reader reader;
-    if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) {
-      evaluation.failed = true;
-      evaluation.complaints.push_back("OpenCASCADE cannot read the file as STEP");
-      return;
-    }
-    reader.TransferRoots();
-    if (reader.NbShapes() == 0 || count(reader.OneShape(), TopAbs_FACE) == 0) {
-      evaluation.failed = true;
-      evaluation.complaints.push_back("the file holds no surface");
-      return;
-    }
-    take_shape(evaluation, reader.OneShape(), mesh_tolerance(reader.OneShape(), options));
-  });
+  return evaluate_apart("step", path, options, context);
+}
+
+std::optional<int> serve_as_reader(int count, const char* const* arguments) {
+  if (count < 2 || std::strcmp(arguments[1], command) != 0) return std::nullopt;
+  EvaluateOptions options;
+  const bool understood = count == 7 && parse(arguments[5], options.tolerance) && parse(arguments[6], options.scanned_size);
+  if (!understood) {
+    std::fprintf(stderr, "%s is started by the program itself\n", command);
+    return static_cast<int>(ErrorKind::usage);
+  }
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for the answer of an orphan
+  std::set_terminate(end_by_exception);
+  const bool iges = std::strcmp(arguments[2], "iges") == 0;
+  try {
+    const auto written = write_file(arguments[4], to_bytes((iges ? read_iges : read_step)(arguments[3], options)));
+    return written.ok() ? 0 : static_cast<int>(ErrorKind::stopped);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory;
+  }
 }
 
 }  // namespace partscribe

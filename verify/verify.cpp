@@ -13,6 +13,7 @@
 #include "verify/solid.h"
 #include "verify/source.h"
 #include "verify/whole_part.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -47,6 +48,14 @@ FaceNames model_faces(const Model& model) {
   return names;
 }
 
+/// "0.8 mm at the vertex (20, 0, 0)".
+std::string gap_text(const BrepGap& gap, double tolerance) {
+  return shown(gap.width) + " mm at the " + gap.kind + " " + Words(tolerance).place(gap.place);
+}
+
+/// Its vertices, edges and faces describe bodies that differ by so much that one of them may be wrong.
+bool contradicts_itself(const Evaluation& evaluation, double tolerance) { return evaluation.gap.width > tolerance / 2; }
+
 void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, bool sheet, double tolerance) {
   verdict.backend = evaluation.backend;
   verdict.program = evaluation.program;
@@ -63,6 +72,14 @@ void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, boo
   } else if (evaluation.error > tolerance / 4) {
     verdict.verdict = Outcome::cannot_decide;
     verdict.reasons.push_back("the evaluation itself is only good to " + shown(evaluation.error) + " mm");
+  } else if (evaluation.gap.width > tolerance / 5) {
+    verdict.verdict = Outcome::cannot_decide;
+    verdict.reasons.push_back("the file itself is only good to " + gap_text(evaluation.gap, tolerance));
+  }
+  if (contradicts_itself(evaluation, tolerance)) {
+    verdict.verdict = Outcome::out_of_tolerance;
+    verdict.reasons.insert(verdict.reasons.begin(), "the file contradicts itself: its curves and faces miss one another by " +
+                                                        gap_text(evaluation.gap, tolerance));
   }
 }
 
@@ -203,7 +220,7 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     if (evaluation.failed) continue;
     // Below the noise no deviation means anything: neither a pass nor a fault of the data.
     const bool too_fine = options.tolerance < verdict.smallest_honest_tolerance;
-    if (too_fine && (evaluation.solid || sheet)) {
+    if (too_fine && (evaluation.solid || sheet) && !contradicts_itself(evaluation, options.tolerance)) {
       result.verdict = Outcome::cannot_decide;
       result.reasons = {"this scan cannot decide at " + print_number(options.tolerance) +
                         " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm" +

@@ -12,7 +12,7 @@ namespace {
 
 const std::vector<std::string> invalid = {"cannot", "invalid", "open", "edges", "no surface", "ends", "not a number",
                                           "expected", "refers", "too far", "missing", "holds no", "gave up",
-                                          "finite", "tree", "only good to", "belong", "circle", "counts"};
+                                          "finite", "tree", "only good to", "belong", "circle", "counts", "contradicts itself"};
 const std::vector<std::string> cut_off = {"ends before", "is cut off", "not whole"};
 
 void truncations(const FileSubject& s, std::vector<FileDamage>& damages) {
@@ -85,9 +85,12 @@ void in_step(const FileSubject& s, std::vector<FileDamage>& damages) {
   damages.push_back({"not a number", "NAN", point_with(1, "NAN"), invalid});
   damages.push_back({"not a number", "1.E400", point_with(1, "1.E400"), invalid});
   damages.push_back({"decimal comma", "in a point", nth_changed(text, point, 1, [](const std::smatch& m) { return "CARTESIAN_POINT('',(1,5," + m[2].str() + "," + m[3].str() + "))"; }), invalid});
-  for (const std::size_t n : {1u, 4u, 9u})
-    damages.push_back({"coordinate changed", "point " + print_number(double(n)), nth_changed(text, point, n, [&](const std::smatch& m) {
-      return "CARTESIAN_POINT('',(" + print_real(std::stod(m[1].str()) + 4 * T) + "," + m[2].str() + "," + m[3].str() + "))";
+  // Corners, for the middle of a plane may lie anywhere on it.
+  std::size_t number = 0;
+  static const std::regex corner("VERTEX_POINT\\('[^']*',(#[0-9]+)\\)");
+  for (std::sregex_iterator m(text.begin(), text.end(), corner), end; m != end && number < 3; ++m)
+    damages.push_back({"coordinate changed", "corner " + print_number(double(++number)), nth_changed(text, std::regex("(" + (*m)[1].str() + " ?= ?CARTESIAN_POINT\\('[^']*',\\()([-0-9.E+]+),"), 0, [&](const std::smatch& p) {
+      return p[1].str() + print_real(std::stod(p[2].str()) + 4 * T) + ",";
     }), invalid});
   for (const char* surface : {"CYLINDRICAL_SURFACE", "SPHERICAL_SURFACE"})
     damages.push_back({"coordinate changed", std::string("radius of a ") + surface, nth_changed(text, std::regex(std::string(surface) + "\\('[^']*',(#[0-9]+),([-0-9.E+]+)\\)"), 0, [&](const std::smatch& m) {

@@ -57,6 +57,17 @@ TEST_CASE("mutation: damages of a file are refused, and the reason says what is 
   CHECK(kinds.size() >= 15);
 }
 
+TEST_CASE("mutation: one coordinate of a STEP or IGES file that was changed is refused, though the reader mends it") {
+  SuiteOptions options;
+  options.models = false;
+  options.most = 5;
+  options.backends = {"iges", "step"};
+  options.kinds = {"coordinate changed"};
+  std::set<std::string> kinds;
+  refuses("cone", options, kinds);
+  CHECK(kinds.size() == 1);
+}
+
 TEST_CASE("mutation: every visible parameter is damaged, every bore can be missing, a chiral part has three mirrors") {
   using Kind = Mutation::Kind;
   const auto bracket = mutations_of(golden_part("bracket"));
