@@ -200,6 +200,14 @@ struct Search {
   double covered = 0;
 };
 
+/// A ring that a torus or a turned part says better.
+bool is_round_ring(const Candidate& c) {
+  const auto* ring = std::get_if<Supertoroid>(&c.shape);
+  return ring && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
+           return ring->e2.is_parameter() && p.name == ring->e2.parameter && std::abs(p.value - 1) < 0.1;
+         });
+}
+
 /// Asks the makers of one kind and judges what they propose.
 void consider_makers(Search& search, bool last_resort, const FitInput& input, const BuildOptions& options, Context& context) {
   std::vector<Vec3> directions;
@@ -208,7 +216,7 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
     if (maker.last_resort != last_resort) continue;
     for (auto& candidate : maker.propose(input, search.hypothesis, directions, context)) {
       if (context.cancelled) return;
-      if (!asked_for(options.force, candidate)) continue;
+      if (!asked_for(options.force, candidate) || (search.found && is_round_ring(candidate))) continue;
       search.judged.push_back(judge(std::move(candidate), input, context));
       const auto& j = search.judged.back();
       context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
@@ -269,12 +277,15 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
   }
 }
 
-/// True if what was found follows the data only roughly, by many flat faces: a rounded body may do better.
+/// True if what was found follows the data only roughly, by many flat faces or by a round form: a body with rounded corners,
+/// or a ring with such, may do better.
 bool is_rough(const Search& search, const FitInput& input) {
   constexpr std::size_t many_faces = 9;
-  if (!search.found) return false;
-  const auto* body = std::get_if<HalfSpaces>(&search.judged[search.winner].candidate.shape);
-  return body && body->planes.size() >= many_faces && search.evidence.local_max > std::max(1.5 * input.sampling.sigma, 0.5 * input.tolerance);
+  if (!search.found || !(search.evidence.local_max > std::max(1.5 * input.sampling.sigma, 0.5 * input.tolerance))) return false;
+  const Shape& shape = search.judged[search.winner].candidate.shape;
+  const auto* body = std::get_if<HalfSpaces>(&shape);
+  return body ? body->planes.size() >= many_faces
+              : std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) || std::holds_alternative<Ellipsoid>(shape);
 }
 
 /// A scan, with or without its strays, and what was found in it.
@@ -293,7 +304,9 @@ void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& op
     context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
   }
   context.report("candidates", 0.25);
+  const std::size_t known = search.judged.size();
   consider_makers(search, last_resort, input, options, context);
+  if (search.found && search.judged.size() == known) return;  // nothing to choose from anew
   if (!context.cancelled) choose(search, input, options, context);
 }
 
