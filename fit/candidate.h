@@ -23,6 +23,7 @@ struct FitInput {
   const Scan* scan = nullptr;   ///< the whole thing, for procedures that need the mesh or all points
   std::vector<float> surface_share;  ///< of a point's neighbours, how many lie on one plane with it; empty: no strays about
   double stray_share = 0;       ///< of the points that were set aside as strays
+  std::vector<float> facet_depth;  ///< mm: how far a point's facet may lie below the true surface; empty: no coarse mesh
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)
 };
 

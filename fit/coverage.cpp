@@ -52,11 +52,15 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
           // An edge is thin everywhere, and no wall.
           const Vec3 q = part_from_scan * p, along = outward.norm() > 0 ? Vec3(outward.unitOrthogonal()) : Vec3(Vec3::Zero());
           const Vec3 across = outward.cross(along);
-          bool smooth = true;
-          for (const Vec3& t : {along, across})
-            for (const double side : {depth, -depth}) smooth &= std::abs(distance(q + side * t).distance) < 0.3 * depth;
-          thin[i] = depth > 0 && seen[i] && smooth && distance(q - depth * outward).distance > 0;
-          off[i] = source && !source->closest_within(p, input.tolerance);
+          const auto smooth_over = [&](double step) {
+            bool smooth = true;
+            for (const Vec3& t : {along, across})
+              for (const double side : {step, -step}) smooth &= std::abs(distance(q + side * t).distance) < 0.3 * step;
+            return smooth;
+          };
+          thin[i] = depth > 0 && seen[i] && smooth_over(depth) && distance(q - depth * outward).distance > 0;
+          // A fit to facets draws a thin edge out by more than they are deep.
+          off[i] = source && !source->closest_within(p, input.tolerance) && smooth_over(input.tolerance);
         }
       },
       64);

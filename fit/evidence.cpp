@@ -15,6 +15,7 @@ namespace partscribe {
 namespace {
 
 constexpr std::size_t local_points = 25;
+constexpr double facet_margin = 1.25;  // the depth of a facet is known from its bends to some 20 %
 
 /// A cloud of points rather than a surface: half of those nearest to a place are farther from their common plane than noise
 /// puts them.
@@ -108,8 +109,10 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   // Deviations well inside the tolerance are not worth a longer description.
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
   double sum = 0, count = 0;
+  const bool facets = input.facet_depth.size() == n;
   for (std::size_t i = 0; i < n; ++i) {
-    const double u = d[i] / sigma;
+    // Facets lie below the surface they stand for, and the fit between: no evidence for a body with as many faces.
+    const double u = (facets ? std::max(0.0, std::abs(d[i]) - facet_margin * double(input.facet_depth[i])) : d[i]) / sigma;
     result.misfit += 0.5 * std::min(u * u / 2, 12.0);
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
     else if (std::abs(d[i]) > input.tolerance) ++result.unexplained;

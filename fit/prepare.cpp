@@ -1,9 +1,40 @@
 #include "fit/prepare.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
 #include "core/number.h"
+#include "geometry/mesh_distance.h"
+#include "geometry/mesh_facets.h"
 #include "geometry/thin.h"
 
 namespace partscribe {
+namespace {
+
+/// Of what is curved, weighted by area: so far a fit to facets may stay away from any of them.
+double mean_depth(const TriangleMesh& mesh, const std::vector<double>& depths) {
+  double sum = 0, curved = 0;
+  for (std::size_t t = 0; t < depths.size(); ++t) {
+    if (!(depths[t] > 0)) continue;
+    const double size = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+    sum += size * depths[t], curved += size;
+  }
+  return curved > 0 ? sum / curved : 0;
+}
+
+/// For points strewn over a coarse mesh.
+std::vector<float> facet_depths(const TriangleMesh& mesh, const std::vector<Vec3>& points) {
+  const std::vector<double> depths = chord_depths(mesh);
+  const double mean = mean_depth(mesh, depths);
+  const MeshDistance nearest(mesh);
+  std::vector<float> result(points.size(), 0);
+  nearest.for_each_closest(points, 1, Sign::none, [&](std::size_t i, const MeshHit& hit) {
+    result[i] = static_cast<float>(std::max(mean, depths[hit.triangle]));
+  });
+  return result;
+}
+
+}  // namespace
 
 FitInput selection(const Scan& scan, const SamplingSummary& sampling, double tolerance, std::size_t wanted) {
   FitInput input;
@@ -24,6 +55,7 @@ FitInput selection(const Scan& scan, const SamplingSummary& sampling, double tol
   copy(all.rays, input.cloud.rays);
   copy(all.sigma, input.cloud.sigma);
   copy(all.view, input.cloud.view);
+  if (!scan.mesh.empty() && all.size() > scan.mesh.vertices.size()) input.facet_depth = facet_depths(scan.mesh, input.cloud.points);
   input.bounds = input.cloud.bounds();
   if (input.thin_spacing <= 0) input.thin_spacing = sampling.spacing;
   return input;

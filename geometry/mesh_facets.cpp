@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "core/disjoint_sets.h"
 
@@ -29,6 +30,25 @@ std::vector<EdgeUse> edge_uses(std::span<const std::array<std::uint32_t, 3>> tri
     return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
   });
   return uses;
+}
+
+std::vector<double> chord_depths(const TriangleMesh& mesh) {
+  constexpr double sharp = 0.7;
+  const std::vector<Vec3> normals = triangle_normals(mesh);
+  std::vector<double> depth(mesh.triangles.size(), 0);
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    if (around.size() != 2) return;
+    const Vec3 &a = normals[around[0].triangle], &b = normals[around[1].triangle];
+    const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+    if (angle > sharp) return;
+    for (const EdgeUse& use : around) {
+      const Vec3 from = mesh.corner(use.triangle, use.side), along = mesh.corner(use.triangle, (use.side + 1) % 3) - from;
+      const Vec3 across = mesh.corner(use.triangle, (use.side + 2) % 3) - from;
+      if (!(along.norm() > 0)) continue;
+      depth[use.triangle] += along.cross(across).norm() / along.norm() * angle / 8;
+    }
+  });
+  return depth;
 }
 
 MeshPieces pieces_of(const TriangleMesh& mesh) {

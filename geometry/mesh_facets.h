@@ -10,6 +10,10 @@ namespace partscribe {
 /// Unit normals; zero for triangles without area.
 std::vector<Vec3> triangle_normals(const TriangleMesh& mesh);
 
+/// mm: how far each triangle lies below the smooth surface that its bends towards its neighbours suggest: chord * angle / 8,
+/// summed over its edges. Zero where it is flat; bends of more than 0.7 rad are edges of the part.
+std::vector<double> chord_depths(const TriangleMesh& mesh);
+
 /// One side of a triangle.
 struct EdgeUse {
   std::uint64_t key;        ///< the edge: the smaller vertex in the high half, the larger in the low
