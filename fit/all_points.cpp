@@ -14,7 +14,9 @@ namespace {
 
 constexpr int most_groups = 24;      // views beyond are pooled
 constexpr double edge_sigmas = 3;    // nearer to an edge than this, noise decides which face a point is counted to
+constexpr double edge_sigmas_on_rays = 1;  // a ray knows its face; pixels on both sides of an edge do not
 constexpr double most_excluded = 0.5;
+constexpr double reach_sigmas = 8;   // outliers are not looked for along their rays
 
 struct Entry {
   std::uint64_t cell;
@@ -63,22 +65,31 @@ void assign_traits(AllPoints& all, const PointCloud& cloud, const std::vector<En
     all.group[i] = all.by_view ? numbers[cloud.view[entries[i].index]] : octant(all.points[i] - center);
   if (cloud.rays.size() == cloud.size())
     for (const auto& e : entries) all.rays.push_back(cloud.rays[e.index]);
-  if (cloud.rays.size() == cloud.size() && cloud.normals.size() == cloud.size())
-    for (const auto& e : entries) all.cosine.push_back(std::abs(cloud.rays[e.index].dot(cloud.normals[e.index])));
   if (cloud.sigma.size() == cloud.size())
     for (const auto& e : entries) all.relative.push_back(cloud.sigma[e.index]);
+}
+
+/// Residuals of all points, along the rays where these are known.
+RayFeet measured(const Candidate& candidate, const Unknowns& unknowns, const AllPoints& all, int threads) {
+  RayFeet feet;
+  if (all.rays.empty())
+    feet.at = unknowns.distances(candidate, all.points, threads);
+  else
+    feet = unknowns.along_rays(candidate, all.points, all.rays, all.reach, threads);
+  return feet;
 }
 
 /// Cuts every cell into one run per face.
 void make_nodes(AllPoints& all, const std::vector<Entry>& entries, bool single) {
   const std::size_t n = entries.size();
+  const auto place = [&](std::size_t i) -> const Vec3& { return all.foot.empty() ? all.points[i] : all.foot[i]; };
   auto mean_place = [&](std::size_t begin, std::size_t end) {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t i = begin; i < end; ++i) sum += all.points[i];
+    for (std::size_t i = begin; i < end; ++i) sum += place(i);
     return Vec3(sum / double(end - begin));
   };
   if (single) {
-    for (std::size_t i = 0; i < n; ++i) all.nodes.push_back({i, i + 1, all.points[i]});
+    for (std::size_t i = 0; i < n; ++i) all.nodes.push_back({i, i + 1, place(i)});
     return;
   }
   std::vector<std::size_t> order(n);
@@ -93,7 +104,7 @@ void make_nodes(AllPoints& all, const std::vector<Entry>& entries, bool single) 
     auto copy = column;
     for (std::size_t i = 0; i < n; ++i) column[i] = copy[order[i]];
   };
-  permute(all.points), permute(all.rays), permute(all.group), permute(all.cosine), permute(all.relative);
+  permute(all.points), permute(all.rays), permute(all.foot), permute(all.group), permute(all.cosine), permute(all.relative);
   permute(all.at.value), permute(all.at.face);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     while (end < n && entries[end].cell == entries[begin].cell && all.at.face[end] == all.at.face[begin]) ++end;
@@ -108,11 +119,12 @@ void settle_places(AllPoints& all, const ModelDistance& distance, const Pose& pa
       auto& node = all.nodes[k];
       ModelHit hit = distance(part_from_scan * node.place);
       if (hit.face != all.at.face[node.begin]) {
+        const auto& candidates = all.foot.empty() ? all.points : all.foot;
         std::size_t best = node.begin;
         for (std::size_t i = node.begin; i < node.end; ++i)
-          if ((all.points[i] - node.place).squaredNorm() < (all.points[best] - node.place).squaredNorm()) best = i;
-        node.place = all.points[best];
-        hit = {all.at.value[best], all.at.face[best]};
+          if ((candidates[i] - node.place).squaredNorm() < (candidates[best] - node.place).squaredNorm()) best = i;
+        node.place = candidates[best];
+        hit = {distance(part_from_scan * node.place).distance, all.at.face[best]};
       }
       at.value[k] = hit.distance, at.face[k] = hit.face;
     }
@@ -137,15 +149,17 @@ void exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& pa
           if (!(length > 0.5)) continue;
           const Vec3 normal = all.jacobian.gradients[k] / length;
           const int face = all.at.face[node.begin];
+          const auto on_ray = [&](std::size_t i) { return !all.foot.empty() && all.foot[i] != all.points[i]; };
+          const auto strip = [&](std::size_t i) { return (on_ray(i) ? edge_sigmas_on_rays : edge_sigmas) * all.sigma[i]; };
           double widest = 0;
-          for (std::size_t i = node.begin; i < node.end; ++i) widest = std::max(widest, edge_sigmas * all.sigma[i]);
+          for (std::size_t i = node.begin; i < node.end; ++i) widest = std::max(widest, strip(i));
           if (node.end - node.begin > 1) {
             // The whole cell at once where it lies well inside its face.
             const Vec3 foot = node.place - distance(part_from_scan * node.place).distance * normal;
             if (!crosses(foot, normal, widest + cell, face)) continue;
           }
           for (std::size_t i = node.begin; i < node.end; ++i)
-            all.used[i] = !crosses(all.points[i] - all.at.value[i] * normal, normal, edge_sigmas * all.sigma[i], face);
+            all.used[i] = !crosses(on_ray(i) ? all.foot[i] : Vec3(all.points[i] - all.at.value[i] * normal), normal, strip(i), face);
         }
       },
       64);
@@ -182,7 +196,10 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   AllPoints all;
   for (const auto& e : entries) all.points.push_back(cloud.points[e.index]);
   assign_traits(all, cloud, entries, unknowns.center());
-  all.at = unknowns.distances(candidate, all.points, context.threads);
+  if (!all.rays.empty())
+    all.reach = reach_sigmas * robust_scale(unknowns.distances(candidate, all.points, context.threads).value);
+  RayFeet feet = measured(candidate, unknowns, all, context.threads);
+  all.at = std::move(feet.at), all.foot = std::move(feet.foot), all.cosine = std::move(feet.cosine);
   make_nodes(all, entries, single);
   estimate_noise(all, least_sigma);
 
@@ -200,35 +217,59 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   return all;
 }
 
-void polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
-            const AllPointsOptions& options, Context& context) {
-  constexpr int steps = 2;
-  auto cost = [&](const std::vector<double>& d) {
+double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
+              const AllPointsOptions& options, Context& context) {
+  constexpr int halvings = 3;
+  constexpr double worse = 0.02;  // share of the cost that may be given up for the equations to hold
+  const int steps = all.rays.empty() ? 2 : 4;  // rays call for another place than the search did
+  const auto cost = [&](const std::vector<double>& d) {
     double sum = 0;
     for (std::size_t i = 0; i < d.size(); ++i)
       if (all.used[i]) sum += options.kernel.loss(d[i] / all.sigma[i]);
     return sum;
   };
-  for (int step = 0; step < steps; ++step) {
+  const auto equations = [&](const std::vector<double>& d) {
     std::vector<double> weight(all.nodes.size(), 0), pull(all.nodes.size(), 0);
     parallel_for(all.nodes.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
           if (!all.used[i]) continue;
-          const double u = all.at.value[i] / all.sigma[i], unit = 1 / all.sigma[i];
+          const double u = d[i] / all.sigma[i], unit = 1 / all.sigma[i];
           weight[k] += options.kernel.slope(u) * unit * unit;
           pull[k] += options.kernel.psi(u) * unit;
         }
     });
-    const NormalEquations normal = normal_equations(all.jacobian.rows, weight, pull, context.threads);
-    const Candidate next = unknowns.stepped(candidate, -pseudo_inverse(normal.h) * normal.g);
-    if (!unknowns.sensible(next)) return;
-    const Distances at = unknowns.distances(next, all.points, context.threads);
-    if (cost(at.value) > cost(all.at.value) * (1 + 1e-9)) return;
-    candidate = next;
-    all.at.value = at.value;  // the nodes are made of the first faces
+    return normal_equations(all.jacobian.rows, weight, pull, context.threads);
+  };
+  double improvement = 0;
+  for (int step = 0; step < steps; ++step) {
+    const NormalEquations normal = equations(all.at.value);
+    const Matrix inverse = pseudo_inverse(normal.h);
+    const double unrest = normal.g.dot(inverse * normal.g), before = cost(all.at.value);
+    Vector way = -inverse * normal.g;
+    bool better = false;
+    for (int k = 0; k <= halvings && !better; ++k, way *= 0.5) {
+      const Candidate next = unknowns.stepped(candidate, way);
+      if (!unknowns.sensible(next)) continue;
+      RayFeet moved = measured(next, unknowns, all, context.threads);
+      // Along rays the sum of squares is not what the equations make least: it has the cosines in it, which the surface
+      // moves. There the equations themselves say whether a step was good (the natural monotonicity test, Deuflhard 1974).
+      if (all.rays.empty()) {
+        if (cost(moved.at.value) > before * (1 + 1e-9)) continue;
+      } else {
+        const Vector g = equations(moved.at.value).g;
+        if (g.dot(inverse * g) > unrest || cost(moved.at.value) > before * (1 + worse)) continue;
+      }
+      better = true;
+      candidate = next;
+      all.at.value = std::move(moved.at.value);  // the nodes are made of the first faces
+      all.foot = std::move(moved.foot), all.cosine = std::move(moved.cosine);
+    }
+    if (!better) break;
+    improvement += 0.5 * unrest;
     if (step == 0) estimate_noise(all, least_sigma);
   }
+  return improvement;
 }
 
 }  // namespace partscribe

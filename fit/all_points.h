@@ -16,8 +16,10 @@ struct AllPoints {
   bool by_view = false;
   std::vector<Vec3> rays;         ///< from the sensor, where known
   std::vector<double> cosine;     ///< of the incidence, where rays are known
+  std::vector<Vec3> foot;         ///< where rays are known: where they meet the candidate
+  double reach = 0;               ///< mm; residuals up to this count along the ray
   std::vector<double> relative;   ///< sigma that came with the data
-  Distances at;                   ///< of the points, at the present candidate
+  Distances at;                   ///< of the points, at the present candidate; along the rays where these are known
   std::vector<double> sigma;      ///< of each point, mm
   std::vector<char> used;         ///< 0: too near to an edge to tell which face it belongs to
 
@@ -43,8 +45,8 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
 
 /// Gauss-Newton on all points. The estimating equations sum psi(d_i / sigma_i) / sigma_i * J = 0 hold for the exact
 /// distance of every point; J is that of the point's node, which costs efficiency only in the second order of how much J
-/// varies inside a node, and no bias. Distances in `all` are then those at the result.
-void polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
-            const AllPointsOptions& options, Context& context);
+/// varies inside a node, and no bias. Distances in `all` are then those at the result. By how much the log likelihood improved, about.
+double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
+              const AllPointsOptions& options, Context& context);
 
 }  // namespace partscribe

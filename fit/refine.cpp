@@ -149,13 +149,20 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     p.fitted = p.value, p.sigma = p.sigma_noise = p.sigma_systematic = 0, p.points = p.effective_points = 0;
   if (!options.uncertainty || context.cancelled) return report;
 
+  constexpr int rounds_on_rays = 4;
+  constexpr double settled = 0.5;  // of the log likelihood: less than a sigma
   AllPointsOptions everything;
   everything.kernel.c = std::max(options.welsch, 3.0);
   // A distance found by Newton's method in three unknowns costs as much as a hundred others.
   if (std::holds_alternative<Superellipsoid>(candidate.shape)) everything.nodes = 4000, everything.points = 40000;
   const double least = std::max(0.3 * input.sampling.sigma, 1e-7 * unknowns.size());
   AllPoints all = all_points(candidate, input, unknowns, least, everything, context);
-  polish(candidate, all, unknowns, least, everything, context);
+  double improvement = polish(candidate, all, unknowns, least, everything, context);
+  // Residuals along rays can lead far along what the data hardly fix: the derivatives there are others.
+  for (int round = 1; round < rounds_on_rays && !all.rays.empty() && improvement > settled; ++round) {
+    all = all_points(candidate, input, unknowns, least, everything, context);
+    improvement = polish(candidate, all, unknowns, least, everything, context);
+  }
   const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, everything.kernel, context);
   report.rms = u.rms;
   report.points_per_independent = u.points_per_independent;
@@ -165,7 +172,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     p.fitted = p.value;
     p.sigma_noise = u.noise[k];
     const double floor = p.quantity == Quantity::length ? u.floor : u.floor / unknowns.size();
-    p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.facets[k]), std::hypot(u.filter[k], floor));
+    p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.facets[k], u.filter[k]), u.slant[k], floor);
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
   count_points(candidate, all, unknowns, u.points_per_independent);

@@ -10,6 +10,7 @@
 #include "core/statistics.h"
 #include "fit/correlation.h"
 #include "fit/refine.h"
+#include "fit/slant.h"
 #include "fit/smoothing.h"
 #include "geometry/mesh_distance.h"
 #include "model/distance.h"
@@ -218,7 +219,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   Uncertainty result;
   const std::size_t parameters = unknowns.free_parameters().size();
   result.noise.assign(parameters, 0);
-  result.views = result.facets = result.filter = result.noise;
+  result.views = result.facets = result.filter = result.slant = result.noise;
 
   const std::vector<char> everywhere(all.nodes.size(), 1);
   const Residuals raw = residuals_of(all, all.at.value, everywhere, kernel, context.threads);
@@ -261,6 +262,8 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   sums.groups.pull -= sums.groups.coupling * solution.unknowns;
   fill(result.views,
        spread_by_groups(all, whole, sums.groups, unknowns, solution.inverse, h_inverse, noise, context.threads));
+  fill(result.slant, effect_of(slant_deviation(candidate, all, distance, context.threads), all, whole.weight, kernel,
+                               context.threads));
   if (scan.chance > 0) {
     // Disturbed rims have moved the fit by as much as it would move back without them.
     const PointSums inner =

@@ -11,6 +11,7 @@ struct Uncertainty {
   std::vector<double> views;    ///< views that disagree: registration, calibration; imagined ones where they are unknown
   std::vector<double> facets;   ///< chords of a coarse source mesh
   std::vector<double> filter;   ///< smoothing that flattened what curves, by how likely noise that hangs together was smoothed
+  std::vector<double> slant;    ///< noise along rays that nobody knows, on a curved part seen from one side (slant.h)
   double floor = 0;             ///< mm, what no data can tell about the instrument
   double points_per_independent = 1;
   double rms = 0;               ///< mm, of the residuals that count

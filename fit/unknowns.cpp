@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <set>
 
 #include "core/parallel.h"
@@ -29,6 +31,41 @@ std::vector<std::size_t> samples_of_faces(const std::vector<int>& face) {
     if (seen[face[i]]++ % stride == 0) result.push_back(i);
   }
   return result;
+}
+
+/// Where a ray meets the surface.
+struct RayFoot {
+  double way = 0;     ///< mm along the ray from the point; positive: the point lies before the surface
+  double cosine = 1;
+  int face = -1;
+};
+
+/// By the secant method from the point; nothing if the ray grazes or passes by.
+std::optional<RayFoot> foot_along(const ModelDistance& distance, const Vec3& point, const Vec3& ray, double start,
+                                  double reach, double size) {
+  constexpr int steps = 12;
+  constexpr double grazing = 0.1;  // cosine
+  const double exact = 1e-10 * size, h = 1e-6 * size;
+  RayFoot foot;
+  double before = 0, d_before = start, d = start;
+  if (std::abs(d) > exact) {
+    foot.way = d;  // as if the ray met the surface squarely
+    for (int i = 0; i < steps; ++i) {
+      d = distance(point + foot.way * ray).distance;
+      if (std::abs(d) <= exact) break;
+      const double slope = (d - d_before) / (foot.way - before);
+      if (!(slope < 0)) return std::nullopt;
+      before = foot.way, d_before = d;
+      foot.way -= d / slope;
+      if (!(std::abs(foot.way) * grazing < reach) || foot.way == before) return std::nullopt;
+    }
+    if (std::abs(d) > 1e3 * exact) return std::nullopt;
+  }
+  const Vec3 at = point + foot.way * ray;
+  foot.cosine = (distance(at - h * ray).distance - distance(at + h * ray).distance) / (2 * h);
+  foot.face = distance(at).face;
+  if (!(foot.cosine > grazing) || !(std::abs(foot.way) * foot.cosine < reach)) return std::nullopt;
+  return foot;
 }
 
 }  // namespace
@@ -69,6 +106,28 @@ Distances Unknowns::distances(const Candidate& c, const std::vector<Vec3>& point
     }
   });
   return d;
+}
+
+RayFeet Unknowns::along_rays(const Candidate& c, const std::vector<Vec3>& points, const std::vector<Vec3>& rays,
+                             double reach, int threads) const {
+  const ModelDistance distance(model_, values_of(c));
+  const Pose part_from_scan = c.scan_from_part.inverse();
+  RayFeet feet;
+  const std::size_t n = points.size();
+  feet.at.value.resize(n), feet.at.face.resize(n), feet.foot = points, feet.cosine.assign(n, 1), feet.met.assign(n, 0);
+  parallel_for(n, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 p = part_from_scan * points[i], ray = part_from_scan.rotation * rays[i];
+      const ModelHit hit = distance(p);
+      feet.at.value[i] = hit.distance, feet.at.face[i] = hit.face;
+      if (!(std::abs(hit.distance) < reach)) continue;
+      const auto foot = foot_along(distance, p, ray, hit.distance, reach, size_);
+      if (!foot) continue;
+      feet.at.value[i] = foot->way * foot->cosine, feet.at.face[i] = foot->face;
+      feet.foot[i] = points[i] + foot->way * rays[i], feet.cosine[i] = foot->cosine, feet.met[i] = 1;
+    }
+  });
+  return feet;
 }
 
 Jacobian Unknowns::jacobian(const Candidate& c, const std::vector<Vec3>& points, const Distances& at,

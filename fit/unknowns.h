@@ -20,6 +20,14 @@ struct Distances {
   std::vector<int> face;
 };
 
+/// Where viewing rays meet the surface next to the points that they brought back.
+struct RayFeet {
+  Distances at;               ///< residuals: from point to foot along the ray, times the cosine of the incidence there
+  std::vector<Vec3> foot;     ///< scan frame; the point itself where its ray passes the surface by
+  std::vector<double> cosine; ///< of the incidence at the foot, where `met`
+  std::vector<char> met;
+};
+
 /// d(distance)/d(unknown), one row per point.
 struct Jacobian {
   Matrix rows;
@@ -38,6 +46,12 @@ class Unknowns {
   const Vec3& center() const { return center_; }
 
   Distances distances(const Candidate& c, const std::vector<Vec3>& points, int threads) const;
+  /// A range sensor errs along its ray. The orthogonal distance of what it saw at a slant is off by the surface's
+  /// curvature times the square of the error, always to the same side; the way along the ray is not. Within `reach` mm
+  /// of the surface the residual is that way times the cosine of the incidence; elsewhere, and where the ray meets
+  /// nothing near the point, it is the orthogonal distance.
+  RayFeet along_rays(const Candidate& c, const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double reach,
+                     int threads) const;
   /// By differences of the exact distance. A parameter that moves none of some dozens of a face's points moves none of
   /// the others: only faces that answer are asked in full.
   Jacobian jacobian(const Candidate& c, const std::vector<Vec3>& points, const Distances& at, int threads) const;
