@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/ensure.h"
 #include "geometry/triangle_tree.h"
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
@@ -66,17 +67,18 @@ inline unsigned mask_bits(const RealMask& m) { return _mm512_movepi64_mask(std::
 /// The widest version that this machine runs.
 struct Versions {
   decltype(&baseline::search) search = baseline::search;
-  decltype(&baseline::search_leaf) search_leaf = baseline::search_leaf;
-  decltype(&baseline::boxes_within) boxes_within = baseline::boxes_within;
+  decltype(&baseline::search_together) search_together = baseline::search_together;
+  decltype(&baseline::leaf) search_leaf = baseline::leaf;
+  decltype(&baseline::boxes) boxes_within = baseline::boxes;
   decltype(&baseline::collect) collect = baseline::collect;
   Versions() {
 #if PARTSCRIBE_VECTOR_VERSIONS
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-      search = avx512::search, search_leaf = avx512::search_leaf, boxes_within = avx512::boxes_within,
+      search = avx512::search, search_together = avx512::search_together, search_leaf = avx512::leaf, boxes_within = avx512::boxes,
       collect = avx512::collect;
     else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
-      search = avx2::search, search_leaf = avx2::search_leaf, boxes_within = avx2::boxes_within,
+      search = avx2::search, search_together = avx2::search_together, search_leaf = avx2::leaf, boxes_within = avx2::boxes,
       collect = avx2::collect;
 #endif
   }
@@ -90,11 +92,13 @@ const Versions& versions() {
 }  // namespace
 
 void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best) {
-  if (!tree.nodes.empty()) versions().search(tree, tree.nodes.data(), 1, query, best);
+  if (!tree.nodes.empty()) versions().search(tree, query, best);
 }
 
-void search_nearest(const TriangleTree& tree, const Frontier& frontier, const Vec3& query, NearestSlot& best) {
-  versions().search(tree, frontier.blocks.data(), frontier.used, query, best);
+void search_nearest(const TriangleTree& tree, const Frontier& frontier, std::span<const Vec3> queries, const NearestSlot* hint,
+                    NearestSlot* best) {
+  ensure(queries.size() <= Frontier::most_queries, "more queries together than there is room for");
+  versions().search_together(tree, frontier, queries.data(), static_cast<int>(queries.size()), hint, best);
 }
 
 void triangles_within(const TriangleTree& tree, const Vec3& query, double distance, std::vector<NearSlot>& found) {

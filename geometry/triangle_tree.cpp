@@ -159,13 +159,15 @@ class Builder {
     std::array<Range, TriangleTree::width> child;
     int children = 1;
     child[0] = range;
-    // Split the child with the largest surface until there are eight.
+    // Split the child with the largest surface until there are eight; rather a small one, which else becomes a node of few leaves.
     while (children < TriangleTree::width) {
       int widest = -1;
-      float area = -1;
-      for (int i = 0; i < children; ++i)
-        if (child[i].size() > TriangleTree::width && child[i].box.half_area() > area)
-          widest = i, area = child[i].box.half_area();
+      float most = -1;
+      for (int i = 0; i < children; ++i) {
+        const std::size_t leaves = (child[i].size() + TriangleTree::width - 1) / TriangleTree::width;
+        const float worth = child[i].box.half_area() * (leaves <= 2 ? 4.0f : leaves == 3 ? 2.0f : 1.0f);
+        if (leaves > 1 && worth > most) widest = i, most = worth;
+      }
       if (widest < 0) break;
       const Range parent = child[widest];
       if (parent.size() < few) split<6>(parent, child[widest], child[children++]);

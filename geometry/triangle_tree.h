@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "geometry/triangle_mesh.h"
@@ -25,7 +26,7 @@ struct TriangleTree {
   static constexpr int width = 8;         ///< children of a node, and most triangles of a leaf
   static constexpr int most_pending = 700;  ///< bounds the stack of a descent: its depth is bounded in building
 
-  struct alignas(64) Node {
+  struct alignas(32) Node {
     float low[3][width], high[3][width];
     std::uint32_t child[width];  ///< index of a node, or leaf_ref
     std::uint32_t children;
@@ -70,6 +71,7 @@ void triangles_within(const TriangleTree& tree, const Vec3& query, double distan
 /// The parts of a tree that matter to queries that lie close together.
 struct Frontier {
   static constexpr int most = 32;
+  static constexpr int most_queries = 32;  ///< that are searched together
   std::array<TriangleTree::Node, most / TriangleTree::width> blocks;  ///< their boxes as if they were children
   int used = 0;
 };
@@ -78,8 +80,10 @@ struct Frontier {
 /// when it is no farther than `reach`.
 Frontier frontier_of(const TriangleTree& tree, const Box3& queries, double reach);
 
-/// As search_nearest, in these parts only.
-void search_nearest(const TriangleTree& tree, const Frontier& frontier, const Vec3& query, NearestSlot& best);
+/// As search_nearest for each query from nothing, in these parts only; some of them at once take less time than in turn.
+/// `hint`: the answer for a query close by; a good start for queries that are far from the surface and close together.
+void search_nearest(const TriangleTree& tree, const Frontier& frontier, std::span<const Vec3> queries, const NearestSlot* hint,
+                    NearestSlot* best);
 
 /// `best` as if the leaf of `hint` were all there is; a good start for a query close to the one that ended in `hint`.
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint);
