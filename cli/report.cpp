@@ -18,7 +18,7 @@ constexpr const char* help =
   partscribe report edited.scad bracket.ply --out review    verify my script and report what came out
 
 Given a folder (or a model.json or verdict.json in it) it reads model.json, cloud.ply, verdict.json and the artifacts
-there. The verdict is the recorded one; the first artifact is run again for the pictures, because verdict.json holds no
+there. The verdict is the recorded one; the artifacts are run again for the pictures, because verdict.json holds no
 geometry. Given artifacts and scans it verifies them first. Writes report.html: one file that needs no network.)";
 
 struct Options {
@@ -64,7 +64,6 @@ Result<Done> evaluate_for_pictures(Material& material, Session& session) {
     recorded.sample_support = std::move(fresh.sample_support);
     recorded.objects = std::move(fresh.objects);
     if (recorded.findings.empty()) recorded.findings = std::move(fresh.findings);
-    break;
   }
   return Done{};
 }

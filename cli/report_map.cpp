@@ -74,7 +74,8 @@ MapData map_data(const ReportScene& scene, const MapOptions& options) {
   MapData map;
   if (scene.deviations.empty() || scene.surface.empty()) return map;
   const PointCloud& cloud = *scene.cloud;
-  const auto shown = shown_points(cloud.points, scene.deviations, scene.tolerance, options.most_points);
+  const auto most = static_cast<std::size_t>(scene.detail * static_cast<double>(options.most_points));
+  const auto shown = shown_points(cloud.points, scene.deviations, scene.tolerance, most);
   map.shown = shown.index.size(), map.of = shown.of;
   map.value_error = shown.value_error;
   map.surface_error = scene.surface.error;
@@ -107,7 +108,7 @@ MapData map_data(const ReportScene& scene, const MapOptions& options) {
     if (!std::isfinite(scene.deviations[i]) &&
         ((cloud.points[i] - q.center).cwiseAbs() / q.step).maxCoeff() < 32767)
       strays.push_back(i);
-  const std::size_t stride = strays.size() / 3000 + 1;
+  const std::size_t stride = strays.size() / static_cast<std::size_t>(std::max(1.0, 3000 * scene.detail)) + 1;
   for (std::size_t k = 0; k < strays.size(); k += stride) {
     q.place(aside, cloud.points[strays[k]]);
     append(aside, 0);

@@ -8,7 +8,7 @@
 namespace partscribe {
 
 struct MapOptions {
-  std::size_t most_points = 45000;  ///< more show finer detail and make the page larger
+  std::size_t most_points = 45000;  ///< times the scene's detail; more show finer detail and make the page larger
 };
 
 /// What the map's program reads, and what has to be said about it.

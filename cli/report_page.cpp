@@ -53,6 +53,32 @@ std::string map_program(const TemplatePack& pack) {
   return text + "})();\n";
 }
 
+/// What the page says and holds of the maps, of each artifact that has one.
+struct MapParts {
+  std::string choices, scales, remarks, data;
+};
+
+void add_map(MapParts& parts, const ReportScene& scene, const MapData& map, std::size_t index) {
+  const std::string number = std::to_string(index), file = escaped(scene.artifact->file);
+  const std::string mine = " data-map=\"" + number + "\"" + (index ? " hidden" : "");
+  parts.choices += "<option value=\"" + number + "\">" + file + ": " + title_of(scene.artifact->verdict) + "</option>";
+  parts.scales += "<div" + mine + ">" + scale_svg(scene.deviations, scene.tolerance) + "</div>";
+  parts.remarks += "<p class=\"remark\"" + mine + ">" + file + ": " + escaped(map_remark(map)) + "</p>";
+  parts.data += "<script type=\"application/json\" class=\"map-data\" data-file=\"" + file + "\">" + map.json + "</script>\n";
+}
+
+MapParts map_parts(const ReportScene& first, const MapData& first_map) {
+  MapParts parts;
+  add_map(parts, first, first_map, 0);
+  std::size_t count = 1;
+  for (const auto& scene : first.others)
+    if (const MapData map = map_data(scene, {}); !map.json.empty()) add_map(parts, scene, map, count++);
+  parts.choices = count == 1 ? std::string()
+                             : "<fieldset>\n<legend>File</legend>\n<label class=\"unseen\" for=\"artifact\">File</label>\n<select id=\"artifact\">" +
+                                   parts.choices + "</select>\n</fieldset>";
+  return parts;
+}
+
 TemplateList list_if(const std::string& key, const std::string& text) {
   return text.empty() ? TemplateList{} : TemplateList{{{key, text}}};
 }
@@ -64,7 +90,7 @@ std::string report_page(const ReportInput& input) {
   const auto pack = load_template_pack("report", {});
   ensure(pack.ok(), "the report's templates are part of the program");
   const MapData map = map_data(input.scene, {});
-  const std::string program = map_program(*pack);
+  const std::string program = map_program(*pack), scheme = pack->files.at("scheme.js");
 
   TemplateRecord data;
   data["name"] = escaped(spoken(input.name));
@@ -75,8 +101,9 @@ std::string report_page(const ReportInput& input) {
                          ? "The model is a triangulation, because no procedure with named dimensions met the tolerance."
                          : "";
   data["style"] = pack->files.at("report.css");
-  data["policy"] = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src '" + policy_hash(program) +
-                   "'; base-uri 'none'; form-action 'none'";
+  data["policy"] = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src '" + policy_hash(scheme) +
+                   "' '" + policy_hash(program) + "'; base-uri 'none'; form-action 'none'";
+  data["scheme"] = scheme;
   data["figures"] = key_figures(verdict, input.model);
   const ReportPicture* hero = picture_named(input.pictures, "deviation.png");
   if (!hero) hero = picture_named(input.pictures, "scan.png");
@@ -93,18 +120,13 @@ std::string report_page(const ReportInput& input) {
   data["version"] = escaped(input.version);
   TemplateList maps;
   if (!map.json.empty()) {
-    std::string options;
-    for (std::size_t k = 0; k < verdict.artifacts.size(); ++k)
-      if (&verdict.artifacts[k] == input.scene.artifact)
-        for (std::size_t f = 0; f < verdict.artifacts[k].objects.size(); ++f)
-          options += "<option value=\"" + std::to_string(f) + "\">" + escaped(verdict.artifacts[k].objects[f].name) + "</option>";
-    maps.push_back({{"json", map.json},
+    const MapParts parts = map_parts(input.scene, map);
+    maps.push_back({{"choices", parts.choices},
+                    {"scales", parts.scales},
+                    {"remarks", parts.remarks},
+                    {"data", parts.data},
                     {"program", program},
-                    {"scale", scale_svg(input.scene.deviations, verdict.tolerance)},
-                    {"remark", escaped(map_remark(map))},
-                    {"artifact", escaped(input.scene.artifact->file)},
-                    {"tolerance", print_number(verdict.tolerance)},
-                    {"feature_options", options}});
+                    {"tolerance", print_number(verdict.tolerance)}});
   }
   data["map"] = maps;
   auto page = pack->render("page.html", data);

@@ -53,6 +53,19 @@ std::vector<ReportView> views_of(const std::optional<Model>& model, const PointC
   return views;
 }
 
+constexpr double detail_of_others = 0.6;  // all of them together, of what the first shows; a page stays within 5 MB
+
+/// Fills in what follows from the scene's artifact.
+void draw(ReportScene& scene, Context& context) {
+  scene.deviations = deviations_of(*scene.cloud, scene.artifact);
+  if (scene.deviations.empty()) return;
+  scene.features = features_of(*scene.cloud, *scene.artifact);
+  SurfaceOptions options;
+  options.max_error = 0.25 * scene.tolerance;
+  options.most_vertices = static_cast<std::size_t>(scene.detail * static_cast<double>(options.most_vertices));
+  scene.surface = deviation_surface(*scene.artifact, *scene.cloud, scene.deviations, options, context);
+}
+
 }  // namespace
 
 const ArtifactVerdict* drawn_artifact(const Verdict& verdict) {
@@ -86,12 +99,18 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
   scene.tolerance = verdict.tolerance;
   scene.spacing = spacing_of(cloud);
   scene.views = views_of(model, cloud);
-  scene.deviations = deviations_of(cloud, scene.artifact);
-  if (scene.deviations.empty()) return scene;
-  scene.features = features_of(cloud, *scene.artifact);
-  SurfaceOptions options;
-  options.max_error = 0.25 * verdict.tolerance;
-  scene.surface = deviation_surface(*scene.artifact, cloud, scene.deviations, options, context);
+  std::vector<const ArtifactVerdict*> others;
+  for (const auto& artifact : verdict.artifacts)
+    if (&artifact != scene.artifact && !artifact.mesh.empty()) others.push_back(&artifact);
+  const ReportScene plain = scene;
+  for (const auto* artifact : others) {
+    ReportScene other = plain;
+    other.artifact = artifact;
+    other.detail = detail_of_others / static_cast<double>(others.size());
+    draw(other, context);
+    if (!other.surface.empty()) scene.others.push_back(std::move(other));
+  }
+  draw(scene, context);
   return scene;
 }
 

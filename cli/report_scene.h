@@ -20,13 +20,15 @@ struct ReportView {
 /// Refers to the cloud and the verdict it was made from, which must outlive it.
 struct ReportScene {
   const PointCloud* cloud = nullptr;
-  const ArtifactVerdict* artifact = nullptr;  ///< whose geometry is drawn: the first that has some; null if none ran
+  const ArtifactVerdict* artifact = nullptr;  ///< whose geometry is drawn: the first that has some, then `others`; null if none ran
   double tolerance = 0.1;
   double spacing = 0;                    ///< mm, median distance between scanned points
   std::vector<float> deviations;         ///< per point of the cloud; NaN: set aside; empty: nothing was judged
   std::vector<std::int32_t> features;    ///< per point of the cloud; empty as deviations
   DeviationSurface surface;
   std::vector<ReportView> views;         ///< the most telling one first, then the six sides
+  double detail = 1;                     ///< share of the vertices and points that a map may show
+  std::vector<ReportScene> others;       ///< of the other artifacts that were judged, in their order and with less detail
 };
 
 /// With a model the part stands upright as its procedure has it.

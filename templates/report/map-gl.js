@@ -37,7 +37,7 @@ float light(vec3 facing) {
 
 const surfaceFragmentShader = lightShader + `
 uniform sampler2D ramp;
-uniform float plain, only, grain;
+uniform float plain, only, grain, dark;
 varying float deviation, mine;
 varying vec2 state;
 varying vec3 facing;
@@ -48,7 +48,7 @@ void main() {
   bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, 8.0 * grain) < 2.5 * grain;
   if (state.y > 0.5) color = stripe ? vec3(0.59, 0.0, 0.43) : vec3(1.0, 0.84, 0.94);
   else if (state.x > 0.5) color = stripe ? vec3(0.69, 0.69, 0.67) : vec3(0.97, 0.965, 0.94);
-  if (mine < 0.5) color = mix(color, vec3(0.93, 0.94, 0.95), 0.88);
+  if (mine < 0.5) color = mix(color, dark > 0.5 ? vec3(0.22, 0.25, 0.28) : vec3(0.93, 0.94, 0.95), 0.88);
   gl_FragColor = vec4(color * light(facing), 1.0);
 }
 `;
@@ -70,15 +70,15 @@ void main() {
 
 const pointFragmentShader = lightShader + `
 uniform sampler2D ramp;
-uniform float only, one;
+uniform float only, one, dark;
 varying float deviation, mine;
 varying vec3 facing;
 void main() {
   vec2 d = gl_PointCoord - 0.5;
   if (dot(d, d) > 0.25 || (only > 0.5 && mine < 0.5 && one < 0.5)) discard;
   vec3 color = texture2D(ramp, vec2(clamp(0.5 + 0.25 * deviation, 0.002, 0.998), 0.5)).rgb;
-  if (mine < 0.5) color = vec3(0.86, 0.87, 0.88);
-  if (one > 0.5) color = vec3(0.47, 0.235, 0.63);
+  if (mine < 0.5) color = dark > 0.5 ? vec3(0.27, 0.30, 0.34) : vec3(0.86, 0.87, 0.88);
+  if (one > 0.5) color = dark > 0.5 ? vec3(0.72, 0.48, 0.92) : vec3(0.47, 0.235, 0.63);
   gl_FragColor = vec4(color * light(facing), 1.0);
 }
 `;
@@ -90,8 +90,8 @@ void main() { gl_Position = seen(place.xyz, 0.002); }
 
 const lineFragmentShader = `
 precision highp float;
-uniform float faint;
-void main() { gl_FragColor = vec4(mix(vec3(0.16, 0.2, 0.24), vec3(0.75), faint), 1.0); }
+uniform float faint, dark;
+void main() { gl_FragColor = vec4(mix(vec3(0.16, 0.2, 0.24), dark > 0.5 ? vec3(0.42, 0.46, 0.5) : vec3(0.75), faint), 1.0); }
 `;
 
 function makeGlRenderer(canvas, map) {
@@ -134,7 +134,6 @@ function makeGlRenderer(canvas, map) {
   for (const [key, value] of [[gl.TEXTURE_MIN_FILTER, gl.NEAREST], [gl.TEXTURE_MAG_FILTER, gl.NEAREST],
     [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, key, value);
   gl.enable(gl.DEPTH_TEST);
-  gl.clearColor(1, 1, 1, 1);
 
   const attribute = (program, name, data, size, type, normalized) => {
     const place = gl.getAttribLocation(program, name);
@@ -156,11 +155,13 @@ function makeGlRenderer(canvas, map) {
 
   return {
     kind: "webgl",
+    release() { const context = gl.getExtension("WEBGL_lose_context"); if (context) context.loseContext(); },
     draw(state, camera, ratio) {
       gl.viewport(0, 0, canvas.width, canvas.height);
+      gl.clearColor(...(state.dark ? darkGround : [255, 255, 255]).map(v => v / 255), 1);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       const perTolerance = state.magnify * map.deviationStep / map.tolerance, only = state.only && state.feature >= 0 ? 1 : 0;
-      const shared = { perTolerance, only, chosen: state.feature };
+      const shared = { perTolerance, only, chosen: state.feature, dark: state.dark ? 1 : 0 };
       if (state.mode !== "points") {
         use(programs.surface, camera, { ...shared, plain: state.mode === "both" ? 1 : 0, grain: ratio });
         attribute(programs.surface, "place", buffers.places, 4, gl.SHORT, false);
@@ -172,7 +173,7 @@ function makeGlRenderer(canvas, map) {
         gl.drawElements(gl.TRIANGLES, map.surface.triangles.length, gl.UNSIGNED_SHORT, 0);
         gl.disable(gl.POLYGON_OFFSET_FILL);
         if (map.drawEdges) {
-          use(programs.line, camera, { faint: state.feature >= 0 ? 1 : 0 });
+          use(programs.line, camera, { faint: state.feature >= 0 ? 1 : 0, dark: shared.dark });
           attribute(programs.line, "place", buffers.places, 4, gl.SHORT, false);
           gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers.edges);
           gl.drawElements(gl.LINES, map.surface.edges.length, gl.UNSIGNED_SHORT, 0);

@@ -51,7 +51,7 @@ function makeSoftRenderer(canvas, map) {
           if (state.mode === "both") r = 204, g = 209, bl = 214;
           if (support === 2) [r, g, bl] = stripe ? [150, 0, 110] : [255, 214, 240];
           else if (support === 1) [r, g, bl] = stripe ? [176, 176, 170] : [247, 246, 240];
-          if (!mine) r += 0.88 * (237 - r), g += 0.88 * (240 - g), bl += 0.88 * (242 - bl);
+          if (!mine) [r, g, bl] = [r, g, bl].map((v, k) => v + 0.88 * ((state.dark ? [56, 64, 71] : [237, 240, 242])[k] - v));
           const l = w * light[a] + u * light[b] + v * light[c];
           put(at, depth, r * l, g * l, bl * l);
         }
@@ -59,7 +59,7 @@ function makeSoftRenderer(canvas, map) {
   }
 
   function drawEdges(state, width, height) {
-    const edges = map.surface.edges, shade = state.feature >= 0 ? 190 : 45, bias = 0.004 * map.radius;
+    const edges = map.surface.edges, shade = state.feature < 0 ? 45 : state.dark ? 110 : 190, bias = 0.004 * map.radius;
     for (let e = 0; e < edges.length; e += 2) {
       const a = 3 * edges[e], b = 3 * edges[e + 1], dx = screen[b] - screen[a], dy = screen[b + 1] - screen[a + 1];
       const steps = Math.min(4000, Math.ceil(Math.max(Math.abs(dx), Math.abs(dy))));
@@ -80,7 +80,7 @@ function makeSoftRenderer(canvas, map) {
       const p = camera.project([places[4 * i], places[4 * i + 1], places[4 * i + 2]], width, height), depth = p[2] + bias;
       const k = 3 * Math.min(255, Math.max(0, Math.floor((0.5 + 0.25 * places[4 * i + 3] * perTolerance) * 256)));
       const l = color ? 1 : lightOf(map.points.normals, i, camera);
-      const [r, g, b] = (color || (mine ? [map.ramp[k], map.ramp[k + 1], map.ramp[k + 2]] : [220, 222, 225])).map(v => v * l);
+      const [r, g, b] = (color || (mine ? [map.ramp[k], map.ramp[k + 1], map.ramp[k + 2]] : state.dark ? [69, 77, 87] : [220, 222, 225])).map(v => v * l);
       for (let y = Math.round(p[1]) - radius; y <= Math.round(p[1]) + radius; y++)
         for (let x = Math.round(p[0]) - radius; x <= Math.round(p[0]) + radius; x++)
           if (x >= 0 && y >= 0 && x < width && y < height && depth > depths[y * width + x]) put(y * width + x, depth, r, g, b);
@@ -89,6 +89,7 @@ function makeSoftRenderer(canvas, map) {
 
   return {
     kind: "canvas",
+    release() {},
     draw(state, camera) {
       const width = canvas.width, height = canvas.height;
       if (!image || image.width !== width || image.height !== height) {
@@ -96,7 +97,8 @@ function makeSoftRenderer(canvas, map) {
         colors = new Uint32Array(image.data.buffer);
         depths = new Float32Array(width * height);
       }
-      colors.fill(0xffffffff);
+      const [r, g, b] = state.dark ? darkGround : [255, 255, 255];
+      colors.fill(0xff000000 | b << 16 | g << 8 | r);
       depths.fill(-Infinity);
       if (state.mode !== "points") {
         projectSurface(camera, width, height);
@@ -107,7 +109,7 @@ function makeSoftRenderer(canvas, map) {
       const radius = Math.min(4, Math.max(1, Math.round((both ? 0.4 : 0.8) * map.spacing * height / 2 / camera.scale(width, height))));
       if (state.mode !== "surface")
         drawPoints(map.points.places, map.points.features, map.points.count, camera, state, radius, bias, null, width, height);
-      if (state.aside) drawPoints(map.aside, null, map.aside.length / 4, camera, state, 1, 0.02 * map.radius, [120, 60, 160], width, height);
+      if (state.aside) drawPoints(map.aside, null, map.aside.length / 4, camera, state, 1, 0.02 * map.radius, state.dark ? [184, 122, 235] : [120, 60, 160], width, height);
       pen.putImageData(image, 0, 0);
     },
   };

@@ -2,8 +2,11 @@
 const byId = id => document.getElementById(id);
 const viewer = byId("viewer"), stage = byId("stage"), readout = byId("readout"), hint = byId("hint"), marks = byId("marks");
 let canvas = byId("canvas");
-const map = readMap(byId("map-data").textContent), camera = new Camera(map);
-const state = { mode: "surface", feature: -1, only: false, aside: false, pins: true, finding: -1, magnify: 1 };
+// One map for each artifact, unpacked when it is first looked at.
+const packed = [...document.querySelectorAll(".map-data")], maps = [readMap(packed[0].textContent)];
+let map = maps[0], shown = 0;
+const camera = new Camera(map), root = document.documentElement;
+const state = { mode: "surface", feature: -1, only: false, aside: false, pins: true, finding: -1, magnify: 1, dark: false };
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 let renderer = null, waiting = false, flight = 0, frames = 0, projection = null;
 
@@ -12,7 +15,13 @@ viewer.hidden = false;
 function makeRenderer() {
   renderer = makeGlRenderer(canvas, map);
   if (renderer) {
-    canvas.addEventListener("webglcontextlost", () => { useFreshCanvas(); renderer = makeSoftRenderer(canvas, map); redraw(); });
+    const own = canvas;
+    own.addEventListener("webglcontextlost", () => {
+      if (canvas !== own) return;
+      useFreshCanvas();
+      renderer = makeSoftRenderer(canvas, map);
+      redraw();
+    });
   } else {
     // A canvas that was asked for WebGL may refuse anything else.
     useFreshCanvas();
@@ -46,6 +55,38 @@ function draw() {
   canvas.dataset.frames = ++frames;
   canvas.dataset.view = camera.turn.flat().concat(camera.target, camera.half).map(v => v.toFixed(4)).join(" ");
   canvas.dataset.feature = state.feature;
+  canvas.dataset.artifact = packed[shown].dataset.file;
+}
+
+// ---- Which artifact
+
+function fillFeatures() {
+  const all = new Option("all features", "-1");
+  byId("feature").replaceChildren(all, ...map.features.map((name, index) => new Option(name, String(index))));
+  for (const part of document.querySelectorAll("[data-map]")) part.hidden = Number(part.dataset.map) !== shown;
+}
+
+// The part is seen as before, though every map counts places in units of its own.
+function openMap(index) {
+  if (index === shown) return;
+  cancelAnimationFrame(flight);
+  flight = 0;
+  const target = toMm(map, camera.target), half = camera.half * map.step;
+  map = maps[index] = maps[index] || readMap(packed[index].textContent);
+  shown = index;
+  camera.map = map;
+  camera.target = fromMm(map, target);
+  camera.half = half / map.step;
+  state.finding = -1;
+  const released = renderer;
+  useFreshCanvas();
+  if (released) released.release();
+  makeRenderer();
+  fillFeatures();
+  makeMarks();
+  if (byId("artifact")) byId("artifact").value = String(index);
+  choose(-1, false);
+  tell("The map shows " + packed[index].dataset.file + ".");
 }
 
 // ---- Reading
@@ -165,7 +206,7 @@ function choose(feature, moves) {
   state.feature = feature;
   byId("feature").value = String(feature);
   for (const button of document.querySelectorAll(".pick[data-feature]")) {
-    const mine = Number(button.dataset.feature) === feature;
+    const mine = shown === 0 && Number(button.dataset.feature) === feature;  // the tables speak of the first artifact
     button.setAttribute("aria-pressed", String(mine));
     button.closest("tr").classList.toggle("selected", mine);
   }
@@ -199,13 +240,17 @@ function visit(index) {
   redraw();
 }
 
-const pinned = map.findings.slice(0, 30).map((finding, index) => {
-  const mark = document.createElement("span");
-  mark.className = "mark";
-  mark.textContent = String(index + 1);
-  marks.append(mark);
-  return { mark, place: fromMm(map, finding.place), index };
-});
+let pinned = [];
+function makeMarks() {
+  marks.replaceChildren();
+  pinned = map.findings.slice(0, 30).map((finding, index) => {
+    const mark = document.createElement("span");
+    mark.className = "mark";
+    mark.textContent = String(index + 1);
+    marks.append(mark);
+    return { mark, place: fromMm(map, finding.place), index };
+  });
+}
 
 function placeMarks() {
   marks.hidden = !state.pins;
@@ -306,7 +351,7 @@ byId("magnify").addEventListener("change", event => {
     tick.textContent = share === 0 ? "0" : (share < 0 ? "\u2212" : "+") + Number(Math.abs(mm).toFixed(places)) +
       (Math.abs(share) === 1 ? state.magnify === 1 ? " T" : " T/" + state.magnify : "");
   }
-  document.querySelector(".scale .bars").style.visibility = state.magnify === 1 ? "" : "hidden";
+  for (const bars of document.querySelectorAll(".scale .bars")) bars.style.visibility = state.magnify === 1 ? "" : "hidden";
   tell("Colours for " + (state.magnify === 1 ? "the tolerance T." : "T/" + state.magnify + "."));
   redraw();
 });
@@ -322,11 +367,24 @@ map.views.forEach((view, index) => {
 });
 for (const button of document.querySelectorAll(".pick"))
   button.addEventListener("click", () => {
+    openMap(0);
     if (button.dataset.finding !== undefined) visit(Number(button.dataset.finding));
     else choose(Number(button.dataset.feature) === state.feature ? -1 : Number(button.dataset.feature), true);
     byId("map").scrollIntoView({ behavior: still.matches ? "auto" : "smooth" });
   });
 
+if (byId("artifact")) byId("artifact").addEventListener("change", event => openMap(Number(event.target.value)));
+
+// The background is the page's.
+function followScheme() {
+  state.dark = getComputedStyle(root).colorScheme === "dark";
+  redraw();
+}
+root.addEventListener("schemechange", followScheme);
+followScheme();
+
+fillFeatures();
+makeMarks();
 makeRenderer();
 camera.reset(aspect());
 new ResizeObserver(redraw).observe(stage);

@@ -64,7 +64,13 @@ struct Disc {
     finding.deviation = 0.15, finding.area = 754, finding.extent = 40, finding.points = 10000;
     finding.text = "rim: 0.15 mm too far out over 754 mm2 at (0, -20, 3)";
     a.findings = {finding};
-    verdict.artifacts = {a};
+    // The same disc from another program, without the fault of the rim.
+    ArtifactVerdict good = a;
+    good.file = "disc.step", good.program = "OpenCASCADE", good.verdict = Outcome::verified;
+    good.findings.clear();
+    for (auto& row : good.objects) row.verdict = Outcome::verified, row.max = 0.02;
+    for (auto& d : good.point_deviation) d = std::abs(d) > 0.1 ? 0.01f : d;
+    verdict.artifacts = {a, good};
   }
 };
 
@@ -100,6 +106,34 @@ std::size_t count_pixels(const Screenshot& picture, Test test) {
 }
 bool drawn(int r, int g, int b) { return r < 250 || g < 250 || b < 250; }
 bool far_out(int r, int g, int b) { return r > 60 && g < 60 && b < 60 && r > 2 * g; }  // beyond the tolerance, outside
+
+/// Texts whose contrast to their background, where both are plain colours, is less than 4.5 to 1.
+Json faint_texts(Chromium& browser) {
+  return browser.evaluate(R"js((() => {
+    const channel = v => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+    const parse = c => c.match(/[\d.]+/g).map(Number);
+    const light = c => 0.2126 * channel(c[0]) + 0.7152 * channel(c[1]) + 0.0722 * channel(c[2]);
+    const bad = [];
+    for (const e of document.querySelectorAll("body *")) {
+      if (![...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim()) || !e.getClientRects().length || e.closest("svg")) continue;
+      if (["SCRIPT", "STYLE", "OPTION"].includes(e.tagName)) continue;
+      let behind = e, back = [255, 255, 255];
+      for (; behind; behind = behind.parentElement) {
+        const c = parse(getComputedStyle(behind).backgroundColor);
+        if (c.length < 4 || c[3] > 0) { back = c; break; }
+      }
+      const a = light(parse(getComputedStyle(e).color)), b = light(back);
+      if ((Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < 4.5) bad.push(e.outerHTML.slice(0, 120));
+    }
+    return bad;
+  })())js");
+}
+
+void prefer_dark(Chromium& browser) {
+  browser.call("Emulation.setEmulatedMedia", {{"features", {{{"name", "prefers-color-scheme"}, {"value", "dark"}}}}});
+}
+
+void settle(Chromium& browser) { browser.evaluate("new Promise(done => setTimeout(done, 250))"); }
 
 void expect_quiet(const Chromium& browser, const Page& page) {
   for (const auto& complaint : browser.complaints()) UNSCOPED_INFO(complaint);
@@ -222,28 +256,83 @@ TEST_CASE("browser: every control has a name, and nothing overflows a narrow win
   for (const char* role : {"main", "navigation", "banner", "contentinfo", "table", "status"}) CHECK(roles.count(role) == 1);
   browser.call("Emulation.setDeviceMetricsOverride", {{"width", 400}, {"height", 800}, {"deviceScaleFactor", 1}, {"mobile", false}});
   CHECK(browser.evaluate("document.documentElement.scrollWidth <= 400") == true);
-  // Text on its background, where both are plain colours: at least 4.5 to 1.
-  const Json faint = browser.evaluate(R"js((() => {
-    const channel = v => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
-    const parse = c => c.match(/[\d.]+/g).map(Number);
-    const light = c => 0.2126 * channel(c[0]) + 0.7152 * channel(c[1]) + 0.0722 * channel(c[2]);
-    const bad = [];
-    for (const e of document.querySelectorAll("body *")) {
-      if (![...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim()) || !e.getClientRects().length || e.closest("svg")) continue;
-      if (["SCRIPT", "STYLE", "OPTION"].includes(e.tagName)) continue;
-      let behind = e, back = [255, 255, 255];
-      for (; behind; behind = behind.parentElement) {
-        const c = parse(getComputedStyle(behind).backgroundColor);
-        if (c.length < 4 || c[3] > 0) { back = c; break; }
-      }
-      const a = light(parse(getComputedStyle(e).color)), b = light(back);
-      if ((Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < 4.5) bad.push(e.outerHTML.slice(0, 120));
-    }
-    return bad;
-  })())js");
+  const Json faint = faint_texts(browser);
   INFO(faint.dump());
   CHECK(faint.empty());
   expect_quiet(browser, page);
+}
+
+TEST_CASE("browser: a dark screen gets dark colours that can be read, the button changes them, print stays light") {
+  NEEDS_CHROMIUM
+  const Page page;
+  for (const bool webgl : {true, false}) {
+    Chromium browser(webgl ? std::vector<std::string>{} : std::vector<std::string>{"--disable-3d-apis"});
+    prefer_dark(browser);
+    browser.open(page.file, 1200, 900);
+    wait_until_drawn(browser);
+    const std::string ground = "getComputedStyle(document.body).backgroundColor";
+    CHECK(browser.evaluate(ground) == "rgb(21, 26, 32)");
+    const auto is_page = [](int r, int g, int b) { return r == 21 && g == 26 && b == 32; };
+    const auto is_white = [](int r, int g, int b) { return r == 255 && g == 255 && b == 255; };
+    settle(browser);
+    const auto dark = browser.screenshot("#canvas");
+    CHECK(count_pixels(dark, is_page) > 40000);
+    CHECK(count_pixels(dark, is_white) < 600);  // the mark of the finding
+    CHECK(count_pixels(dark, far_out) > 2000);  // the colours of the deviation are the same
+    const Json faint = faint_texts(browser);
+    INFO(faint.dump());
+    CHECK(faint.empty());
+    CHECK(browser.evaluate("document.getElementById('scheme').textContent") == "Light colours");
+    browser.evaluate("document.getElementById('scheme').click()");
+    CHECK(browser.evaluate(ground) == "rgb(255, 255, 255)");
+    settle(browser);
+    CHECK(count_pixels(browser.screenshot("#canvas"), is_white) > 40000);
+    browser.evaluate("document.getElementById('scheme').click()");
+    CHECK(browser.evaluate(ground) == "rgb(21, 26, 32)");
+    browser.call("Emulation.setEmulatedMedia", {{"media", "print"}, {"features", {{{"name", "prefers-color-scheme"}, {"value", "dark"}}}}});
+    CHECK(browser.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--page').trim()") == "#fff");
+    CHECK(browser.evaluate("document.getElementById('scheme').getClientRects().length") == 0);
+    expect_quiet(browser, page);
+  }
+}
+
+TEST_CASE("browser: every artifact has its map; another one is seen from where the first was, findings lead back to the first") {
+  NEEDS_CHROMIUM
+  const Page page;
+  for (const bool webgl : {true, false}) {
+    Chromium browser(webgl ? std::vector<std::string>{"--force-prefers-reduced-motion"} : std::vector<std::string>{"--force-prefers-reduced-motion", "--disable-3d-apis"});
+    browser.open(page.file, 1200, 900);
+    wait_until_drawn(browser);
+    CHECK(browser.evaluate("[...document.getElementById('artifact').options].map(o => o.textContent).join('; ')") ==
+          "disc.scad: Out of tolerance; disc.step: Verified");
+    browser.evaluate("document.getElementById('canvas').focus(); 0");
+    browser.press("2");
+    settle(browser);
+    const auto first = browser.screenshot("#canvas");
+    const Json turned = browser.evaluate("document.getElementById('canvas').dataset.view.split(' ').slice(0, 9).join(' ')");
+    const std::string choose = "(() => { const list = document.getElementById('artifact'); list.value = '1'; list.dispatchEvent(new Event('change')); })()";
+    for (int round = 0; round < 20; ++round) {  // more often than a browser has contexts to draw in
+      browser.evaluate(choose);
+      if (round < 19) browser.evaluate("document.querySelector('.pick[data-feature=\"0\"]').click()");
+    }
+    REQUIRE(browser.wait_for("document.getElementById('canvas').dataset.artifact === 'disc.step'"));
+    settle(browser);
+    const auto second = browser.screenshot("#canvas");
+    CHECK(browser.evaluate("document.getElementById('canvas').dataset.renderer") == (webgl ? "webgl" : "canvas"));
+    CHECK(count_pixels(first, far_out) > 2000);
+    CHECK(count_pixels(second, far_out) < 100);  // this rim is right
+    CHECK(count_pixels(second, drawn) > 20000);
+    CHECK(browser.evaluate("document.getElementById('canvas').dataset.view.split(' ').slice(0, 9).join(' ')") == turned);
+    CHECK(browser.evaluate("[...document.querySelectorAll('[data-map]')].filter(e => !e.hidden).length") == 2);  // its scale and remark
+    CHECK(browser.evaluate("document.querySelectorAll('.mark').length") == 0);
+    browser.evaluate("document.querySelector('.pick[data-finding=\"0\"]').click()");
+    REQUIRE(browser.wait_for("document.getElementById('canvas').dataset.artifact === 'disc.scad'"));
+    settle(browser);
+    CHECK(browser.evaluate("document.getElementById('artifact').value") == "0");
+    CHECK(browser.evaluate("document.querySelectorAll('.mark').length") == 1);
+    CHECK(count_pixels(browser.screenshot("#canvas"), far_out) > 2000);
+    expect_quiet(browser, page);
+  }
 }
 
 TEST_CASE("browser: prints on A4 without the interactive parts, and every script in full") {
