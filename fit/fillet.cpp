@@ -1,11 +1,13 @@
 #include "fit/fillet.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/refine.h"
 #include "model/distance.h"
 
 namespace partscribe {
@@ -38,14 +40,28 @@ std::vector<Vec3> face_directions(std::vector<Vec3> normals, std::size_t most) {
   return directions;
 }
 
+/// The direction along which walls run: that to which the normals are square, apart from those of its own ends.
+Vec3 wall_direction(const std::vector<Vec3>& normals, Vec3 direction) {
+  constexpr double end = 0.8;
+  for (int round = 0; round < 8; ++round) {
+    Mat3 scatter = Mat3::Zero();
+    for (const auto& n : normals) {
+      const double along = direction.dot(n);
+      if (std::abs(along) < end) scatter += std::exp(-along * along / 0.08) * n * n.transpose();
+    }
+    direction = Eigen::SelfAdjointEigenSolver<Mat3>(scatter).eigenvectors().col(0);
+  }
+  return direction;
+}
+
 struct Start {
   Pose scan_from_part;
-  double width = 0, height = 0, length = 0, miss = 1e300;
-  double concave = 0;  // share of the points near the concave side and no other
+  Vec3 size = Vec3::Zero();  // width, height, length
+  double miss = 1e300;       // mm, that 60 % of the points keep to
 };
 
 /// The fillet whose corner lies low along x and y, ends included, and how far the points are from it.
-Start start_in(const Mat3& rotation, const std::vector<Vec3>& points, double reach) {
+Start start_in(const Mat3& rotation, const std::vector<Vec3>& points) {
   Start start;
   Vec3 low, high;
   for (int k = 0; k < 3; ++k) {
@@ -55,23 +71,53 @@ Start start_in(const Mat3& rotation, const std::vector<Vec3>& points, double rea
   }
   start.scan_from_part.rotation = rotation;
   start.scan_from_part.translation = rotation * low;
-  const Vec3 size = high - low;
-  start.width = size.x(), start.height = size.y(), start.length = size.z();
-  if (!(size.minCoeff() > 0)) return start;
-  Model model;
-  model.objects.push_back({"fillet", Fillet{start.width, start.height, start.length}, {}, {}, {}});
-  const ModelDistance distance(model);
+  start.size = high - low;
+  if (!(start.size.minCoeff() > 0)) return start;
+  // To first order, which will do for comparing starts.
   const Pose part_from_scan = start.scan_from_part.inverse();
   std::vector<double> misses;
   for (const auto& p : points) {
     const Vec3 q = part_from_scan * p;
-    const double d = std::abs(distance(q).distance);
-    misses.push_back(d);
-    const double inside = std::min({q.x(), q.y(), q.z(), size.z() - q.z()});
-    if (d < reach && inside > 2 * reach) start.concave += 1 / double(points.size());
+    const Vec2 u(1 - q.x() / start.size.x(), 1 - q.y() / start.size.y());
+    const Vec2 slope(u.x() / start.size.x(), u.y() / start.size.y());
+    const double concave = u.x() > 0 && u.y() > 0 ? (1 - u.norm()) * u.norm() / std::max(slope.norm(), 1e-9) : 1e300;
+    const Vec3 outside = (-q).cwiseMax(q - start.size).cwiseMax(0);
+    const double faces = std::min({std::abs(q.x()), std::abs(q.y()), std::abs(q.z()), std::abs(start.size.z() - q.z())});
+    misses.push_back(std::max(outside.norm(), std::min(std::abs(concave), faces)));
   }
   start.miss = quantile(misses, 0.6);
   return start;
+}
+
+/// Every way to stand a fillet on two directions that are square to each other: its length along either or across both.
+std::vector<Mat3> frames_on(const Vec3& a, const Vec3& b) {
+  Mat3 axes;
+  axes.col(0) = a, axes.col(1) = (b - b.dot(a) * a).normalized(), axes.col(2) = axes.col(0).cross(axes.col(1));
+  std::vector<Mat3> frames;
+  for (int along = 0; along < 3; ++along)
+    for (const double side_x : {1.0, -1.0})
+      for (const double side_y : {1.0, -1.0}) {
+        Mat3 r;
+        r.col(0) = side_x * axes.col((along + 1) % 3), r.col(1) = side_y * axes.col((along + 2) % 3);
+        r.col(2) = r.col(0).cross(r.col(1));
+        frames.push_back(r);
+      }
+  return frames;
+}
+
+/// How many points lie on the concave side and clearly on no side of a block.
+std::size_t concave_points(const Candidate& c, const Vec3& size, const FitInput& input) {
+  constexpr double on = 3, clearly = 4;  // sigmas
+  const double sigma = std::max(input.sampling.sigma, 0.1 * input.tolerance);
+  const ModelDistance distance(bare_model(c));
+  const Pose part_from_scan = c.scan_from_part.inverse();
+  std::size_t count = 0;
+  for (const auto& p : input.cloud.points) {
+    const Vec3 q = part_from_scan * p;
+    if (std::min(q.minCoeff(), (size - q).minCoeff()) < clearly * sigma) continue;
+    count += std::abs(distance(q).distance) < on * sigma;
+  }
+  return count;
 }
 
 Parameter length(const char* name, double value, const char* note) {
@@ -80,54 +126,64 @@ Parameter length(const char* name, double value, const char* note) {
   return p;
 }
 
+Candidate candidate_from(const Start& start, bool round) {
+  Candidate c;
+  c.procedure = "fillet", c.object_name = "fillet_body";
+  c.scan_from_part = start.scan_from_part;
+  const Vec3& size = start.size;
+  if (round) {
+    c.shape = Fillet{Expr::of("fillet_radius"), Expr::of("fillet_radius"), Expr::of("length")};
+    c.parameters = {length("fillet_radius", (size.x() + size.y()) / 2, "radius of the concave side, length of both legs"),
+                    length("length", size.z(), "length of the fillet")};
+  } else {
+    c.shape = Fillet{Expr::of("width"), Expr::of("height"), Expr::of("length")};
+    c.parameters = {length("width", size.x(), "first leg"), length("height", size.y(), "second leg"),
+                    length("length", size.z(), "length of the fillet")};
+  }
+  return c;
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) {
-  std::vector<Candidate> result;
   const auto& cloud = input.cloud;
-  if (cloud.size() < 50 || cloud.normals.size() != cloud.size() || input.bounds.empty()) return result;
+  if (cloud.size() < 50 || cloud.normals.size() != cloud.size() || input.bounds.empty()) return {};
   std::vector<Vec3> points, normals;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / most_points);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     points.push_back(cloud.points[i]);
     if (cloud.normals[i].squaredNorm() > 0.5) normals.push_back(cloud.normals[i]);
   }
-  const auto directions = face_directions(normals, 5);
-  const double close = std::max({3 * input.tolerance, 3 * input.sampling.sigma, 0.01 * input.bounds.diagonal()});
+  std::vector<Vec3> directions = face_directions(normals, 5);
+  const std::size_t faces = directions.size();
+  for (std::size_t i = 0; i < faces; ++i) directions.push_back(wall_direction(normals, directions[i].unitOrthogonal()));
   Start best;
-  for (const auto& x : directions)
-    for (const auto& y : directions) {
-      if (std::abs(x.dot(y)) > square) continue;
+  for (std::size_t i = 0; i < faces; ++i)
+    for (std::size_t k = i + 1; k < directions.size(); ++k) {
+      if (std::abs(directions[i].dot(directions[k])) > square) continue;
       // Which corner of the box around the data is the fillet's own is told by the data.
-      for (const double side_x : {1.0, -1.0}) {
-        Mat3 rotation;
-        rotation.col(0) = side_x * x;
-        rotation.col(1) = (y - y.dot(x) * x).normalized();
-        rotation.col(2) = rotation.col(0).cross(rotation.col(1));
-        const Start start = start_in(rotation, points, close);
+      for (const Mat3& frame : frames_on(directions[i], directions[k])) {
+        const Start start = start_in(frame, points);
         if (start.miss < best.miss) best = start;
-        rotation.col(1) = -rotation.col(1), rotation.col(2) = -rotation.col(2);
-        const Start other = start_in(rotation, points, close);
-        if (other.miss < best.miss) best = other;
       }
     }
   context.report("fillets", 1);
+  const double close = std::max({2 * input.tolerance, 3 * input.sampling.sigma, 0.02 * input.bounds.diagonal()});
+  if (!(best.miss < close)) return {};
+  RefineOptions quick;
+  quick.points = most_points, quick.iterations = 20, quick.uncertainty = false;
+  Candidate any = candidate_from(best, false);
+  refine(any, input, quick, context);
+  Start polished;
+  polished.scan_from_part = any.scan_from_part;
+  for (int k = 0; k < 3; ++k) polished.size[k] = any.parameters[static_cast<std::size_t>(k)].value;
   // Without its concave side it is a block like any other.
-  constexpr double least_concave = 0.03;
-  if (!(best.miss < close) || best.concave < least_concave) return result;
-  Candidate c;
-  c.procedure = "fillet", c.object_name = "fillet_body";
-  c.scan_from_part = best.scan_from_part;
-  if (std::abs(best.width - best.height) < 0.1 * (best.width + best.height)) {
-    c.shape = Fillet{Expr::of("fillet_radius"), Expr::of("fillet_radius"), Expr::of("length")};
-    c.parameters = {length("fillet_radius", (best.width + best.height) / 2, "radius of the concave side, length of both legs"),
-                    length("length", best.length, "length of the fillet")};
-    result.push_back(c);
-  }
-  c.shape = Fillet{Expr::of("width"), Expr::of("height"), Expr::of("length")};
-  c.parameters = {length("width", best.width, "first leg"), length("height", best.height, "second leg"),
-                  length("length", best.length, "length of the fillet")};
-  result.push_back(std::move(c));
+  const std::size_t least_concave = std::max<std::size_t>(20, cloud.size() / 100);
+  if (!(polished.size.minCoeff() > 0) || concave_points(any, polished.size, input) < least_concave) return {};
+  std::vector<Candidate> result;
+  if (std::abs(polished.size.x() - polished.size.y()) < 0.1 * (polished.size.x() + polished.size.y()))
+    result.push_back(candidate_from(polished, true));
+  result.push_back(std::move(any));
   return result;
 }
 

@@ -161,6 +161,12 @@ std::vector<Sensor> placed_sensors(const Target& target, double wanted, Random& 
   return best;
 }
 
+/// Looks at what lies about the x axis, somewhat from above or below.
+Sensor sensor_before_arc(Random& random) {
+  const double y = random.uniform(-0.2, 0.2), z = random.uniform(-0.6, 0.6);
+  return {Vec3(1, y, z).normalized(), {}};
+}
+
 /// A coarse mesh as it is read from a file: corners in single precision, and samples where they are far apart.
 void scan_mesh(Case& c, const Part& part, const Conditions& conditions, Random& random) {
   const int around = conditions.least_facets + static_cast<int>(random.below(static_cast<std::uint64_t>(conditions.most_facets - conditions.least_facets + 1)));
@@ -210,6 +216,11 @@ const std::vector<std::string>& kinds() {
   return list;
 }
 
+const std::vector<std::string>& degenerate_kinds() {
+  static const std::vector<std::string> list = {"cone_1deg", "cylinder_30deg", "torus_fat", "torus_patch", "ellipsoid_round"};
+  return list;
+}
+
 Conditions standard_conditions() { return {}; }
 
 Conditions hardest_conditions() {
@@ -231,8 +242,10 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
   Random random(seed * 7919 + 17);
   for (int i = 0; i < 4; ++i) random.next();
   Case c;
-  c.kind = kind;
-  const Part part = random_part(kind, random);
+  const auto& nearly = degenerate_kinds();
+  const bool degenerate = std::find(nearly.begin(), nearly.end(), kind) != nearly.end();
+  c.kind = kind.substr(0, degenerate ? kind.find('_') : kind.size());
+  const Part part = degenerate ? degenerate_part(kind, random) : random_part(kind, random);
   c.truth = part.model;
   c.size = part.bounds.size().maxCoeff();
   if (conditions.least_facets > 0) {
@@ -249,7 +262,7 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
 
   const Target target(part.model, part.bounds);
   const double r = target.radius();
-  const std::vector<Sensor> sensors = placed_sensors(target, conditions.seen, random, c.seen);
+  const std::vector<Sensor> sensors = part.arc > 0 ? std::vector{sensor_before_arc(random)} : placed_sensors(target, conditions.seen, random, c.seen);
   const Vec3 dense = random_direction(random);
   const auto surface_count = static_cast<std::size_t>(double(conditions.points) * (1 - wanted));
   struct Return {
@@ -268,6 +281,7 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
     const double keep = random.uniform(), thin = random.uniform(), noise = random.normal();
     const auto hit = target.first_hit(origin, -s.towards);
     if (!hit || !s.lit(hit->point)) continue;
+    if (part.arc > 0 && std::abs(std::atan2(hit->point.y(), hit->point.x())) > part.arc / 2) continue;
     const double place = std::clamp(0.5 + (hit->point - target.middle()).dot(dense) / c.size, 0.0, 1.0);
     if (keep > std::pow(conditions.density_ratio, place - 1)) continue;
     const double cosine = hit->normal.dot(s.towards), incidence = std::acos(std::clamp(cosine, -1.0, 1.0));

@@ -28,7 +28,7 @@ Conditions facet_conditions();
 
 /// One scan of which everything is known.
 struct Case {
-  std::string kind;
+  std::string kind;                 ///< of a degenerate one what it truly is, "cone"
   Model truth;                      ///< in its own frame; parameters in the order of canonical_numbers()
   Pose scan_from_part;
   Scan scan;
@@ -44,6 +44,9 @@ struct Case {
 /// The kinds that are drawn: "sphere", "ellipsoid", "superellipsoid", "box", "wedge", "cylinder", "cone", "torus",
 /// "supertoroid", "fillet", "half_spaces", "revolve", "extrude".
 const std::vector<std::string>& kinds();
+
+/// Parts that are nearly of a simpler kind, or of which so little was seen: see degenerate_part().
+const std::vector<std::string>& degenerate_kinds();
 
 /// The same case for the same arguments always.
 Case make_case(const std::string& kind, const Conditions& conditions, std::uint64_t seed);

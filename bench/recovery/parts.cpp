@@ -225,6 +225,25 @@ Part extrude(Random& random) {
   return part_of(Extrude{{{outline}}, s("thickness", high)}, s, Vec3::Zero(), Vec3(x, y, high));
 }
 
+Part slim_cone(Random& random) {
+  Sizes s;
+  const double r = random.uniform(10, 25), h = r * random.uniform(1.5, 4), top = r - h * std::tan(pi / 180);
+  return part_of(Cone{s("bottom_radius", r), s("top_radius", top), s("height", h)}, s, Vec3(-r, -r, 0), Vec3(r, r, h));
+}
+
+Part ring_of(double major, double minor) {
+  Sizes s;
+  const double out = major + minor;
+  return part_of(Torus{s("major_radius", major), s("minor_radius", minor)}, s, Vec3(-out, -out, -minor), Vec3(out, out, minor));
+}
+
+Part round_ellipsoid(Random& random) {
+  Sizes s;
+  const double a = random.uniform(20, 45);
+  const Vec3 r(a, a * random.uniform(0.97, 1), a * random.uniform(0.97, 1));
+  return part_of(Ellipsoid{s("radius_x", r[0]), s("radius_y", r[1]), s("radius_z", r[2])}, s, -r, r);
+}
+
 }  // namespace
 
 Part random_part(const std::string& kind, Random& random) {
@@ -242,6 +261,17 @@ Part random_part(const std::string& kind, Random& random) {
   if (kind == "revolve") return revolve(random);
   ensure(kind == "extrude", "the kind must be known");
   return extrude(random);
+}
+
+Part degenerate_part(const std::string& kind, Random& random) {
+  if (kind == "cone_1deg") return slim_cone(random);
+  if (kind == "ellipsoid_round") return round_ellipsoid(random);
+  const double ring = random.uniform(12, 40);
+  if (kind == "torus_fat") return ring_of(ring, ring * random.uniform(0.9, 0.98));
+  Part part = kind == "torus_patch" ? ring_of(ring, ring * random.uniform(0.4, 0.8)) : cylinder(random);
+  ensure(kind == "torus_patch" || kind == "cylinder_30deg", "the kind must be known");
+  part.arc = pi / 6;
+  return part;
 }
 
 }  // namespace partscribe::recovery

@@ -16,7 +16,7 @@ using namespace partscribe::recovery;
 namespace {
 
 const char* usage =
-    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest|facets] [--verbose] [--save FILE.xyz]\n";
+    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest|facets|degenerate] [--verbose] [--save FILE.xyz]\n";
 
 void save(const Case& c, const std::string& file) {
   if (std::FILE* out = std::fopen(file.c_str(), "w")) {
@@ -30,7 +30,7 @@ std::string middle(const std::vector<double>& ratios) {
 }
 
 Conditions conditions_of(const std::string& setting) {
-  return setting == "standard" ? standard_conditions() : setting == "facets" ? facet_conditions() : hardest_conditions();
+  return setting == "standard" || setting == "degenerate" ? standard_conditions() : setting == "facets" ? facet_conditions() : hardest_conditions();
 }
 
 std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose,
@@ -66,7 +66,7 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
 
 int main(int argc, char** argv) {
   std::uint64_t runs = 200, first = 1;
-  std::vector<std::string> wanted = kinds(), settings = {"standard", "hardest", "facets"};
+  std::vector<std::string> wanted, settings = {"standard", "hardest", "facets", "degenerate"};
   bool verbose = false;
   std::string file;
   for (int i = 1; i < argc; ++i) {
@@ -81,12 +81,14 @@ int main(int argc, char** argv) {
     else return std::fputs(usage, stderr), 2;
   }
   for (const auto& kind : wanted)
-    if (std::find(kinds().begin(), kinds().end(), kind) == kinds().end()) return std::fputs(usage, stderr), 2;
+    if (std::find(kinds().begin(), kinds().end(), kind) == kinds().end() &&
+        std::find(degenerate_kinds().begin(), degenerate_kinds().end(), kind) == degenerate_kinds().end())
+      return std::fputs(usage, stderr), 2;
   if (runs == 0) return std::fputs(usage, stderr), 2;
   std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | error / bound, rays known | rays unknown | s |\n|---|---|---|---|---|---|---|---|\n",
               static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
-    for (const auto& kind : wanted) {
+    for (const auto& kind : wanted.empty() ? (setting == "degenerate" ? degenerate_kinds() : kinds()) : wanted) {
       std::puts(row(kind, setting, first, runs, verbose, file).c_str());
       std::fflush(stdout);
     }
