@@ -49,8 +49,8 @@ struct Absence {
 class Finder {
  public:
   Finder(const Compared& compared, const std::vector<Finding>& whole, const VerifyOptions& options, int threads)
-      : c_(compared), found_(whole), options_(options), threads_(threads), tolerance_(options.tolerance),
-        far_(tolerance_ + 3 * compared.source.noise), words_(options.tolerance) {
+      : c_(compared), options_(options), threads_(threads), tolerance_(options.tolerance),
+        far_(tolerance_ + 3 * compared.source.noise), words_(options.tolerance), found_(whole) {
     each_ = c_.field.samples.empty() ? 0 : c_.field.summary.area / static_cast<double>(c_.field.samples.size());
   }
 

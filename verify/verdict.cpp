@@ -20,10 +20,10 @@ double rounded(double v) { return snapped(v, 1e-6); }
 
 std::string fixed(double v, double resolution) { return print_number(snapped(v, resolution)); }
 
-/// `text` padded or cut to `width` columns; what is cut ends in "~".
-std::string column(const std::string& text, std::size_t width, bool right = false) {
-  if (text.size() > width) return text.substr(0, width - 1) + "~";
-  const std::string space(width - text.size(), ' ');
+/// `text` padded or cut to `columns` columns; what is cut ends in "~".
+std::string column(const std::string& text, std::size_t columns, bool right = false) {
+  if (text.size() > columns) return text.substr(0, columns - 1) + "~";
+  const std::string space(columns - text.size(), ' ');
   return right ? space + text : text + space;
 }
 

@@ -42,6 +42,6 @@ function measureExtent(map) {
   map.radius = Math.max(1, radius);
 }
 
-const darkGround = [21, 26, 32];  // the page's --page on a dark screen
+const darkGround = [44, 52, 61];  // --ground on a dark screen: the darkest colours of the scale still stand out
 const toMm = (map, p) => p.map((v, k) => map.center[k] + v * map.step);
 const fromMm = (map, p) => p.map((v, k) => (v - map.center[k]) / map.step);

@@ -272,11 +272,11 @@ TEST_CASE("browser: a dark screen gets dark colours that can be read, the button
     wait_until_drawn(browser);
     const std::string ground = "getComputedStyle(document.body).backgroundColor";
     CHECK(browser.evaluate(ground) == "rgb(21, 26, 32)");
-    const auto is_page = [](int r, int g, int b) { return r == 21 && g == 26 && b == 32; };
+    const auto is_ground = [](int r, int g, int b) { return r == 44 && g == 52 && b == 61; };
     const auto is_white = [](int r, int g, int b) { return r == 255 && g == 255 && b == 255; };
     settle(browser);
     const auto dark = browser.screenshot("#canvas");
-    CHECK(count_pixels(dark, is_page) > 40000);
+    CHECK(count_pixels(dark, is_ground) > 40000);
     CHECK(count_pixels(dark, is_white) < 600);  // the mark of the finding
     CHECK(count_pixels(dark, far_out) > 2000);  // the colours of the deviation are the same
     const Json faint = faint_texts(browser);

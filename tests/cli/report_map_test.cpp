@@ -1,5 +1,6 @@
 #include "cli/report_map.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -71,6 +72,27 @@ TEST_CASE("report map: the coloured surface is the evaluated one, cut finer") {
   CHECK(volume(drawn) == Approx(1600));
   CHECK(topology(welded(drawn, 0)).closed());  // no cracks along creases and between features
   CHECK(surface.edges.size() == 12);
+}
+
+TEST_CASE("report map: every artifact that was judged has a map, the others with less detail") {
+  ScannedPlate part;
+  ArtifactVerdict other = part.verdict.artifacts[0], not_run;
+  other.file = "plate.step", not_run.file = "plate.scad";
+  for (auto& d : other.point_deviation) d *= 0.5f;
+  other.data_to_model.local_max *= 0.5;
+  part.verdict.artifacts.insert(part.verdict.artifacts.end(), {not_run, other});
+  Context context;
+  const auto scene = report_scene(std::nullopt, part.verdict, part.cloud, context);
+  CHECK(scene.artifact->file == "plate.stl");
+  REQUIRE(scene.others.size() == 1);
+  CHECK(scene.others[0].artifact->file == "plate.step");
+  CHECK(scene.others[0].others.empty());
+  CHECK(map_data(scene, {1000}).shown <= 1000);
+  const auto map = map_data(scene.others[0], {1000});
+  CHECK(map.shown <= 600);
+  CHECK(map.shown > 300);
+  const auto largest = [](const std::vector<float>& values) { return *std::max_element(values.begin(), values.end()); };
+  CHECK(largest(scene.others[0].surface.deviation) == Approx(0.5 * largest(scene.surface.deviation)).epsilon(0.1));
 }
 
 TEST_CASE("report map: a vertex bears its place's deviation, support and feature") {
