@@ -31,6 +31,7 @@ struct Judged {
   CandidateEvidence evidence;
   Coverage coverage;
   bool meets = false;
+  bool little_seen = false;  ///< within tolerance, but refused because most of its surface was not seen
   std::string reason;
 };
 
@@ -80,7 +81,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
                print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
-  else if (j.coverage.covered < 0.25)
+  else if ((j.little_seen = j.coverage.covered < 0.25))
     j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
   else if (j.coverage.contradicted > 0.001)
     j.reason = print_number(snapped(100 * j.coverage.contradicted, 0.1)) + " % of its surface lies off the scanned mesh";
@@ -138,6 +139,13 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   if (r.total() < w.total() && r.unexplained < w.unexplained)
     return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) + " points that lie on it are strays";
   return "describes the part in " + longer;
+}
+
+/// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
+std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
+  if (rival.reason.empty()) return why_not(winner, rival, input, context);
+  const bool open = rival.little_seen && rival.evidence.total() < winner.evidence.total();
+  return open ? "the data cannot tell: " + rival.reason : rival.reason;
 }
 
 bool asked_for(const std::string& force, const Candidate& c) {
@@ -432,11 +440,14 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   for (std::size_t i = 0; i < judged.size(); ++i) {
     if (i == winner) continue;
     const auto& j = judged[i];
-    const std::string reason = j.reason.empty() && winner < judged.size() ? why_not(judged[winner], j, input, context) : j.reason;
+    const std::string reason = winner < judged.size() ? reason_of(judged[winner], j, input, context) : j.reason;
     model.rivals.push_back(
         {j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
     if (model.rivals.size() == 12) break;
   }
+  const std::string bent = winner < judged.size() ? bent_sheet(judged[winner].candidate, input) : "";
+  if (!bent.empty())  // closer to the data than the winner: its numbers are the most that can be said
+    model.rivals.insert(model.rivals.begin(), {"cylinder", true, rounded(final_evidence.local_max), std::round(judged[winner].evidence.total()), bent});
   context.report("fitted", 1.0);
   return checked(std::move(model), "the fitted model");
 }

@@ -105,19 +105,24 @@ std::vector<Mat3> frames_on(const Vec3& a, const Vec3& b) {
   return frames;
 }
 
-/// How many points lie on the concave side and clearly on no side of a block.
-std::size_t concave_points(const Candidate& c, const Vec3& size, const FitInput& input) {
-  constexpr double on = 3, clearly = 4;  // sigmas
-  const double sigma = std::max(input.sampling.sigma, 0.1 * input.tolerance);
+/// Enough points lie on the concave side and on no side of a block, facing the right way, and enough on a leg: without its
+/// concave side it is a block like any other, without its legs any bent patch.
+bool shows_itself(const Candidate& c, const Vec3& size, const FitInput& input) {
+  constexpr double clearly = 3;  // sigmas
+  const PointCloud& cloud = input.cloud;
+  const double reach = clearly * std::max(input.sampling.sigma, 0.1 * input.tolerance);
   const ModelDistance distance(bare_model(c));
   const Pose part_from_scan = c.scan_from_part.inverse();
-  std::size_t count = 0;
-  for (const auto& p : input.cloud.points) {
-    const Vec3 q = part_from_scan * p;
-    if (std::min(q.minCoeff(), (size - q).minCoeff()) < clearly * sigma) continue;
-    count += std::abs(distance(q).distance) < on * sigma;
+  std::size_t concave = 0, legs = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Vec3 q = part_from_scan * cloud.points[i];
+    if (!(std::abs(distance(q).distance) < reach)) continue;
+    const Vec3 n = part_from_scan.rotation * cloud.normals[i];
+    const bool outward = !input.oriented || n.x() > 0 || n.y() > 0;
+    if (std::min(q.minCoeff(), (size - q).minCoeff()) > reach) concave += outward;
+    else legs += std::max(std::abs(n.x()), std::abs(n.y())) > same && std::min(q.x(), q.y()) < reach;
   }
-  return count;
+  return concave >= std::max<std::size_t>(15, cloud.size() / 250) && legs > cloud.size() / 20;
 }
 
 Parameter length(const char* name, double value, const char* note) {
@@ -177,9 +182,7 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
   Start polished;
   polished.scan_from_part = any.scan_from_part;
   for (int k = 0; k < 3; ++k) polished.size[k] = any.parameters[static_cast<std::size_t>(k)].value;
-  // Without its concave side it is a block like any other.
-  const std::size_t least_concave = std::max<std::size_t>(20, cloud.size() / 100);
-  if (!(polished.size.minCoeff() > 0) || concave_points(any, polished.size, input) < least_concave) return {};
+  if (!(polished.size.minCoeff() > 0) || !shows_itself(any, polished.size, input)) return {};
   std::vector<Candidate> result;
   if (std::abs(polished.size.x() - polished.size.y()) < 0.1 * (polished.size.x() + polished.size.y()))
     result.push_back(candidate_from(polished, true));

@@ -1,15 +1,18 @@
 #include "fit/rivals.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "fit/refine.h"
 
 namespace partscribe {
 namespace {
 
-constexpr double undecided = 2;  // sigmas
+constexpr double undecided = 2, certain = 3;  // sigmas
 
 struct Measured {
   double value = 0, sigma = 0;
@@ -26,6 +29,64 @@ Measured measured(const Candidate& c, const Expr& e) {
 std::string with_sigma(const Measured& m, const std::string& unit) {
   const double step = power_of_ten_below(std::max(m.sigma / 5, 1e-6));
   return print_number(snapped(m.value, step)) + " +- " + print_number(std::max(snapped(m.sigma, step), step)) + " " + unit;
+}
+
+/// How the one sheet bends on which nearly all points lie.
+struct Bend {
+  Measured curvature;  // 1/mm, across its strongest bend
+  double extent = 0;   // mm, there
+};
+
+/// None where the points lie on several sheets, or are few. A quadratic form over the common plane, reweighted.
+std::optional<Bend> bend_of(const FitInput& input) {
+  constexpr double one_sheet = 0.85, steepest = 0.8;  // share of the points, cosine
+  const PointCloud& cloud = input.cloud;
+  if (cloud.size() < 50 || cloud.normals.size() != cloud.size()) return std::nullopt;
+  Mat3 scatter = Mat3::Zero();
+  for (const Vec3& n : cloud.normals) scatter += n * n.transpose();
+  const Vec3 up = Eigen::SelfAdjointEigenSolver<Mat3>(scatter).eigenvectors().col(2);
+  const Vec3 x = up.unitOrthogonal(), y = up.cross(x), middle = input.bounds.center();
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Vec3 d = cloud.points[i] - middle;
+    if (std::abs(cloud.normals[i].dot(up)) > steepest) points.emplace_back(d.dot(x), d.dot(y), d.dot(up));
+  }
+  if (!(double(points.size()) > one_sheet * double(cloud.size()))) return std::nullopt;
+  using Six = Eigen::Matrix<double, 6, 1>;
+  const auto row = [](const Vec3& p) {
+    return Six(1, p.x(), p.y(), p.x() * p.x() / 2, p.x() * p.y(), p.y() * p.y() / 2);
+  };
+  Six form = Six::Zero();
+  Eigen::Matrix<double, 6, 6> inverse;
+  std::vector<double> miss(points.size(), 0);
+  double scale = 1e300;
+  for (int round = 0; round < 15; ++round) {
+    Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
+    Six g = Six::Zero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double u = miss[i] / scale, w = std::exp(-u * u / 12.5);
+      const Six r = row(points[i]);
+      h += w * r * r.transpose(), g += w * r * points[i].z();
+    }
+    inverse = h.inverse();
+    form = inverse * g;
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < points.size(); ++i) sizes.push_back(std::abs(miss[i] = points[i].z() - row(points[i]).dot(form)));
+    scale = std::max(1.4826 * quantile(sizes, 0.5), 1e-9 * input.bounds.diagonal());
+  }
+  Eigen::Matrix2d bends;
+  bends << form[3], form[4], form[4], form[5];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(bends);
+  const int strongest = std::abs(eigen.eigenvalues()[0]) > std::abs(eigen.eigenvalues()[1]) ? 0 : 1;
+  const Vec2 across = eigen.eigenvectors().col(strongest);
+  Six share = Six::Zero();
+  share[3] = across.x() * across.x(), share[4] = 2 * across.x() * across.y(), share[5] = across.y() * across.y();
+  std::vector<double> along;
+  for (const Vec3& p : points) along.push_back(p.head<2>().dot(across));
+  // The sheet may lean in this frame, which flattens its bend.
+  const double lean = std::pow(1 + std::pow(form[1] * across.x() + form[2] * across.y(), 2), 1.5);
+  return Bend{{eigen.eigenvalues()[strongest] / lean, scale * std::sqrt(std::max(0.0, double(share.dot(inverse * share)))) / lean},
+              quantile(along, 0.98) - quantile(along, 0.02)};
 }
 
 }  // namespace
@@ -52,6 +113,17 @@ std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInp
   const Measured apart{high.value - low.value, low.sigma + high.sigma};
   if (!(low.sigma > 0) || !(apart.value < undecided * apart.sigma)) return {};
   return "the data cannot tell it from an ellipsoid: its half axes differ by " + with_sigma(apart, "mm");
+}
+
+std::string bent_sheet(const Candidate& winner, const FitInput& input) {
+  const bool flat = std::holds_alternative<Box>(winner.shape) || std::holds_alternative<Wedge>(winner.shape) ||
+                    std::holds_alternative<HalfSpaces>(winner.shape) || std::holds_alternative<Extrude>(winner.shape);
+  const auto sheet = flat ? bend_of(input) : std::nullopt;
+  if (!sheet || !(std::abs(sheet->curvature.value) > certain * sheet->curvature.sigma)) return {};
+  const double k = std::abs(sheet->curvature.value), radius = 1 / k;
+  const Measured r{radius, sheet->curvature.sigma * radius * radius};
+  const double degrees = std::round(sheet->extent * k * 180 / pi);
+  return "the data cannot tell it from " + print_number(degrees) + " degrees of a cylinder of radius " + with_sigma(r, "mm");
 }
 
 }  // namespace partscribe

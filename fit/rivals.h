@@ -12,4 +12,8 @@ namespace partscribe {
 /// ellipsoid. The rival is refined on the way.
 std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInput& input, Context& context);
 
+/// A sentence such as "the data cannot tell it from 29 degrees of a cylinder of radius 43.1 +- 0.9 mm", where a body of flat
+/// faces won although nearly all points lie on one sheet that bends by more than three sigmas; empty otherwise.
+std::string bent_sheet(const Candidate& winner, const FitInput& input);
+
 }  // namespace partscribe

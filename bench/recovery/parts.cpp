@@ -240,7 +240,8 @@ Part ring_of(double major, double minor) {
 Part round_ellipsoid(Random& random) {
   Sizes s;
   const double a = random.uniform(20, 45);
-  const Vec3 r(a, a * random.uniform(0.97, 1), a * random.uniform(0.97, 1));
+  const double b = a * random.uniform(0.97, 1);
+  const Vec3 r(a, b, b * random.uniform(0.98, 1));
   return part_of(Ellipsoid{s("radius_x", r[0]), s("radius_y", r[1]), s("radius_z", r[2])}, s, -r, r);
 }
 
