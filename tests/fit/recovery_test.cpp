@@ -1,9 +1,14 @@
 /// Hard scans of known parts: what is found is right, or says that it cannot tell.
 #include <catch2/catch.hpp>
 
+#include "bench/recovery/facets.h"
+#include "bench/recovery/parts.h"
 #include "bench/recovery/score.h"
+#include "core/number.h"
 #include "fit/build.h"
+#include "fit/rivals.h"
 #include "fit/strays.h"
+#include "fit/supertoroid.h"
 #include "sampled.h"
 
 namespace partscribe {
@@ -42,6 +47,60 @@ TEST_CASE("recovery: of thirty hard scans with a third unseen at least 28 give t
   CHECK(runs == 30);
   CHECK(right >= 28);
   CHECK(wrong == 0);
+}
+
+TEST_CASE("recovery: a ring with corners and a fillet come back from hard scans, a fillet from a coarse mesh") {
+  struct Run {
+    const char* kind;
+    Conditions conditions;
+    std::uint64_t seed;
+  };
+  for (const Run& run : {Run{"supertoroid", standard_conditions(), 1}, Run{"fillet", standard_conditions(), 5},
+                         Run{"fillet", facet_conditions(), 2}}) {
+    Context context;
+    const Score score = recovered(make_case(run.kind, run.conditions, run.seed), context);
+    INFO(run.kind << " " << run.seed << ": " << score.found << " " << score.why);
+    CHECK(score.answer == Answer::right);
+  }
+}
+
+TEST_CASE("recovery: parts that are nearly of another kind are told from it, or the model says that it cannot tell") {
+  for (const auto& [kind, seed, answer] : {std::tuple{"torus_fat", 1, Answer::right}, std::tuple{"cylinder_30deg", 3, Answer::cannot_tell},
+                                           std::tuple{"ellipsoid_round", 4, Answer::cannot_tell}}) {
+    Context context;
+    const Score score = recovered(make_case(kind, standard_conditions(), static_cast<std::uint64_t>(seed)), context);
+    INFO(kind << " " << seed << ": " << score.found << " " << score.why);
+    CHECK(score.answer == answer);
+  }
+}
+
+TEST_CASE("recovery: coarse meshes are closed, with their corners on the part and as far below it as their bends say") {
+  for (const auto& kind : kinds()) {
+    Random random(11);
+    const Part part = random_part(kind, random);
+    const TriangleMesh mesh = coarse_mesh(part.model, 24);
+    INFO(kind);
+    CHECK(topology(mesh).closed());
+    const ModelDistance distance(part.model);
+    double off = 0;
+    for (const Vec3& v : mesh.vertices) off = std::max(off, std::abs(distance(v).distance));
+    CHECK(off < 1e-6);
+    CHECK(sagitta_of(mesh, part.model) < 0.05 * part.bounds.diagonal());
+    CHECK(area(without_far_side(mesh, {1, 2, 3}, 1.0 / 3)) < 0.8 * area(mesh));
+  }
+}
+
+TEST_CASE("supertoroid: a start from half of a soiled ring is near the truth") {
+  const Supertoroid truth{30, 10, 8, 0.6, 0.5};
+  Scan scan = test::sampled(model_with(truth), {.points = 2000, .noise = 0.1, .outliers = 0.05, .reach = 42, .seen_from = {1, 0.5, 1.5}, .seed = 4});
+  Context context;
+  const SupertoroidFit fit = recover_supertoroid(scan.cloud.points, {{{1, -2, 3}, Vec3(0.05, 0.02, 1).normalized(), 1}}, context);
+  CHECK(fit.shape.major_radius == Approx(30).margin(0.3));
+  CHECK(fit.shape.minor_radius == Approx(10).margin(0.3));
+  CHECK(fit.shape.half_height == Approx(8).margin(0.3));
+  CHECK(fit.shape.e1 == Approx(0.6).margin(0.08));
+  CHECK(fit.shape.e2 == Approx(0.5).margin(0.05));
+  CHECK(fit.miss < 0.15);
 }
 
 TEST_CASE("recovery: a fillet of which the concave side was not seen is a block") {
@@ -110,6 +169,30 @@ TEST_CASE("rivals: a cone that the data show is not called undecided") {
   INFO(reasons(**model));
   CHECK(kind_of((*model)->objects.back().shape) == "cone");
   CHECK(reasons(**model).find("cannot tell") == std::string::npos);
+}
+
+TEST_CASE("rivals: a flat body on one bent sheet names the cylinder, on a flat sheet it does not") {
+  const auto sheet = [](double radius) {
+    FitInput input;
+    Random random(5);
+    for (int i = 0; i < 3000; ++i) {
+      const double x = random.uniform(-10, 10), y = random.uniform(-20, 20), noise = 0.1 * random.normal();
+      input.cloud.points.emplace_back(x, y, noise + (radius > 0 ? radius - std::sqrt(radius * radius - x * x) : 0));
+      input.cloud.normals.push_back(radius > 0 ? Vec3(-x, 0, std::sqrt(radius * radius - x * x)).normalized() : Vec3(0, 0, 1));
+    }
+    input.bounds = input.cloud.bounds();
+    return input;
+  };
+  Candidate box;
+  box.shape = Box{20, 40, 10};
+  const std::string bent = bent_sheet(box, sheet(40));
+  CHECK(bent.find("the data cannot tell it from 2") == 0);
+  const auto at = bent.find("cylinder of radius ");
+  REQUIRE(at != std::string::npos);
+  CHECK(std::stod(bent.substr(at + 19)) == Approx(40).margin(1.5));
+  CHECK(bent_sheet(box, sheet(0)).empty());
+  box.shape = Sphere{20};
+  CHECK(bent_sheet(box, sheet(40)).empty());
 }
 
 }  // namespace partscribe

@@ -2,6 +2,9 @@
 #include "geometry/mesh_facets.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/number.h"
 
 using namespace partscribe;
 
@@ -16,6 +19,20 @@ void add_tetrahedron(TriangleMesh& mesh, const Vec3& corner, double edge, bool i
     if (inward) std::swap(t[1], t[2]);
     mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
   }
+}
+
+/// The walls of an n-sided prism about z, two triangles each, open at both ends.
+TriangleMesh prism_walls(int n, double radius) {
+  TriangleMesh mesh;
+  for (int i = 0; i < n; ++i)
+    for (const double z : {0.0, 10.0})
+      mesh.vertices.emplace_back(radius * std::cos(2 * pi * i / n), radius * std::sin(2 * pi * i / n), z);
+  for (int i = 0; i < n; ++i) {
+    const auto a = static_cast<std::uint32_t>(2 * i), b = static_cast<std::uint32_t>(2 * ((i + 1) % n));
+    mesh.triangles.push_back({a, b, b + 1});
+    mesh.triangles.push_back({a, b + 1, a + 1});
+  }
+  return mesh;
 }
 
 }  // namespace
@@ -70,4 +87,12 @@ TEST_CASE("mesh facets: pieces have their own area and volume, a cavity a negati
     for (auto& v : t)
       if (v == 5) v = 2;
   CHECK(pieces_of(mesh).volume.size() == 1);
+}
+
+TEST_CASE("chord depths: the walls of a prism lie as far below their cylinder as its sagitta, those of a block nowhere") {
+  for (const int n : {20, 32, 50}) {
+    const double sagitta = 15 * (1 - std::cos(pi / n));
+    for (const double d : chord_depths(prism_walls(n, 15))) CHECK(d == Approx(sagitta).epsilon(0.02));
+  }
+  for (const double d : chord_depths(prism_walls(4, 15))) CHECK(d == 0);
 }
