@@ -289,7 +289,9 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
 /// or a ring with such, may do better.
 bool is_rough(const Search& search, const FitInput& input) {
   constexpr std::size_t many_faces = 9;
-  if (!search.found || !(search.evidence.local_max > std::max(1.5 * input.sampling.sigma, 0.5 * input.tolerance))) return false;
+  const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
+  const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
+  if (!search.found || !(search.evidence.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
   const Shape& shape = search.judged[search.winner].candidate.shape;
   const auto* body = std::get_if<HalfSpaces>(&shape);
   return body ? body->planes.size() >= many_faces
