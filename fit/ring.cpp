@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "fit/supertoroid.h"
 
@@ -27,6 +28,18 @@ std::vector<Candidate> propose_rings(const FitInput& input, const std::vector<Ve
   context.report("rings", 1);
   const double close = std::max({input.tolerance, 2 * input.sampling.sigma, 0.01 * input.bounds.diagonal()});
   if (!(fit.miss < close)) return {};
+  std::vector<Candidate> result;
+  const SupertoroidOf<double>& ring = fit.shape;
+  const auto nearly = [](double a, double b) { return std::abs(a - b) < 0.15 * std::max(a, b); };
+  if (nearly(ring.e1, 1) && nearly(ring.e2, 1) && nearly(ring.minor_radius, ring.half_height)) {
+    Candidate round;  // fewer numbers first
+    round.procedure = round.object_name = "torus";
+    round.shape = Torus{Expr::of("major_radius"), Expr::of("minor_radius")};
+    round.parameters = {parameter("major_radius", Quantity::length, ring.major_radius, "radius of the ring's centre circle"),
+                        parameter("minor_radius", Quantity::length, (ring.minor_radius + ring.half_height) / 2, "radius of the tube")};
+    round.scan_from_part = fit.scan_from_shape;
+    result.push_back(std::move(round));
+  }
   Candidate c;
   c.procedure = "supertoroid", c.object_name = "ring_body";
   c.shape = Supertoroid{Expr::of("ring_radius"), Expr::of("tube_half_width"), Expr::of("tube_half_height"),
@@ -37,7 +50,8 @@ std::vector<Candidate> propose_rings(const FitInput& input, const std::vector<Ve
                   parameter("exponent_1", Quantity::ratio, fit.shape.e1, "the tube: 0.1 square, 1 round, 2 diamond"),
                   parameter("exponent_2", Quantity::ratio, fit.shape.e2, "the ring: 0.1 square, 1 round, 2 diamond")};
   c.scan_from_part = fit.scan_from_shape;
-  return {std::move(c)};
+  result.push_back(std::move(c));
+  return result;
 }
 
 }  // namespace partscribe
