@@ -200,6 +200,8 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
     all.reach = reach_sigmas * robust_scale(unknowns.distances(candidate, all.points, context.threads).value);
   RayFeet feet = measured(candidate, unknowns, all, context.threads);
   all.at = std::move(feet.at), all.foot = std::move(feet.foot), all.cosine = std::move(feet.cosine);
+  // By where the surface was met: the region of a measured point hangs on its error.
+  for (std::size_t i = 0; i < all.foot.size() && !all.by_view; ++i) all.group[i] = octant(all.foot[i] - unknowns.center());
   make_nodes(all, entries, single);
   estimate_noise(all, least_sigma);
 

@@ -74,7 +74,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     return j;
   }
   j.evidence = evidence_of(candidate, input, context);
-  j.coverage = coverage_of(candidate, input, context);
+  if (j.evidence.local_max <= input.tolerance) j.coverage = coverage_of(candidate, input, context);
   j.candidate = std::move(candidate);
   if (j.evidence.local_max > input.tolerance)
     j.reason = "deviates by " + millimetres(j.evidence.local_max, input.tolerance) + " at (" +
@@ -356,6 +356,7 @@ std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context&
   input.sampling.sigma = std::min(input.sampling.sigma, found.sigma);
   input.sampling.rejected += found.strays;
   input.bounds = cloud.bounds();
+  input.surroundings = surroundings_of(input, context);
   return Attempt{std::move(input), std::move(rejected), {}};
 }
 
@@ -405,7 +406,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   if (!found) {
     context.report("triangulation", 0.7);
     std::optional<Candidate> mesh;
-    const FitInput dense = selection(scan, input.sampling, options.tolerance, 400000);
+    FitInput dense = selection(scan, input.sampling, options.tolerance, 400000);
+    dense.surroundings = surroundings_of(dense, context);
     // The triangulation aims at a share of the tolerance; where that was not enough it tries again, finer.
     for (const double share : {1.0, 0.5, 0.25}) {
       FitInput finer = input;

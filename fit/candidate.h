@@ -1,6 +1,8 @@
 /// What every procedure works on, and the form in which it proposes a description of the part.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +13,12 @@
 #include "model/model.h"
 
 namespace partscribe {
+
+/// Of every point of a cloud those that show the same place of the surface, nearest first. The same for all candidates.
+struct Surroundings {
+  std::vector<std::size_t> first;     ///< into `index`, one more than there are points
+  std::vector<std::uint32_t> index;
+};
 
 /// A scan prepared for fitting.
 struct FitInput {
@@ -24,6 +32,7 @@ struct FitInput {
   std::vector<float> surface_share;  ///< of a point's neighbours, how many lie on one plane with it; empty: no strays about
   double stray_share = 0;       ///< of the points that were set aside as strays
   std::vector<float> facet_depth;  ///< mm: how far a point's facet may lie below the true surface; empty: no coarse mesh
+  std::shared_ptr<const Surroundings> surroundings;  ///< of `cloud` (surroundings_of); found anew where it is missing
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)
 };
 

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/parallel.h"
 #include "core/statistics.h"
@@ -77,6 +78,36 @@ double description_length(const Candidate& candidate, std::size_t points) {
   return 4.0 * double(pieces) + per_number * double(numbers);
 }
 
+std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Context& context) {
+  const auto& cloud = input.cloud;
+  const std::size_t n = cloud.size();
+  const KdTree tree(cloud.points);
+  const bool normals = cloud.normals.size() == n;
+  // Farther points are another place; a point without like-minded neighbours nearby is no surface.
+  const double sq_reach = std::pow(6 * input.thin_spacing, 2);
+  std::vector<std::uint32_t> slots(n * local_points);
+  std::vector<std::uint8_t> count(n, 0);
+  parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      tree.nearest(cloud.points[i], 2 * local_points, near);
+      for (const auto& k : near) {
+        if (k.sq_distance > sq_reach || count[i] == local_points) break;
+        if (normals && std::abs(cloud.normals[i].dot(cloud.normals[k.index])) < 0.7) continue;
+        slots[i * local_points + count[i]++] = static_cast<std::uint32_t>(k.index);
+      }
+    }
+  });
+  Surroundings result;
+  result.first.push_back(0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto from = slots.begin() + static_cast<std::ptrdiff_t>(i * local_points);
+    result.index.insert(result.index.end(), from, from + count[i]);
+    result.first.push_back(result.index.size());
+  }
+  return std::make_shared<const Surroundings>(std::move(result));
+}
+
 CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input, Context& context) {
   CandidateEvidence result;
   const auto& cloud = input.cloud;
@@ -87,22 +118,13 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) d[i] = distance(part_from_scan * cloud.points[i]).distance;
   });
-  const KdTree tree(cloud.points);
-  const bool normals = cloud.normals.size() == n;
-  // Farther points are another place; a point without like-minded neighbours nearby is no surface.
-  const double sq_reach = std::pow(6 * input.thin_spacing, 2);
+  const bool known = input.surroundings && input.surroundings->first.size() == n + 1;
+  const auto near_points = known ? input.surroundings : surroundings_of(input, context);
   parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
     std::vector<double> values;
     for (std::size_t i = begin; i < end; ++i) {
-      tree.nearest(cloud.points[i], 2 * local_points, near);
       values.clear();
-      for (const auto& k : near) {
-        if (k.sq_distance > sq_reach) break;
-        if (normals && std::abs(cloud.normals[i].dot(cloud.normals[k.index])) < 0.7) continue;
-        values.push_back(d[k.index]);
-        if (values.size() == local_points) break;
-      }
+      for (std::size_t k = near_points->first[i]; k < near_points->first[i + 1]; ++k) values.push_back(d[near_points->index[k]]);
       if (values.size() >= 9) local[i] = robust_mean(values).mean;
     }
   });
@@ -121,11 +143,13 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   // nor do the few worst points, a tenth of the share of the strays that were recognised.
   const bool strays = input.surface_share.size() == n;
   std::vector<std::pair<double, std::size_t>> judging;
+  std::optional<KdTree> tree;
   std::vector<Neighbour> near;
   for (std::size_t i = 0; i < n; ++i) {
     if (strays && input.surface_share[i] < 0.8f) continue;
     if (strays && std::abs(local[i]) > input.tolerance) {
-      tree.nearest(cloud.points[i], local_points, near);
+      if (!tree) tree.emplace(cloud.points);
+      tree->nearest(cloud.points[i], local_points, near);
       if (is_dust(near, cloud.points, input.sampling.sigma)) continue;
     }
     judging.emplace_back(-std::abs(local[i]), i);

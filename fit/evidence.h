@@ -1,6 +1,7 @@
 /// How well a candidate explains the data, and what its description costs.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "fit/candidate.h"
@@ -18,14 +19,16 @@ struct CandidateEvidence {
   double total() const { return misfit + description; }
 };
 
+/// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.
+std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Context& context);
+
 /// False for a sketch with a loop that has shrunk to a point, or with numbers that are none: it has no distances.
 bool drawable(const Candidate& candidate);
 
 /// Nats for a shape: a constant per sketch element or face, half the logarithm of the number of points per number.
 double description_length(const Candidate& candidate, std::size_t points);
 
-/// Local robust mean: the 25 nearest points whose normals agree within 45 degrees, median, then the mean of those
-/// within 2.5 median absolute deviations.
+/// Local robust mean: median over the surroundings, then the mean of those within 2.5 median absolute deviations.
 CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input, Context& context);
 
 }  // namespace partscribe

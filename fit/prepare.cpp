@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/number.h"
+#include "fit/evidence.h"
 #include "geometry/mesh_distance.h"
 #include "geometry/mesh_facets.h"
 #include "geometry/thin.h"
@@ -72,6 +73,7 @@ Result<FitInput> prepare(Scan& scan, double tolerance, Context& context) {
   if (input.cloud.size() < least)
     return bad_input(name + ": only " + print_number(double(input.cloud.size())) +
                      " points are left after outliers were set aside");
+  input.surroundings = surroundings_of(input, context);
   return input;
 }
 

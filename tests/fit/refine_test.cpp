@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/random.h"
 #include "fit/prepare.h"
 #include "fit/refine.h"
 #include "fit/unknowns.h"
@@ -207,4 +208,52 @@ TEST_CASE("refine: sigma holds the truth under coarse facets and smoothing filte
   const Pooled filtered = pooled(test::Trouble::filtered, 12, fine);
   CHECK(filtered.total_coverage > 0.91);
   CHECK(filtered.noise_coverage < 0.8);
+}
+
+namespace {
+
+/// The side of a ball of radius 20 that a camera above it sees, with noise along the rays: 0.4 mm along the normal.
+Scan ball_from_above(std::uint64_t seed, bool with_rays) {
+  constexpr double radius = 20, noise = 0.4, steepest = 1.3;
+  Random random(seed);
+  Scan scan;
+  scan.files = {"ball"};
+  while (scan.cloud.points.size() < 3000) {
+    const double x = random.uniform(-1, 1), y = random.uniform(-1, 1), square = x * x + y * y;
+    const double cosine = std::sqrt(std::max(1 - square, 0.0)), error = random.normal();
+    if (!(cosine > std::cos(steepest))) continue;
+    scan.cloud.points.push_back(radius * Vec3(x, y, cosine) + Vec3(0, 0, noise / cosine * error));
+    if (with_rays) scan.cloud.rays.push_back(-Vec3::UnitZ());
+  }
+  return scan;
+}
+
+Parameter fitted_radius(Scan& scan) {
+  const FitInput input = input_of(scan, 1.2);
+  Candidate ball;
+  ball.object_name = "ball";
+  ball.shape = Sphere{Expr::of("radius")};
+  ball.parameters = {test::length("radius", 19)};
+  ball.scan_from_part.translation = {0.5, -0.5, 0.5};
+  Context context;
+  refine(ball, input, {}, context);
+  return ball.parameters[0];
+}
+
+}  // namespace
+
+TEST_CASE("refine: noise along known rays does not bend the surface, and along unknown ones it is in sigma") {
+  double along = 0, across = 0, stated = 0, wider = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Scan known = ball_from_above(seed, true), unknown = ball_from_above(seed, false);
+    const Parameter on_rays = fitted_radius(known), orthogonal = fitted_radius(unknown);
+    along += on_rays.fitted - 20, across += orthogonal.fitted - 20, stated += on_rays.sigma_noise;
+    CHECK(std::abs(on_rays.fitted - 20) < 4 * on_rays.sigma);
+    CHECK(std::abs(orthogonal.fitted - 20) < 4 * orthogonal.sigma);
+    wider += orthogonal.sigma / on_rays.sigma / 8;
+  }
+  // Of eight trials: the mean error of the one is noise, that of the other is not.
+  CHECK(std::abs(along / 8) < 4 * stated / 8 / std::sqrt(8.0));
+  CHECK(std::abs(across / 8) > 2 * stated / 8);
+  CHECK(wider > 1.2);
 }
