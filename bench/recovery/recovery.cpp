@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "bench/recovery/score.h"
+#include "codegen/emit.h"
+#include "core/files.h"
 #include "core/number.h"
 #include "core/statistics.h"
+#include "verify/verify.h"
 
 using namespace partscribe;
 using namespace partscribe::recovery;
@@ -33,10 +36,26 @@ Conditions conditions_of(const std::string& setting) {
   return setting == "standard" || setting == "degenerate" ? standard_conditions() : setting == "facets" ? facet_conditions() : hardest_conditions();
 }
 
+/// What the program says of a model that it has built: the verdict on its script, run against the scan.
+Outcome verdict_on(const Score& score, const Case& c, Context& context) {
+  const TemporaryDirectory folder;
+  const auto artifact = emit(*score.model, "alpha1", {}, context);
+  if (!artifact) return Outcome::not_run;
+  for (const auto& f : artifact->files)
+    if (!write_file(folder.path() / f.name, f.bytes)) return Outcome::not_run;
+  Scan scan = c.scan;
+  scan.cloud.rejected = score.rejected;
+  VerifyOptions options;
+  options.tolerance = c.tolerance;
+  const auto verdict = verify({folder.path() / artifact->files[0].name}, scan, **score.model, options, context);
+  return verdict ? verdict->verdict : Outcome::not_run;
+}
+
 std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose,
                 const std::string& file) {
   std::map<Answer, std::size_t> answers;
   std::vector<double> ratios, ratios_on_rays, seconds;
+  std::size_t wrong_and_verified = 0;
   for (std::uint64_t seed = first; seed < first + runs; ++seed) {
     const Case c = make_case(kind, conditions_of(setting), seed);
     if (!file.empty()) save(c, file);
@@ -44,21 +63,23 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
     if (verbose && runs == 1) context.log = [](const std::string& line) { std::fprintf(stderr, "    %s\n", line.c_str()); };
     const Score score = recovered(c, context);
     ++answers[score.answer];
+    const bool believed = score.answer == Answer::wrong && verdict_on(score, c, context) == Outcome::verified;
+    wrong_and_verified += believed;
     seconds.push_back(score.seconds);
     auto& of_kind = c.scan.cloud.rays.empty() ? ratios : ratios_on_rays;
     if (score.answer == Answer::right) of_kind.insert(of_kind.end(), score.ratios.begin(), score.ratios.end());
     if (verbose && (score.answer != Answer::right || runs == 1))
-      std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",
+      std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",
                    kind.c_str(), setting.c_str(), static_cast<unsigned long long>(seed), name_of(score.answer),
-                   score.found.c_str(), score.why.empty() ? "" : ": ", score.why.c_str(), 100 * c.noise / c.size,
+                   score.found.c_str(), believed ? ", verified" : "", score.why.empty() ? "" : ": ", score.why.c_str(), 100 * c.noise / c.size,
                    100 * c.outliers, 100 * c.seen, c.scan.cloud.rays.empty() ? "no rays" : "rays", c.size, c.tolerance,
                    score.surface_error, score.seconds);
   }
   char text[300];
   const auto share = [&](Answer a) { return 100.0 * double(answers[a]) / double(runs); };
-  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
+  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
                 share(Answer::right), share(Answer::cannot_tell), share(Answer::wrong),
-                middle(ratios_on_rays).c_str(), middle(ratios).c_str(), median(seconds));
+                100.0 * double(wrong_and_verified) / double(runs), middle(ratios_on_rays).c_str(), middle(ratios).c_str(), median(seconds));
   return text;
 }
 
@@ -85,7 +106,7 @@ int main(int argc, char** argv) {
         std::find(degenerate_kinds().begin(), degenerate_kinds().end(), kind) == degenerate_kinds().end())
       return std::fputs(usage, stderr), 2;
   if (runs == 0) return std::fputs(usage, stderr), 2;
-  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | error / bound, rays known | rays unknown | s |\n|---|---|---|---|---|---|---|---|\n",
+  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | wrong and verified %% | error / bound, rays known | rays unknown | s |\n|---|---|---|---|---|---|---|---|---|\n",
               static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
     for (const auto& kind : wanted.empty() ? (setting == "degenerate" ? degenerate_kinds() : kinds()) : wanted) {

@@ -153,6 +153,7 @@ Score recovered(const Case& c, Context& context) {
     return score;
   }
   const Model& model = **built;
+  score.model = *built, score.rejected = scan.cloud.rejected;
   const Values values = fitted_values(model);
   const EvaluatedShape shape = evaluate(model.objects.back().shape, values);
   score.found = std::string(kind_of(shape));

@@ -7,6 +7,7 @@
 
 #include "bench/recovery/cases.h"
 #include "core/context.h"
+#include "model/check.h"
 
 namespace partscribe::recovery {
 
@@ -24,6 +25,8 @@ struct Score {
   double surface_error = 0;      ///< root mean square distance of the exact places, in units of their expected error
   std::vector<double> ratios;    ///< |error| / (0.6745 sigma of the Cramer-Rao bound) of each number that the data fix
   double seconds = 0;            ///< processor time
+  std::optional<CheckedModel> model;
+  std::vector<std::uint8_t> rejected;  ///< points of the scan that were set aside
 };
 
 /// Fits the scan and judges the answer. The bound is that of the truth's own parametrisation with the true noise of
