@@ -13,6 +13,7 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/superquadric_mixture.h"
 
 namespace partscribe {
 
@@ -22,18 +23,14 @@ constexpr std::size_t most_points = 1500;  // more do not sharpen a hypothesis
 constexpr std::size_t screen_points = 400; // enough to rank starts
 constexpr int unknowns = 13;               // shift 3, turn 3, ln size 3, exponents 2, tapers 2
 using Gradient = Eigen::Matrix<double, unknowns, 1>;
-using Normal = Eigen::Matrix<double, unknowns, unknowns>;
 
 /// Position, shape and mixture, on data of unit size.
-struct State {
+struct State : MixtureState {
   Mat3 rotation = Mat3::Identity();  // data_from_shape
   Vec3 centre = Vec3::Zero();
   Vec3 a = Vec3::Ones();
   double e1 = 1, e2 = 1, k1 = 0, k2 = 0;
-  double sigma = 0.3;         // of inliers
-  double outliers = 0.1;      // share of the uniform part
-  double cost = 0;            // nats per point, less is better
-  double inliers = 0;         // mean membership
+  bool taper = false;         // whether k1 and k2 are free
 };
 
 std::uint64_t mixed(std::uint64_t h) {
@@ -61,21 +58,6 @@ std::vector<Vec3> drawn(const std::vector<Vec3>& points) {
   return result;
 }
 
-/// (x^p + y^p)^(1/p) of x, y >= 0 and its derivatives by x, y and p.
-struct Gauge {
-  double value, gx, gy, gp;
-};
-
-Gauge gauge(double x, double y, double p) {
-  const double big = std::max({x, y, 1e-12}), small = std::min(x, y);
-  Gauge g;
-  g.value = big * std::pow(1 + std::pow(small / big, p), 1 / p);
-  const double ux = std::max(x / g.value, 1e-12), uy = std::max(y / g.value, 1e-12);
-  g.gx = std::pow(ux, p - 1), g.gy = std::pow(uy, p - 1);
-  g.gp = g.value / p * (g.gx * ux * std::log(ux) + g.gy * uy * std::log(uy));
-  return g;
-}
-
 /// Signed distance to first order, (N - 1) / |grad N| with the gauge N = F^(1/2) of equation (5), which is finite
 /// even at the centre; the radial distance overrates what lies beside elongated bodies.
 double residual(const State& s, const Vec3& point, Gradient* gradient) {
@@ -84,7 +66,8 @@ double residual(const State& s, const Vec3& point, Gradient* gradient) {
   const double h1 = 1 + s.k1 * t, h2 = 1 + s.k2 * t;
   const double x = q[0] / (s.a[0] * h1), y = q[1] / (s.a[1] * h2);
   const double p1 = 2 / s.e1, p2 = 2 / s.e2;
-  const Gauge in = gauge(std::abs(x), std::abs(y), p2), out = gauge(in.value, std::abs(z), p1);
+  const SuperellipseGauge in = superellipse_gauge(std::abs(x), std::abs(y), p2);
+  const SuperellipseGauge out = superellipse_gauge(in.value, std::abs(z), p1);
   const double nx = std::copysign(out.gx * in.gx, x), ny = std::copysign(out.gx * in.gy, y);
   const double nz = std::copysign(out.gy, z);
   const double grow1 = t == z ? s.k1 / (s.a[2] * h1) : 0, grow2 = t == z ? s.k2 / (s.a[2] * h2) : 0;
@@ -125,74 +108,19 @@ double rough_area(const State& s) {
   return box * std::clamp(1 - 0.26 * (s.e1 + s.e2 - 0.1), 0.3, 1.0);
 }
 
-/// Expectation and maximisation in turn; sigma falls by no more than a third per round, so that early rounds see
-/// all points.
+/// Tapers that are not wanted, and what is at its bound and pushed outward.
+bool held(const State& s, int k, double push) {
+  if (k < 9) return false;
+  if (k >= 11 && !s.taper) return true;
+  const double value = k == 9 ? s.e1 : k == 10 ? s.e2 : k == 11 ? s.k1 : s.k2;
+  const double low = k < 11 ? 0.1 : -0.95, high = k < 11 ? 2.0 : 0.95;
+  return (value <= low && push < 0) || (value >= high && push > 0);
+}
+
 void improve(State& s, const std::vector<Vec3>& points, std::size_t count, double volume, double floor, bool taper,
              int rounds) {
-  const auto n = static_cast<double>(count);
-  std::vector<double> d(count), weight(count);
-  double damping = 1e-3;
-  for (std::size_t i = 0; i < count; ++i) d[i] = residual(s, points[i], nullptr);
-  double last_cost = 1e300;
-  for (int round = 0; round < rounds; ++round) {
-    const double gauss = (1 - s.outliers) / (std::sqrt(2 * pi) * s.sigma * rough_area(s));
-    const double flat = s.outliers / volume;
-    double sum_w = 0, sum_wd2 = 0;
-    s.cost = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double g = gauss * std::exp(-0.5 * d[i] * d[i] / (s.sigma * s.sigma));
-      weight[i] = g / (g + flat);
-      sum_w += weight[i], sum_wd2 += weight[i] * d[i] * d[i];
-      s.cost -= std::log(g + flat);
-    }
-    s.cost /= n;
-    s.inliers = sum_w / n;
-    if (round == rounds - 1) break;
-
-    Normal h = Normal::Zero();
-    Gradient b = Gradient::Zero();
-    for (std::size_t i = 0; i < count; ++i) {
-      if (weight[i] < 1e-4) continue;
-      Gradient g;
-      residual(s, points[i], &g);
-      h.selfadjointView<Eigen::Lower>().rankUpdate(g, weight[i]);
-      b -= weight[i] * d[i] * g;
-    }
-    h = h.selfadjointView<Eigen::Lower>();
-    const auto freeze = [&](int k) { h.row(k).setZero(), h.col(k).setZero(), h(k, k) = 1, b[k] = 0; };
-    if (!taper) freeze(11), freeze(12);
-    const std::array<std::pair<int, double>, 4> bounded = {{{9, s.e1}, {10, s.e2}, {11, s.k1}, {12, s.k2}}};
-    for (const auto& [k, value] : bounded) {  // at its bound and pushed outward: leave it there
-      const double low = k < 11 ? 0.1 : -0.95, high = k < 11 ? 2.0 : 0.95;
-      if ((value <= low && b[k] < 0) || (value >= high && b[k] > 0)) freeze(k);
-    }
-    bool better = false;
-    double gain = 0;
-    for (int attempt = 0; attempt < 6 && !better; ++attempt) {
-      Normal damped = h;
-      damped.diagonal() += damping * h.diagonal() + Gradient::Constant(1e-6 * sum_w + 1e-12);
-      const State trial = stepped(s, damped.ldlt().solve(b));
-      std::vector<double> trial_d(count);
-      double sum = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        trial_d[i] = residual(trial, points[i], nullptr);
-        sum += weight[i] * trial_d[i] * trial_d[i];
-      }
-      if (sum < sum_wd2) {
-        better = true, gain = (sum_wd2 - sum) / sum_wd2;
-        s = trial, d.swap(trial_d), sum_wd2 = sum;
-        damping = std::max(damping * 0.2, 1e-8);
-      } else {
-        damping = std::min(damping * 6, 1e6);
-      }
-    }
-    const double sigma = std::max(std::sqrt(sum_wd2 / std::max(sum_w, 1e-9)), floor);
-    const bool settled = std::abs(sigma - s.sigma) < 1e-3 * s.sigma;
-    s.sigma = std::max(sigma, 0.67 * s.sigma);
-    s.outliers = std::clamp(1 - sum_w / n, 0.005, 0.7);
-    if ((!better || gain < 1e-5) && settled && std::abs(s.cost - last_cost) < 1e-6) round = std::max(round, rounds - 2);
-    last_cost = s.cost;
-  }
+  s.taper = taper;
+  improve_mixture<unknowns>(s, points, count, volume, floor, rounds);
 }
 
 /// The same axes in another order: new x, y, z are the old i, i+1, i+2.
@@ -203,13 +131,6 @@ State permuted(const State& s, int i) {
     n.a[k] = s.a[(i + k) % 3];
   }
   return n;
-}
-
-double start_sigma(const State& s, const std::vector<Vec3>& points, std::size_t count) {
-  std::vector<double> d(count);
-  for (std::size_t i = 0; i < count; ++i) d[i] = std::abs(residual(s, points[i], nullptr));
-  std::sort(d.begin(), d.end());
-  return std::max(1e-3, 1.5 * d[count * 2 / 3]);
 }
 
 /// The same axes; centre and sizes from between two percentiles, so that outliers do not move them far. No taper.
@@ -274,7 +195,8 @@ double radial_distance(const State& s, const Vec3& point, double& gauge_value) {
   const Vec3 q = s.rotation.transpose() * (point - s.centre);
   const double z = q[2] / s.a[2], t = std::clamp(z, -1.0, 1.0);
   const Vec3 w(q[0] / (s.a[0] * (1 + s.k1 * t)), q[1] / (s.a[1] * (1 + s.k2 * t)), z);
-  gauge_value = std::max(1e-9, gauge(gauge(std::abs(w[0]), std::abs(w[1]), 2 / s.e2).value, std::abs(z), 2 / s.e1).value);
+  const double in = superellipse_gauge(std::abs(w[0]), std::abs(w[1]), 2 / s.e2).value;
+  gauge_value = std::max(1e-9, superellipse_gauge(in, std::abs(z), 2 / s.e1).value);
   return w.cwiseProduct(s.a).norm() * (1 - 1 / gauge_value);
 }
 

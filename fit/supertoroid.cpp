@@ -9,6 +9,7 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/superquadric_mixture.h"
 
 namespace partscribe {
 namespace {
@@ -17,37 +18,19 @@ constexpr std::size_t most_points = 800, screen_points = 300;
 constexpr int unknowns = 11;  // shift 3, turn 3, ring, tube, half height, exponents 2
 constexpr double least_exponent = 0.1, most_exponent = 2;
 using RingGradient = Eigen::Matrix<double, unknowns, 1>;
-using RingNormal = Eigen::Matrix<double, unknowns, unknowns>;
 
 /// Place, shape and mixture, on data of unit size.
-struct Ring {
+struct Ring : MixtureState {
   Mat3 rotation = Mat3::Identity();  // data_from_shape
   Vec3 centre = Vec3::Zero();
   double major = 1, minor = 0.3, half = 0.3, e1 = 1, e2 = 1;
-  double sigma = 0.1, outliers = 0.1;
-  double cost = 1e300;  // nats per point
 };
-
-/// (x^p + y^p)^(1/p) of x, y >= 0 and its derivatives by x, y and p.
-struct RingGauge {
-  double value, gx, gy, gp;
-};
-
-RingGauge gauge(double x, double y, double p) {
-  const double big = std::max({x, y, 1e-12}), small = std::min(x, y);
-  RingGauge g;
-  g.value = big * std::pow(1 + std::pow(small / big, p), 1 / p);
-  const double ux = std::max(x / g.value, 1e-12), uy = std::max(y / g.value, 1e-12);
-  g.gx = std::pow(ux, p - 1), g.gy = std::pow(uy, p - 1);
-  g.gp = g.value / p * (g.gx * ux * std::log(ux) + g.gy * uy * std::log(uy));
-  return g;
-}
 
 double residual(const Ring& s, const Vec3& point, RingGradient* gradient) {
   const Vec3 q = s.rotation.transpose() * (point - s.centre);
-  const RingGauge in = gauge(std::abs(q.x()), std::abs(q.y()), 2 / s.e2);
+  const SuperellipseGauge in = superellipse_gauge(std::abs(q.x()), std::abs(q.y()), 2 / s.e2);
   const double u = (in.value - s.major) / s.minor, z = q.z() / s.half;
-  const RingGauge out = gauge(std::abs(u), std::abs(z), 2 / s.e1);
+  const SuperellipseGauge out = superellipse_gauge(std::abs(u), std::abs(z), 2 / s.e1);
   const double by_u = std::copysign(out.gx, u) / s.minor, by_z = std::copysign(out.gy, z) / s.half;
   const Vec3 slope(by_u * std::copysign(in.gx, q.x()), by_u * std::copysign(in.gy, q.y()), by_z);
   const double steep = std::max(slope.norm(), 1e-9);
@@ -84,62 +67,16 @@ double rough_area(const Ring& s) {
   return around(s.e2) * s.major * around(s.e1) * 0.5 * (s.minor + s.half);
 }
 
-/// Memberships and a damped step in turn; sigma falls by no more than a third per round.
+/// An exponent at its bound and pushed outward.
+bool held(const Ring& s, int k, double push) {
+  if (k < 9) return false;
+  const double value = k == 9 ? s.e1 : s.e2;
+  return (value <= least_exponent && push < 0) || (value >= most_exponent && push > 0);
+}
+
 void improve(Ring& s, const std::vector<Vec3>& points, std::size_t count, double volume, int rounds) {
-  std::vector<double> d(count), weight(count);
-  for (std::size_t i = 0; i < count; ++i) d[i] = residual(s, points[i], nullptr);
-  double damping = 1e-3;
-  for (int round = 0; round < rounds; ++round) {
-    const double gauss = (1 - s.outliers) / (std::sqrt(2 * pi) * s.sigma * rough_area(s)), flat = s.outliers / volume;
-    double sum_w = 0, sum = 0;
-    s.cost = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double g = gauss * std::exp(-0.5 * d[i] * d[i] / (s.sigma * s.sigma));
-      weight[i] = g / (g + flat);
-      sum_w += weight[i], sum += weight[i] * d[i] * d[i];
-      s.cost -= std::log(g + flat) / double(count);
-    }
-    if (round == rounds - 1) break;
-    RingNormal h = RingNormal::Zero();
-    RingGradient b = RingGradient::Zero();
-    for (std::size_t i = 0; i < count; ++i) {
-      if (weight[i] < 1e-4) continue;
-      RingGradient g;
-      residual(s, points[i], &g);
-      h.selfadjointView<Eigen::Lower>().rankUpdate(g, weight[i]);
-      b -= weight[i] * d[i] * g;
-    }
-    h = h.selfadjointView<Eigen::Lower>();
-    for (const auto& [k, value] : {std::pair{9, s.e1}, std::pair{10, s.e2}})  // at its bound and pushed outward
-      if ((value <= least_exponent && b[k] < 0) || (value >= most_exponent && b[k] > 0))
-        h.row(k).setZero(), h.col(k).setZero(), h(k, k) = 1, b[k] = 0;
-    bool better = false;
-    double gain = 0;
-    for (int attempt = 0; attempt < 6 && !better; ++attempt) {
-      RingNormal damped = h;
-      damped.diagonal() += damping * h.diagonal() + RingGradient::Constant(1e-6 * sum_w + 1e-12);
-      const Ring trial = stepped(s, damped.ldlt().solve(b));
-      std::vector<double> trial_d(count);
-      double trial_sum = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        trial_d[i] = residual(trial, points[i], nullptr);
-        trial_sum += weight[i] * trial_d[i] * trial_d[i];
-      }
-      better = trial_sum < sum;
-      if (better) {
-        gain = (sum - trial_sum) / sum;
-        s = trial, d.swap(trial_d), sum = trial_sum;
-        damping = std::max(0.2 * damping, 1e-8);
-      } else {
-        damping = std::min(6 * damping, 1e6);
-      }
-    }
-    const double sigma = std::max(std::sqrt(sum / std::max(sum_w, 1e-9)), 1e-5);
-    const bool settled = std::abs(sigma - s.sigma) < 1e-3 * s.sigma;
-    s.sigma = std::max(sigma, 0.67 * s.sigma);
-    s.outliers = std::clamp(1 - sum_w / double(count), 0.005, 0.7);
-    if ((!better || gain < 1e-5) && settled) round = std::max(round, rounds - 2);
-  }
+  constexpr double floor = 1e-5;
+  improve_mixture<unknowns>(s, points, count, volume, floor, rounds);
 }
 
 /// The frame about an axis, x where the ring reaches farthest out or half a corner beside it, radii from quantiles.
@@ -179,7 +116,7 @@ void add_starts(const Axis& axis, bool on_axis, const std::vector<Vec3>& points,
       std::vector<double> rings;
       for (const Vec3& p : points) {
         const Vec3 q = turned.rotation.transpose() * (p - s.centre);
-        rings.push_back(gauge(std::abs(q.x()), std::abs(q.y()), 2 / e2).value);
+        rings.push_back(superellipse_gauge(std::abs(q.x()), std::abs(q.y()), 2 / e2).value);
       }
       const double inner = quantile(rings, 0.05), outer = quantile(rings, 0.95);
       if (inner < 0.1 * outer) continue;  // no hole
@@ -190,12 +127,6 @@ void add_starts(const Axis& axis, bool on_axis, const std::vector<Vec3>& points,
       }
     }
   }
-}
-
-double start_sigma(const Ring& s, const std::vector<Vec3>& points, std::size_t count) {
-  std::vector<double> d;
-  for (std::size_t i = 0; i < count; ++i) d.push_back(std::abs(residual(s, points[i], nullptr)));
-  return std::max(1e-3, 1.5 * quantile(d, 0.66));
 }
 
 }  // namespace
@@ -237,6 +168,7 @@ SupertoroidFit recover_supertoroid(const std::vector<Vec3>& all, const std::vect
   std::stable_sort(starts.begin(), starts.end(), [](const Ring& a, const Ring& b) { return a.cost < b.cost; });
   if (starts.size() > 4) starts.resize(4);
   Ring best;
+  best.cost = 1e300;
   for (Ring& s : starts) {
     improve(s, points, points.size(), volume, 60);
     if (s.cost < best.cost) best = s;
