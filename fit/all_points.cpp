@@ -69,14 +69,12 @@ void assign_traits(AllPoints& all, const PointCloud& cloud, const std::vector<En
     for (const auto& e : entries) all.relative.push_back(cloud.sigma[e.index]);
 }
 
-/// Residuals of all points, along the rays where these are known.
-RayFeet measured(const Candidate& candidate, const Unknowns& unknowns, const AllPoints& all, int threads) {
-  RayFeet feet;
-  if (all.rays.empty())
-    feet.at = unknowns.distances(candidate, all.points, threads);
-  else
-    feet = unknowns.along_rays(candidate, all.points, all.rays, all.reach, threads);
-  return feet;
+/// Residuals of all points, along the rays where these are known. The first time settles how far along them.
+RayFeet measured(const Candidate& candidate, const Unknowns& unknowns, AllPoints& all, int threads) {
+  Distances orthogonal = unknowns.distances(candidate, all.points, threads);
+  if (all.rays.empty()) return {std::move(orthogonal), {}, {}};
+  if (all.reach == 0) all.reach = reach_sigmas * robust_scale(orthogonal.value);
+  return unknowns.along_rays(candidate, all.points, all.rays, std::move(orthogonal), all.reach, threads);
 }
 
 /// Cuts every cell into one run per face.
@@ -196,8 +194,6 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   AllPoints all;
   for (const auto& e : entries) all.points.push_back(cloud.points[e.index]);
   assign_traits(all, cloud, entries, unknowns.center());
-  if (!all.rays.empty())
-    all.reach = reach_sigmas * robust_scale(unknowns.distances(candidate, all.points, context.threads).value);
   RayFeet feet = measured(candidate, unknowns, all, context.threads);
   all.at = std::move(feet.at), all.foot = std::move(feet.foot), all.cosine = std::move(feet.cosine);
   // By where the surface was met: the region of a measured point hangs on its error.

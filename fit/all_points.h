@@ -45,7 +45,8 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
 
 /// Gauss-Newton on all points. The estimating equations sum psi(d_i / sigma_i) / sigma_i * J = 0 hold for the exact
 /// distance of every point; J is that of the point's node, which costs efficiency only in the second order of how much J
-/// varies inside a node, and no bias. Distances in `all` are then those at the result. By how much the log likelihood improved, about.
+/// varies inside a node, and no bias. Distances in `all` are then those at the result. Returns by how much the log likelihood
+/// improved, about.
 double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
               const AllPointsOptions& options, Context& context);
 

@@ -28,6 +28,7 @@ Vector effect_of(const Deviation& deviation, const AllPoints& all, const std::ve
   const Matrix& rows = all.jacobian.rows;
   std::vector<double> w = weight, moment(weight.size());
   Vector effect = Vector::Zero(rows.cols());
+  if (std::all_of(deviation.begin(), deviation.end(), [](double d) { return d == 0; })) return effect;
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t k = 0; k < w.size(); ++k) {
       const double left = deviation[k] - rows.row(static_cast<Eigen::Index>(k)).dot(effect);

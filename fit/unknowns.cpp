@@ -109,22 +109,20 @@ Distances Unknowns::distances(const Candidate& c, const std::vector<Vec3>& point
 }
 
 RayFeet Unknowns::along_rays(const Candidate& c, const std::vector<Vec3>& points, const std::vector<Vec3>& rays,
-                             double reach, int threads) const {
+                             Distances orthogonal, double reach, int threads) const {
   const ModelDistance distance(model_, values_of(c));
   const Pose part_from_scan = c.scan_from_part.inverse();
   RayFeet feet;
   const std::size_t n = points.size();
-  feet.at.value.resize(n), feet.at.face.resize(n), feet.foot = points, feet.cosine.assign(n, 1), feet.met.assign(n, 0);
+  feet.at = std::move(orthogonal), feet.foot = points, feet.cosine.assign(n, 1);
   parallel_for(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      if (!(std::abs(feet.at.value[i]) < reach)) continue;
       const Vec3 p = part_from_scan * points[i], ray = part_from_scan.rotation * rays[i];
-      const ModelHit hit = distance(p);
-      feet.at.value[i] = hit.distance, feet.at.face[i] = hit.face;
-      if (!(std::abs(hit.distance) < reach)) continue;
-      const auto foot = foot_along(distance, p, ray, hit.distance, reach, size_);
+      const auto foot = foot_along(distance, p, ray, feet.at.value[i], reach, size_);
       if (!foot) continue;
       feet.at.value[i] = foot->way * foot->cosine, feet.at.face[i] = foot->face;
-      feet.foot[i] = points[i] + foot->way * rays[i], feet.cosine[i] = foot->cosine, feet.met[i] = 1;
+      feet.foot[i] = points[i] + foot->way * rays[i], feet.cosine[i] = foot->cosine;
     }
   });
   return feet;

@@ -24,8 +24,7 @@ struct Distances {
 struct RayFeet {
   Distances at;               ///< residuals: from point to foot along the ray, times the cosine of the incidence there
   std::vector<Vec3> foot;     ///< scan frame; the point itself where its ray passes the surface by
-  std::vector<double> cosine; ///< of the incidence at the foot, where `met`
-  std::vector<char> met;
+  std::vector<double> cosine; ///< of the incidence at the foot; 1 where there is none
 };
 
 /// d(distance)/d(unknown), one row per point.
@@ -49,9 +48,9 @@ class Unknowns {
   /// A range sensor errs along its ray. The orthogonal distance of what it saw at a slant is off by the surface's
   /// curvature times the square of the error, always to the same side; the way along the ray is not. Within `reach` mm
   /// of the surface the residual is that way times the cosine of the incidence; elsewhere, and where the ray meets
-  /// nothing near the point, it is the orthogonal distance.
-  RayFeet along_rays(const Candidate& c, const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double reach,
-                     int threads) const;
+  /// nothing near the point, it is the orthogonal distance, which comes in as `orthogonal`.
+  RayFeet along_rays(const Candidate& c, const std::vector<Vec3>& points, const std::vector<Vec3>& rays,
+                     Distances orthogonal, double reach, int threads) const;
   /// By differences of the exact distance. A parameter that moves none of some dozens of a face's points moves none of
   /// the others: only faces that answer are asked in full.
   Jacobian jacobian(const Candidate& c, const std::vector<Vec3>& points, const Distances& at, int threads) const;

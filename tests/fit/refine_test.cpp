@@ -32,6 +32,15 @@ Candidate cylinder_start(double radius, double height, const Pose& pose) {
   return c;
 }
 
+Candidate ball_start(double radius, const Vec3& centre) {
+  Candidate c;
+  c.object_name = "ball";
+  c.shape = Sphere{Expr::of("radius")};
+  c.parameters = {test::length("radius", radius)};
+  c.scan_from_part.translation = centre;
+  return c;
+}
+
 struct SphereResidual {
   Vec3 p;
   template <class T>
@@ -50,11 +59,7 @@ TEST_CASE("refine: the sphere that Ceres finds on the same points") {
   s.points = 3000, s.reach = 20;
   Scan scan = test::sampled(truth, s);
   const FitInput input = input_of(scan, 0.1);
-  Candidate c;
-  c.object_name = "ball";
-  c.shape = Sphere{Expr::of("radius")};
-  c.parameters = {test::length("radius", 11)};
-  c.scan_from_part.translation = {1, -1, 0.5};
+  Candidate c = ball_start(11, {1, -1, 0.5});
   Context context;
   RefineOptions options;
   options.welsch = 1e6;  // plain least squares, as the other does
@@ -230,11 +235,7 @@ Scan ball_from_above(std::uint64_t seed, bool with_rays) {
 
 Parameter fitted_radius(Scan& scan) {
   const FitInput input = input_of(scan, 1.2);
-  Candidate ball;
-  ball.object_name = "ball";
-  ball.shape = Sphere{Expr::of("radius")};
-  ball.parameters = {test::length("radius", 19)};
-  ball.scan_from_part.translation = {0.5, -0.5, 0.5};
+  Candidate ball = ball_start(19, {0.5, -0.5, 0.5});
   Context context;
   refine(ball, input, {}, context);
   return ball.parameters[0];
