@@ -1,5 +1,6 @@
 #include "scan/register.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -60,6 +61,17 @@ std::vector<FreeMotion> motions_of_view(std::size_t view, const JointResult& joi
   return result;
 }
 
+/// The place where several axes meet, or come nearest to each other.
+Vec3 nearest_to_axes(const std::vector<FreeMotion>& motions) {
+  Mat3 across = Mat3::Zero();
+  Vec3 sum = Vec3::Zero();
+  for (const FreeMotion& m : motions) {
+    const Mat3 one = Mat3::Identity() - m.axis * m.axis.transpose();
+    across += one, sum += one * m.point;
+  }
+  return across.ldlt().solve(sum);
+}
+
 bool same_motion(const FreeMotion& a, const FreeMotion& b, double size) {
   if (a.turns != b.turns || a.axis.cross(b.axis).norm() > 0.05) return false;
   return !a.turns || (a.point - b.point).cross(a.axis).norm() < 0.05 * size;
@@ -76,7 +88,10 @@ std::vector<FreeMotion> free_motions(const JointResult& joint, const std::vector
   for (std::size_t v = 0; v < views.size(); ++v) {
     std::vector<FreeMotion> own = motions_of_view(v, joint);
     // All turns about one point are one thing, whatever axes span them.
-    if (own.size() == 3 && own[0].turns) for (int k = 0; k < 3; ++k) own[std::size_t(k)].axis = Vec3::Unit(k);
+    if (own.size() == 3 && own[0].turns) {
+      const Vec3 point = nearest_to_axes(own);
+      for (int k = 0; k < 3; ++k) own[std::size_t(k)].axis = Vec3::Unit(k), own[std::size_t(k)].point = point;
+    }
     for (FreeMotion& motion : own) {
       const auto known = std::find_if(result.begin(), result.end(), [&](const FreeMotion& m) { return same_motion(m, motion, joint.size); });
       if (known == result.end()) result.push_back(motion), result.back().views = {v};

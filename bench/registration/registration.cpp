@@ -3,7 +3,7 @@
 ///   bench_registration published FILE DEG MM  poses of FILE disturbed, and how far apart the views end up
 ///   bench_registration unknown FILE           the same with the poses forgotten
 ///   bench_registration paper DIR [CASE...]    the same as cases by the method of 1993
-///   bench_registration starts DIR CASE...     pairs of views from starts 5 to 60 degrees off
+///   bench_registration starts DIR [CASE...]   pairs of views from starts 5 to 60 degrees off; what became of each to stderr
 ///   bench_registration turntable FILE FILE... views by equal steps about an unknown axis
 ///   bench_registration cases DIR [CASE...]   scans with true poses and disturbed guesses, as `partscribe simulate` writes
 #include <Eigen/Geometry>
@@ -18,6 +18,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "pairs.h"
 #include "scan/read.h"
 #include "scan/register.h"
 #include "scan/register_joint.h"
@@ -111,14 +112,17 @@ int refused(const Registration& registration) {
   return count;
 }
 
+std::vector<std::string> names_in(const Path& folder, std::vector<std::string> names) {
+  if (names.empty())
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (std::filesystem::exists(entry.path() / "scan" / "scan.json")) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 void cases(const Path& folder, const std::vector<std::string>& names, bool paper) {
   std::printf("| case | views | refused | free motions | rms deg | worst deg | rms mm | worst mm | overlap least | gap mm | s |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
-  std::vector<std::string> found = names;
-  if (found.empty())
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-      if (std::filesystem::exists(entry.path() / "scan" / "scan.json")) found.push_back(entry.path().filename().string());
-  std::sort(found.begin(), found.end());
-  for (const auto& name : found) {
+  for (const auto& name : names_in(folder, names)) {
     const Path file = folder / name / "scan" / "scan.json";
     const auto exact = read_scan({file}, {}, quiet());
     const auto guess = read_scan({file}, {{}, true}, quiet());
@@ -223,51 +227,44 @@ void turntable(const std::vector<std::string>& files) {
   for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
 }
 
-/// Pairs of views of scans with true poses from starts ever farther off: recovered, refused or wrong.
+/// What became of pairs; a pair apart from motions that were declared counts as declared.
+struct Outcomes {
+  int recovered = 0, declared = 0, refused = 0, wrong = 0;
+};
+
+/// Right: within one degree and 2 % of the radius.
 void starts(const Path& folder, const std::vector<std::string>& names) {
-  struct Counts {
-    int recovered = 0, refused = 0, wrong = 0;
-  };
-  std::map<std::pair<int, int>, Counts> table;  // overlap in steps of 20 %, start in degrees
-  Random random(11);
-  for (const auto& name : names) {
-    const auto scan = read_scan({folder / name / "scan" / "scan.json"}, {}, quiet());
-    if (!scan.ok()) continue;
-    const auto views = views_of(*scan);
-    std::vector<Pose> all;
-    for (const auto& view : views) all.push_back(*view.guess);
-    const auto surfaces = view_surfaces(views, 1500, quiet());
-    const Vec3 middle = scan->cloud.bounds().center();
-    for (std::size_t b = 1; b < views.size(); ++b) {
-      const Agreement truth = agreement(surfaces, all, b, all[b], {b - 1}, 4 * surfaces[b].sigma, 800);
-      if (truth.overlap() < 0.2) continue;
-      for (const int off : {5, 15, 30, 60}) {
-        std::vector<RegisterView> pair{views[b - 1], views[b]};
-        const auto direction = [&] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
-        const Mat3 turn = rotation_of(off * pi / 180 * direction());
-        pair[1].guess = Pose{turn, middle - turn * middle + 0.05 * radius_of(*scan) * direction()} * all[b];
-        RegisterOptions options;
-        options.guess_angle = off * pi / 180 + 0.1;
-        const auto result = register_views(pair, options, quiet());
-        if (!result.ok()) continue;
-        Counts& counts = table[{std::min(4, int(truth.overlap() * 5)), off}];
-        const PoseErrors e = errors_of({all[b - 1], all[b]}, *result, radius_of(*scan));
-        if (refused(*result) > 0) ++counts.refused;
-        // Half of the difference stands with each view after the best fit.
-        else if (2 * e.worst_angle < 1 && 2 * e.worst_shift < 0.02 * radius_of(*scan)) ++counts.recovered;
-        else ++counts.wrong, std::fprintf(stderr, "%s %zu %zu from %d: %.2f deg %.2f mm\n", name.c_str(), b - 1, b, off, 2 * e.worst_angle, 2 * e.worst_shift);
-      }
+  std::map<std::pair<int, int>, Outcomes> table;  // overlap in fifths, start in degrees
+  Outcomes all;
+  const double begin = seconds();
+  for (const auto& name : names_in(folder, names))
+    for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 6, quiet())) {
+      const int off = int(std::lround(pair.start * 180 / pi));
+      RegisterOptions options;
+      options.guess_angle = pair.start + 0.1;
+      const auto result = register_views({pair.first, pair.second}, options, quiet());
+      if (!result.ok()) continue;
+      const PairError e = pair_error(pair, result->views[1].world_from_view, result->free_motions);
+      const char* word = "";
+      const auto count = [&](int Outcomes::*kind, const char* said) { ++(table[{std::min(4, int(pair.overlap * 5)), off}].*kind), ++(all.*kind), word = said; };
+      if (refused(*result) > 0) count(&Outcomes::refused, "refused");
+      else if (e.angle * 180 / pi > 1 || e.shift > 0.02 * pair.radius) count(&Outcomes::wrong, "wrong");
+      else if (!result->free_motions.empty()) count(&Outcomes::declared, "declared");
+      else count(&Outcomes::recovered, "recovered");
+      std::fprintf(stderr, "%s, overlap %.2f, from %d: %s, %.2f deg %.2f mm of %.1f", pair.name.c_str(), pair.overlap, off, word, e.angle * 180 / pi, e.shift, pair.radius);
+      for (const auto& line : result->warnings) std::fprintf(stderr, "; %s", line.c_str());
+      std::fprintf(stderr, "\n");
     }
-  }
   std::printf("| overlap | start 5 deg | 15 | 30 | 60 |\n|---|---|---|---|---|\n");
-  for (int share = 1; share <= 4; ++share) {
-    std::printf("| %d-%d %% |", 20 * share, 20 * share + 20);
+  for (int fifth = 1; fifth <= 4; ++fifth) {
+    std::printf("| %d-%d %% |", 20 * fifth, 20 * fifth + 20);
     for (const int off : {5, 15, 30, 60}) {
-      const Counts c = table[{share, off}];
-      std::printf(" %d / %d / %d |", c.recovered, c.refused, c.wrong);
+      const Outcomes c = table[{fifth, off}];
+      std::printf(" %d / %d / %d / %d |", c.recovered, c.declared, c.refused, c.wrong);
     }
     std::printf("\n");
   }
+  std::printf("recovered %d, apart from declared motions %d, refused %d, wrong %d; %.0f s\n", all.recovered, all.declared, all.refused, all.wrong, seconds() - begin);
 }
 
 }  // namespace
@@ -278,7 +275,7 @@ int main(int count, char** arguments) {
   if (words.size() == 4 && words[0] == "published") return published(words[1], std::stod(words[2]), std::stod(words[3]), false), 0;
   if (words.size() == 2 && words[0] == "unknown") return published(words[1], 0, 0, true), 0;
   if (words.size() >= 3 && words[0] == "turntable") return turntable({words.begin() + 1, words.end()}), 0;
-  if (words.size() >= 3 && words[0] == "starts") return starts(words[1], {words.begin() + 2, words.end()}), 0;
-  std::fprintf(stderr, "usage: bench_registration cases|paper|starts DIR CASE... | published FILE DEG MM | unknown FILE | turntable FILE...\n");
+  if (words.size() >= 2 && words[0] == "starts") return starts(words[1], {words.begin() + 2, words.end()}), 0;
+  std::fprintf(stderr, "usage: bench_registration cases|paper|starts DIR [CASE...] | published FILE DEG MM | unknown FILE | turntable FILE...\n");
   return 2;
 }

@@ -1,0 +1,79 @@
+#include "pairs.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/number.h"
+#include "core/random.h"
+#include "scan/read.h"
+#include "scan/register_pair.h"
+
+namespace partscribe {
+
+std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context) {
+  std::vector<PairCase> result;
+  const auto scan = read_scan({scan_json}, {}, context);
+  if (!scan.ok()) return result;
+  const auto views = views_of(*scan);
+  std::vector<Pose> poses;
+  for (const auto& view : views) poses.push_back(*view.guess);
+  const auto surfaces = view_surfaces(views, 1500, context);
+  struct Found {
+    std::size_t a, b;
+    double overlap;
+  };
+  std::array<std::vector<Found>, 5> fifths;
+  for (std::size_t a = 0; a < views.size(); ++a)
+    for (std::size_t b = a + 1; b < views.size(); ++b) {
+      const double overlap = agreement(surfaces, poses, b, poses[b], {a}, 4 * surfaces[b].sigma, 800).overlap();
+      fifths[std::size_t(std::min(4, int(overlap * 5)))].push_back({a, b, overlap});
+    }
+  const Vec3 middle = scan->cloud.bounds().center();
+  const double radius = scan->cloud.bounds().diagonal() / 3.5;
+  Random random(11);
+  for (std::size_t fifth = 1; fifth < fifths.size(); ++fifth) {
+    const auto& list = fifths[fifth];
+    const std::size_t count = std::min(list.size(), std::size_t(most));
+    for (std::size_t k = 0; k < count; ++k) {
+      const Found& f = list[(2 * k + 1) * list.size() / (2 * count)];
+      for (const int off : {5, 15, 30, 60}) {
+        const auto direction = [&] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
+        const Mat3 turn = rotation_of(off * pi / 180 * direction());
+        PairCase pair{name + " " + std::to_string(f.a) + " " + std::to_string(f.b), views[f.a], views[f.b], poses[f.b], f.overlap, off * pi / 180, radius};
+        pair.second.guess = Pose{turn, middle - turn * middle + 0.05 * radius * direction()} * poses[f.b];
+        result.push_back(std::move(pair));
+      }
+    }
+  }
+  return result;
+}
+
+PairError pair_error(const PairCase& pair, const Pose& found, const std::vector<FreeMotion>& free) {
+  Vec3 center = Vec3::Zero();
+  for (const Vec3& p : pair.second.cloud.points) center += pair.truth * p / double(pair.second.cloud.size());
+  const Pose back = pair.truth.inverse();
+  Pose d = found * back;
+  const auto error_of = [&] {
+    Eigen::Matrix<double, 6, 1> e;
+    e << pair.radius * rotation_vector(d.rotation), d * center - center;
+    return e;
+  };
+  for (int round = 0; round < 30 && !free.empty(); ++round) {
+    // The motions are those of the part where the view was placed; they stay in the world.
+    Eigen::MatrixXd j(6, Eigen::Index(free.size()));
+    for (std::size_t k = 0; k < free.size(); ++k)
+      j.col(Eigen::Index(k)) << (free[k].turns ? Vec3(pair.radius * free[k].axis) : Vec3(Vec3::Zero())),
+          (free[k].turns ? Vec3(free[k].axis.cross(d * center - free[k].point)) : free[k].axis);
+    const Eigen::VectorXd step = j.completeOrthogonalDecomposition().solve(error_of());
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      const double s = -step[Eigen::Index(k)];
+      d = (free[k].turns ? rotation_about(free[k].point, free[k].axis, s) : Pose{Mat3::Identity(), s * free[k].axis}) * d;
+    }
+  }
+  const auto e = error_of();
+  return {e.head<3>().norm() / pair.radius, e.tail<3>().norm()};
+}
+
+}  // namespace partscribe

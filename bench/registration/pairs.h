@@ -1,0 +1,33 @@
+/// Pairs of views of scans with true poses, from starts ever farther off.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/files.h"
+#include "scan/register.h"
+
+namespace partscribe {
+
+/// Two views of one part, their true poses, and a start for the second; `world_from_view` of the first is true.
+struct PairCase {
+  std::string name;          ///< "d3-tie-bar 2 5"
+  RegisterView first, second;  ///< the second's guess is the start
+  Pose truth;                ///< of the second
+  double overlap = 0;        ///< share of the second's points that the first confirms
+  double start = 0;          ///< rad off
+  double radius = 0;         ///< mm, of the part
+};
+
+/// Up to `most` pairs in each fifth of overlap from 20 % on, each from 5, 15, 30 and 60 degrees and a twentieth of the
+/// radius off. The same every time.
+std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context);
+
+/// How far a pose of the second view is off, at the middle of its points, once the motions that were declared free are
+/// followed to where it comes nearest.
+struct PairError {
+  double angle = 0, shift = 0;  ///< rad, mm
+};
+PairError pair_error(const PairCase& pair, const Pose& first_from_second, const std::vector<FreeMotion>& free);
+
+}  // namespace partscribe
