@@ -9,6 +9,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "fit/common_outlines.h"
 #include "fit/end_rims.h"
 #include "fit/evidence.h"
 #include "fit/outline_cells.h"
@@ -32,6 +33,26 @@ struct Sweep {
   Vec3 direction;
   double low = 0, high = 0, share = 0;
 };
+
+/// How far the walls go from a face at `from` towards `sign`, where no face was seen at their other end and strays lie beyond:
+/// to where the points become few (the likeliest change of a constant density); else to the last of them.
+double far_end(const std::vector<double>& heights, double from, double sign, double last) {
+  constexpr double fewer = 4, least = 0.1;  // times, share of the way to the last
+  std::vector<double> way;
+  for (const double h : heights)
+    if (const double t = sign * (h - from); t > 0) way.push_back(t);
+  std::sort(way.begin(), way.end());
+  const double whole = sign * (last - from), n = double(way.size());
+  if (!(whole > 0) || way.size() < 20) return last;
+  double best = n * std::log(n / whole), end = whole;
+  for (std::size_t i = 0; i + 1 < way.size() && way[i] < 0.95 * whole; ++i) {
+    const double near = double(i + 1), t = way[i];
+    if (t < least * whole || near / t < fewer * (n - near) / (whole - t)) continue;
+    const double likelihood = near * std::log(near / t) + (n - near) * std::log((n - near) / (whole - t));
+    if (likelihood > best) best = likelihood, end = t;
+  }
+  return from + sign * end;
+}
 
 std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   const auto& cloud = input.cloud;
@@ -77,6 +98,8 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   if (bottom.size() > 20) low = quantile(bottom, 0.5);
   if (top.size() > 20) high = quantile(top, 0.5);
   if (bottom.size() <= 20 && top.size() <= 20) return {};
+  if (input.stray_share > 0 && bottom.size() <= 20) low = far_end(sides, high, -1, low);
+  if (input.stray_share > 0 && top.size() <= 20) high = far_end(sides, low, 1, high);
   sweep.low = low, sweep.high = high;
   if (!(high - low > 2 * input.tolerance)) return {};
   return sweep;
@@ -456,6 +479,55 @@ void add_outlines_by_cells(const FitInput& input, const Section& s, double band,
   }
 }
 
+LoopPieces loop_of(const Circle& hole) {
+  ProfileSegment s;
+  s.arc = true, s.center = hole.center, s.radius = hole.radius, s.sweep = -2 * pi;
+  s.start = s.end = hole.center + Vec2(hole.radius, 0);
+  return {{s}, false, "hole"};
+}
+
+/// Holes about the centres of a slot's ends, and as large as each other, where they nearly are.
+std::vector<Circle> about_ends(std::vector<Circle> holes, const std::vector<Vec2>& centres, double band) {
+  std::vector<Circle> result;
+  for (const Vec2& centre : centres)
+    for (const auto& h : holes)
+      if ((h.center - centre).norm() < 3 * band) {
+        result.push_back({centre, h.radius});
+        break;
+      }
+  if (result.size() == 1 && centres.size() == 2)
+    result.push_back({result[0].center == centres[0] ? centres[1] : centres[0], result[0].radius});
+  double radius = 0;
+  for (const auto& h : result) radius += h.radius / double(result.size());
+  for (auto& h : result) h.radius = radius;
+  return result;
+}
+
+/// Outlines of few numbers, with the holes whose walls were seen.
+void add_common_outlines(const FitInput& input, const Section& s, double band, std::vector<Candidate>& candidates) {
+  constexpr double dearer = 1.5;
+  OutlineData data;
+  data.walls = s.walls, data.band = band, data.spacing = input.thin_spacing;
+  for (const auto& end : s.ends) data.ends.insert(data.ends.end(), end.begin(), end.end());
+  const auto outlines = common_outlines(data);
+  for (const auto& o : outlines) {
+    if (o.cost > dearer * outlines[0].cost) break;
+    std::vector<PlanePoint> inside;
+    for (const auto& w : s.walls)
+      if (o.distance(w.position) < -2 * band) inside.push_back(w);
+    const auto holes = partly_seen_holes(inside, data.ends, band, s.size);
+    const auto paired = about_ends(holes, o.end_centres(), band);
+    for (const bool pair : {false, true}) {
+      const auto& found = pair ? paired : holes;
+      if (pair && paired.empty()) continue;
+      std::vector<LoopPieces> loops = {o.loop()};
+      for (const auto& h : found) loops.push_back(loop_of(h));
+      for (std::size_t i = 1; loops.size() > 2 && i < loops.size(); ++i) loops[i].name = "hole " + print_number(double(i));
+      candidates.push_back(extrusion_of(std::move(loops), input, s.sweep, s.frame));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
@@ -481,6 +553,7 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
   for (const Section& s : sections) {
     const double band = std::max(2.5 * s.noise, 0.3 * input.tolerance);
     add_outlines_by_cells(input, s, band, candidates);
+    add_common_outlines(input, s, band, candidates);
     if (any_near) continue;
     for (const bool with_rims : {false, true})
       for (const double cell : {std::max(s.fine, 3 * input.thin_spacing), std::max({s.fine, wide, 5 * input.thin_spacing})})

@@ -1,0 +1,237 @@
+#include "fit/common_outlines.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/number.h"
+#include "core/statistics.h"
+
+namespace partscribe {
+namespace {
+
+constexpr std::size_t least_points = 20, most_points = 700;
+
+Vec2 turned(const Vec2& p, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+}
+
+/// Signed, from the box between two corners.
+double from_box(const Vec2& p, const Vec2& low, const Vec2& high) {
+  const Vec2 q = (low - p).cwiseMax(p - high);
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+
+template <class T>
+std::vector<T> spread(const std::vector<T>& all) {
+  const std::size_t step = (all.size() + most_points - 1) / most_points;
+  std::vector<T> result;
+  for (std::size_t i = 0; i < all.size(); i += step) result.push_back(all[i]);
+  return result;
+}
+
+/// What was seen, and what an outline costs that is to explain it.
+class Seen {
+ public:
+  explicit Seen(const OutlineData& data) : walls_(spread(data.walls)), ends_(spread(data.ends)), band_(data.band) {
+    for (const auto& w : walls_) low_ = low_.cwiseMin(w.position), high_ = high_.cwiseMax(w.position);
+    for (const Vec2& e : ends_) low_ = low_.cwiseMin(e), high_ = high_.cwiseMax(e);
+    end_share_ = double(data.ends.size()) / double(ends_.size());
+    wall_share_ = double(data.walls.size()) / double(walls_.size());
+  }
+
+  double size() const { return (high_ - low_).maxCoeff(); }
+  double band() const { return band_; }
+
+  double cost(const CommonOutline& o) const {
+    constexpr double stray = 4.5, outside = 2, unfilled = 0.1, along = 0.85;
+    constexpr double impossible = 1e300;
+    if (((o.high - o.low).array() < 2 * band_).any()) return impossible;
+    if (o.form == OutlineForm::ell && (((o.inner - o.low).array() < 2 * band_).any() || ((o.high - o.inner).array() < 2 * band_).any())) return impossible;
+    double walls = 0, ends = 0;
+    for (const auto& w : walls_) {
+      const double d = o.distance(w.position), u = 2.5 * d / band_;
+      const double slope = (o.distance(w.position + band_ * w.normal) - o.distance(w.position - band_ * w.normal)) / (2 * band_);
+      walls += std::abs(slope) < along ? stray : std::min(0.5 * u * u, stray);
+    }
+    for (const Vec2& e : ends_) ends += outside * std::clamp(o.distance(e) / band_ - 0.5, 0.0, 1.0);
+    const double filled = (high_ - low_).prod();
+    return wall_share_ * walls + end_share_ * (ends + unfilled * double(ends_.size()) * o.area() / filled);
+  }
+
+  /// Directions in which most walls face, modulo a right angle, and that in which the end faces extend.
+  std::vector<double> angles() const {
+    constexpr std::size_t bins = 45, most = 3;
+    constexpr double quarter = pi / 2;
+    std::array<double, bins> count = {};
+    for (const auto& w : walls_) {
+      const double turn = std::atan2(w.normal.y(), w.normal.x()) / quarter;
+      ++count[std::min(bins - 1, static_cast<std::size_t>((turn - std::floor(turn)) * bins))];
+    }
+    std::vector<std::pair<double, double>> modes;
+    for (std::size_t i = 0; i < bins; ++i) {
+      const double before = count[(i + bins - 1) % bins], here = count[i], after = count[(i + 1) % bins];
+      if (here >= before && here > after) modes.emplace_back(-(before + here + after), (double(i) + 0.5) * quarter / bins);
+    }
+    std::sort(modes.begin(), modes.end());
+    std::vector<double> result;
+    for (std::size_t i = 0; i < std::min(most, modes.size()); ++i) result.push_back(modes[i].second);
+    Vec2 mean = Vec2::Zero();
+    for (const Vec2& e : ends_) mean += e / double(ends_.size());
+    double xx = 0, xy = 0, yy = 0;
+    for (const Vec2& e : ends_) {
+      const Vec2 d = e - mean;
+      xx += d.x() * d.x(), xy += d.x() * d.y(), yy += d.y() * d.y();
+    }
+    result.push_back(0.5 * std::atan2(2 * xy, xx - yy));
+    return result;
+  }
+
+  /// Around nearly all that was seen.
+  CommonOutline around(OutlineForm form, double angle) const {
+    std::array<std::vector<double>, 2> places;
+    const auto add = [&](const Vec2& p) {
+      const Vec2 q = turned(p, -angle);
+      places[0].push_back(q.x()), places[1].push_back(q.y());
+    };
+    for (const auto& w : walls_) add(w.position);
+    for (const Vec2& e : ends_) add(e);
+    CommonOutline o;
+    o.form = form, o.angle = angle;
+    for (int k = 0; k < 2; ++k) o.low[k] = quantile(places[k], 0.02), o.high[k] = quantile(places[k], 0.98);
+    o.inner = 0.5 * (o.low + o.high);
+    o.round = 0.2 * (o.high - o.low).minCoeff();
+    return o;
+  }
+
+ private:
+  std::vector<PlanePoint> walls_;
+  std::vector<Vec2> ends_;
+  double band_;
+  Vec2 low_ = Vec2::Constant(1e300), high_ = -low_;
+  double end_share_ = 1, wall_share_ = 1;
+};
+
+/// The numbers of an outline and how far a first step moves them.
+std::vector<std::pair<double*, double>> numbers_of(CommonOutline& o, double size) {
+  const double step = 0.08 * size;
+  std::vector<std::pair<double*, double>> result = {{&o.angle, 0.04}, {&o.low.x(), step}, {&o.high.x(), step}, {&o.low.y(), step}, {&o.high.y(), step}};
+  if (o.form == OutlineForm::rounded) result.emplace_back(&o.round, step);
+  if (o.form == OutlineForm::ell) result.emplace_back(&o.inner.x(), step), result.emplace_back(&o.inner.y(), step);
+  return result;
+}
+
+/// Down to the nearest minimum, number by number, in steps that become half as long when none of them helps.
+void descend(CommonOutline& o, const Seen& seen) {
+  constexpr int halvings = 7, most_rounds = 60;
+  const auto numbers = numbers_of(o, seen.size());
+  double scale = 1;
+  o.cost = seen.cost(o);
+  for (int round = 0, halved = 0; round < most_rounds && halved < halvings; ++round) {
+    bool better = false;
+    for (const auto& [number, step] : numbers)
+      for (const double way : {step, -step}) {
+        const double before = *number;
+        *number += scale * way;
+        if (const double now = seen.cost(o); now < o.cost) {
+          o.cost = now, better = true;
+          break;
+        }
+        *number = before;
+      }
+    if (!better) scale /= 2, ++halved;
+  }
+}
+
+ProfileSegment line(const Vec2& from, const Vec2& to) {
+  ProfileSegment s;
+  s.start = s.point = from, s.end = to, s.direction = (to - from).normalized();
+  return s;
+}
+
+ProfileSegment arc(const Vec2& center, const Vec2& from, const Vec2& to, double sweep) {
+  ProfileSegment s;
+  s.arc = true, s.center = center, s.radius = (from - center).norm(), s.start = from, s.end = to, s.sweep = sweep;
+  return s;
+}
+
+}  // namespace
+
+double CommonOutline::radius() const {
+  const double most = 0.5 * (high - low).minCoeff();
+  return form == OutlineForm::rounded ? std::clamp(round, 0.0, most) : form == OutlineForm::slot ? most : 0;
+}
+
+double CommonOutline::area() const {
+  const Vec2 missing = (high - inner).cwiseMax(0.0);
+  return (high - low).prod() - (form == OutlineForm::ell ? missing.prod() : (4 - pi) * radius() * radius());
+}
+
+double CommonOutline::distance(const Vec2& p) const {
+  const Vec2 q = turned(p, -angle);
+  const double r = radius();
+  if (form != OutlineForm::ell) return from_box(q, low + Vec2::Constant(r), high - Vec2::Constant(r)) - r;
+  return std::max(from_box(q, low, high), -from_box(q, inner, Vec2::Constant(1e300)));
+}
+
+std::vector<Vec2> CommonOutline::end_centres() const {
+  if (form != OutlineForm::slot) return {};
+  const Vec2 r = Vec2::Constant(radius());
+  return {turned(low + r, angle), turned(high - r, angle)};
+}
+
+LoopPieces CommonOutline::loop() const {
+  LoopPieces result;
+  result.name = "outline";
+  const auto at = [&](double x, double y) { return turned({x, y}, angle); };
+  if (form == OutlineForm::ell) {
+    const std::array<Vec2, 6> corners = {at(low.x(), low.y()), at(high.x(), low.y()), at(high.x(), inner.y()),
+                                         at(inner.x(), inner.y()), at(inner.x(), high.y()), at(low.x(), high.y())};
+    for (std::size_t k = 0; k < 6; ++k) result.segments.push_back(line(corners[k], corners[(k + 1) % 6]));
+    return result;
+  }
+  const double r = radius(), tiny = 1e-9 * (high - low).maxCoeff();
+  const std::array<Vec2, 4> corners = {Vec2(low.x(), low.y()), Vec2(high.x(), low.y()), Vec2(high.x(), high.y()), Vec2(low.x(), high.y())};
+  const std::array<Vec2, 4> ways = {Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0), Vec2(0, -1)};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec2 &way = ways[k], &next = ways[(k + 1) % 4], &corner = corners[(k + 1) % 4];
+    const Vec2 from = corners[k] + r * way, to = corner - r * way;
+    if ((to - from).norm() > tiny) result.segments.push_back(line(turned(from, angle), turned(to, angle)));
+    if (!(r > 0)) continue;
+    const Vec2 center = to + r * next, leave = center + r * way;
+    auto bend = arc(turned(center, angle), turned(to, angle), turned(leave, angle), pi / 2);
+    auto* last = result.segments.empty() ? nullptr : &result.segments.back();
+    if (last && last->arc && (last->center - bend.center).norm() < tiny) last->end = bend.end, last->sweep += bend.sweep;
+    else result.segments.push_back(bend);
+  }
+  // A round end that the loop begins in the middle of.
+  auto& s = result.segments;
+  if (s.size() > 1 && s.front().arc && s.back().arc && (s.front().center - s.back().center).norm() < tiny) {
+    s.front().start = s.back().start, s.front().sweep += s.back().sweep;
+    s.pop_back();
+  }
+  return result;
+}
+
+std::vector<CommonOutline> common_outlines(const OutlineData& data) {
+  if (data.walls.size() < least_points || data.ends.size() < least_points || !(data.band > 0)) return {};
+  const Seen seen(data);
+  std::vector<CommonOutline> result;
+  for (const OutlineForm form : {OutlineForm::rectangle, OutlineForm::rounded, OutlineForm::slot, OutlineForm::ell}) {
+    CommonOutline best;
+    best.cost = 1e300;
+    for (const double angle : seen.angles())
+      for (int quarter = 0; quarter < (form == OutlineForm::ell ? 4 : 1); ++quarter) {
+        CommonOutline o = seen.around(form, angle + quarter * pi / 2);
+        descend(o, seen);
+        if (o.cost < best.cost) best = o;
+      }
+    if (best.cost < 1e300) result.push_back(best);
+  }
+  std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  return result;
+}
+
+}  // namespace partscribe
