@@ -44,6 +44,13 @@ bool is_slow(const Candidate& c) {
   return std::holds_alternative<Superellipsoid>(c.shape) || std::holds_alternative<Supertoroid>(c.shape);
 }
 
+/// A round body so much larger than the data that its wall is a plane to them.
+bool hardly_bends(const Candidate& c, double size) {
+  constexpr double times = 5;
+  return (std::holds_alternative<Sphere>(c.shape) || std::holds_alternative<Cylinder>(c.shape)) && !c.parameters.empty() &&
+         c.parameters[0].value > times * size;
+}
+
 Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   Judged j;
   auto senseless = [&] {
@@ -81,6 +88,8 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
                print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
+  else if (hardly_bends(j.candidate, input.bounds.diagonal()))
+    j.reason = "bends too little to be told from a plane";
   else if ((j.little_seen = j.coverage.covered < 0.25))
     j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
   else if (j.coverage.contradicted > 0.001)
@@ -95,22 +104,21 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
 /// By how many points a shape must explain more than a simpler one: where there are many strays, any shape explains some.
 double worth_a_shape(const FitInput& input) {
   const double points = double(input.cloud.size());
-  return std::max(20.0, points / 200) + 0.5 * input.stray_share * points;
+  return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
 }
 
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
-/// noise and strays are not everywhere, be far more likely without the help of such points. Of equally long ones the closer
-/// is better.
+/// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
 bool pays(const CandidateEvidence& longer, const CandidateEvidence& shorter, const FitInput& input) {
-  constexpr double clearly = 0.7, far_more_likely = 20, per_stray = 6;  // nats
-  constexpr double everywhere = 0.1;  // share of the points that are strays
+  constexpr double clearly = 0.7, per_stray = 6;  // nats
+  const double far_more_likely = 20 + 0.02 * input.stray_share * double(input.cloud.size());  // nats; strays bend what they can
   const double gain = shorter.total() - longer.total();
   if (!(gain > 0)) return false;
   if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
-  const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance && input.stray_share < everywhere;
+  const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
   return only_noise && gain - per_stray * std::max(explained, 0.0) > far_more_likely;
 }
 
@@ -216,6 +224,15 @@ bool is_round_ring(const Candidate& c) {
          });
 }
 
+/// True if the same was proposed before, in the same or other words.
+bool said_before(const Judged& j, const std::vector<Judged>& judged, double tolerance) {
+  return std::any_of(judged.begin(), judged.end(), [&](const Judged& known) {
+    return known.candidate.procedure == j.candidate.procedure && known.meets == j.meets &&
+           known.candidate.parameters.size() == j.candidate.parameters.size() &&
+           std::abs(known.evidence.total() - j.evidence.total()) < 1 && std::abs(known.evidence.local_max - j.evidence.local_max) < tolerance / 50;
+  });
+}
+
 /// Asks the makers of one kind and judges what they propose.
 void consider_makers(Search& search, bool last_resort, const FitInput& input, const BuildOptions& options, Context& context) {
   std::vector<Vec3> directions;
@@ -225,10 +242,10 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
     for (auto& candidate : maker.propose(input, search.hypothesis, directions, context)) {
       if (context.cancelled) return;
       if (!asked_for(options.force, candidate) || (search.found && is_round_ring(candidate))) continue;
-      search.judged.push_back(judge(std::move(candidate), input, context));
-      const auto& j = search.judged.back();
+      Judged j = judge(std::move(candidate), input, context);
       context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
                   ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
+      if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
     }
   }
   // Those that meet the tolerance by length of description, then the others by deviation.
@@ -240,11 +257,15 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
 }
 
 /// Says of lengths that hardly a point speaks about where they come from.
-void name_unseen(Candidate& candidate) {
-  constexpr std::size_t hardly_any = 10;
-  for (auto& p : candidate.parameters)
-    if (p.quantity == Quantity::length && p.points < hardly_any && p.note.find("not scanned") == std::string::npos)
-      p.note += "; its face was not scanned, the data end there";
+void name_unseen(Candidate& candidate, const FitInput& input) {
+  constexpr double hardly_any = 10, on_any_face = 0.03;  // points; share of the strays
+  const double strays = input.stray_share * double(input.cloud.size());
+  for (auto& p : candidate.parameters) {
+    const double points = double(p.points);
+    if (p.quantity != Quantity::length || p.note.find("not scanned") != std::string::npos) continue;
+    if (points < hardly_any) p.note += "; its face was not scanned, the data end there";
+    else if (points < hardly_any + on_any_face * strays) p.note += "; its face was not scanned or hardly, " + print_number(points) + " points may be strays";
+  }
 }
 
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
@@ -256,7 +277,7 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
     refine(exact, input, full, context);
-    name_unseen(exact);
+    name_unseen(exact, input);
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;
       Candidate tidy = exact;

@@ -36,6 +36,12 @@ struct FitInput {
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)
 };
 
+/// A length that only the end of the data fixes: no residual speaks about it but those of strays.
+struct HeldParameter {
+  std::string name;
+  double sigma = 0;  ///< mm
+};
+
 /// A proposal: one shape with named parameters, standing somewhere in the scan. Values are starts; refine() makes
 /// them exact.
 struct Candidate {
@@ -45,6 +51,7 @@ struct Candidate {
   std::vector<Parameter> parameters;  ///< all that `shape` names
   Pose scan_from_part;
   int extra_numbers = 0;              ///< numbers that are no parameters (control points, triangles)
+  std::vector<HeldParameter> held;    ///< what a fit must not move
 };
 
 }  // namespace partscribe

@@ -228,7 +228,8 @@ std::vector<CommonOutline> common_outlines(const OutlineData& data) {
         descend(o, seen);
         if (o.cost < best.cost) best = o;
       }
-    if (best.cost < 1e300) result.push_back(best);
+    const bool as_slot = form == OutlineForm::rounded && best.radius() > 0.48 * (best.high - best.low).minCoeff();
+    if (best.cost < 1e300 && !as_slot) result.push_back(best);
   }
   std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
   return result;

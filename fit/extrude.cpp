@@ -7,13 +7,13 @@
 #include <optional>
 
 #include "core/number.h"
-#include "core/random.h"
 #include "core/statistics.h"
 #include "fit/common_outlines.h"
 #include "fit/end_rims.h"
 #include "fit/evidence.h"
 #include "fit/outline_cells.h"
 #include "fit/plane_circle.h"
+#include "fit/round_holes.h"
 #include "fit/sketch_builder.h"
 #include "geometry/kd_tree.h"
 
@@ -32,26 +32,32 @@ double least_share(const FitInput& input) {
 struct Sweep {
   Vec3 direction;
   double low = 0, high = 0, share = 0;
+  double open_end = 0;  ///< mm, how well the end is known of which no face was seen; 0: both were, or no strays lie beyond
 };
 
-/// How far the walls go from a face at `from` towards `sign`, where no face was seen at their other end and strays lie beyond:
-/// to where the points become few (the likeliest change of a constant density); else to the last of them.
-double far_end(const std::vector<double>& heights, double from, double sign, double last) {
+/// Where the walls end that start at `from` and run towards `sign`, and how well that is known.
+struct FarEnd {
+  double at = 0, sigma = 0;  // mm
+};
+
+/// Where no face was seen at their other end and strays lie beyond: where the points become few (the likeliest change of a
+/// constant density); else the last of them.
+FarEnd far_end(const std::vector<double>& heights, double from, double sign, double last) {
   constexpr double fewer = 4, least = 0.1;  // times, share of the way to the last
   std::vector<double> way;
   for (const double h : heights)
     if (const double t = sign * (h - from); t > 0) way.push_back(t);
   std::sort(way.begin(), way.end());
   const double whole = sign * (last - from), n = double(way.size());
-  if (!(whole > 0) || way.size() < 20) return last;
-  double best = n * std::log(n / whole), end = whole;
+  if (!(whole > 0) || way.size() < 20) return {last, std::abs(whole)};
+  double best = n * std::log(n / whole), end = whole, gap = whole / n;
   for (std::size_t i = 0; i + 1 < way.size() && way[i] < 0.95 * whole; ++i) {
     const double near = double(i + 1), t = way[i];
     if (t < least * whole || near / t < fewer * (n - near) / (whole - t)) continue;
     const double likelihood = near * std::log(near / t) + (n - near) * std::log((n - near) / (whole - t));
-    if (likelihood > best) best = likelihood, end = t;
+    if (likelihood > best) best = likelihood, end = t, gap = t / near;
   }
-  return from + sign * end;
+  return {from + sign * end, 3 * gap};
 }
 
 std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
@@ -70,7 +76,7 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
     const Vec3 next = eigen.eigenvectors().col(0);
     a = next.dot(a) < 0 ? Vec3(-next) : next;
   }
-  Sweep sweep{a, 0, 0, 0};
+  Sweep sweep{a, 0, 0, 0, 0};
   std::vector<double> ends, sides;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double c = std::abs(cloud.normals[i].dot(a)), h = cloud.points[i].dot(a);
@@ -98,8 +104,12 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   if (bottom.size() > 20) low = quantile(bottom, 0.5);
   if (top.size() > 20) high = quantile(top, 0.5);
   if (bottom.size() <= 20 && top.size() <= 20) return {};
-  if (input.stray_share > 0 && bottom.size() <= 20) low = far_end(sides, high, -1, low);
-  if (input.stray_share > 0 && top.size() <= 20) high = far_end(sides, low, 1, high);
+  if (input.stray_share > 0 && std::min(bottom.size(), top.size()) <= 20) {
+    const bool below = bottom.size() <= 20;
+    const FarEnd end = below ? far_end(sides, high, -1, low) : far_end(sides, low, 1, high);
+    (below ? low : high) = end.at;
+    sweep.open_end = std::max(end.sigma, input.sampling.sigma);
+  }
   sweep.low = low, sweep.high = high;
   if (!(high - low > 2 * input.tolerance)) return {};
   return sweep;
@@ -246,75 +256,7 @@ class Nearby {
   KdTree tree_;
 };
 
-using Circle = PlaneCircle;
-
-/// Sectors of 10 degrees that hold points.
-int sectors_of(const Circle& c, const std::vector<Vec2>& on) {
-  std::array<bool, 36> hit = {};
-  for (const Vec2& p : on) {
-    const double angle = std::atan2(p.y() - c.center.y(), p.x() - c.center.x()) + pi;
-    hit[std::min<std::size_t>(35, static_cast<std::size_t>(angle / (2 * pi) * 36))] = true;
-  }
-  return static_cast<int>(std::count(hit.begin(), hit.end(), true));
-}
-
-/// True if the end faces lie around the circle, not only to one side, and not in it.
-bool is_hole(const Circle& c, const std::vector<Vec2>& ends) {
-  constexpr double inner = 0.85, from = 1.1, to = 1.5;
-  constexpr int least_sectors = 16;
-  std::size_t inside = 0;
-  std::vector<Vec2> around;
-  for (const Vec2& p : ends) {
-    const double r = (p - c.center).norm() / c.radius;
-    inside += r < inner;
-    if (r > from && r < to) around.push_back(p);
-  }
-  const double area_ratio = inner * inner / (to * to - from * from);
-  return sectors_of(c, around) >= least_sectors && double(inside) < 0.2 * area_ratio * double(around.size());
-}
-
-/// Wall points within `band` of a circle, with normals across it.
-std::vector<Vec2> points_of(const Circle& c, const std::vector<PlanePoint>& walls, double band) {
-  std::vector<Vec2> on;
-  for (const auto& w : walls) {
-    const Vec2 d = w.position - c.center;
-    const double r = d.norm();
-    if (std::abs(r - c.radius) < band && std::abs(d.dot(w.normal)) > 0.9 * r) on.push_back(w.position);
-  }
-  return on;
-}
-
-/// Round holes of which at least 70 degrees of wall were seen, in one piece or several: circles on which the normals of two
-/// walls meet, those with most points first.
-std::vector<Circle> partly_seen_holes(std::vector<PlanePoint> walls, const std::vector<Vec2>& ends, double band, double size) {
-  constexpr int draws = 600, least_sectors = 7;
-  constexpr std::size_t least_points = 12, most_holes = 12;
-  Random random(1);
-  std::vector<Circle> holes;
-  while (holes.size() < most_holes && walls.size() >= least_points) {
-    Circle best{Vec2::Zero(), 0};
-    std::size_t most = least_points - 1;
-    for (int draw = 0; draw < draws; ++draw) {
-      const PlanePoint &a = walls[random.below(walls.size())], &b = walls[random.below(walls.size())];
-      const auto meeting = where_normals_meet(a, b, 0.2);
-      if (!meeting || std::abs(meeting->from_b - meeting->from_a) > 4 * band) continue;
-      if (meeting->from_a > 0.5 * size || meeting->from_a < 3 * band) continue;
-      const Circle c{meeting->place, 0.5 * (meeting->from_a + meeting->from_b)};
-      const std::vector<Vec2> on = points_of(c, walls, band);
-      if (on.size() <= most || sectors_of(c, on) < least_sectors || !is_hole(c, ends)) continue;
-      most = on.size(), best = c;
-    }
-    if (!(best.radius > 0)) break;
-    for (int round = 0; round < 3; ++round) best = polished(best, points_of(best, walls, band));
-    const std::vector<Vec2> on = points_of(best, walls, band);
-    if (on.size() < least_points || sectors_of(best, on) < least_sectors || !is_hole(best, ends)) break;
-    holes.push_back(best);
-    std::erase_if(walls, [&](const PlanePoint& w) { return (w.position - best.center).norm() < best.radius + 3 * band; });
-  }
-  return holes;
-}
-
-Chain ring_of(const Circle& circle, double noise) {
+Chain ring_of(const PlaneCircle& circle, double noise) {
   constexpr int count = 36;
   Chain ring;
   ring.closed = true;
@@ -355,10 +297,10 @@ std::vector<Chain> rings_of_parts(const std::vector<PlanePoint>& walls, const st
                                   double noise, double cell, double band, double size) {
   std::vector<Vec2> both = ends[0];
   both.insert(both.end(), ends[1].begin(), ends[1].end());
-  const std::vector<Circle> holes = partly_seen_holes(walls, both, band, size);
+  const std::vector<PlaneCircle> holes = partly_seen_holes(walls, both, band, size);
   std::vector<PlanePoint> outline;
   const auto keep = [&](const PlanePoint& p) {
-    if (std::none_of(holes.begin(), holes.end(), [&](const Circle& h) { return (p.position - h.center).norm() < h.radius + 3 * band; }))
+    if (std::none_of(holes.begin(), holes.end(), [&](const PlaneCircle& h) { return (p.position - h.center).norm() < h.radius + 3 * band; }))
       outline.push_back(p);
   };
   for (const auto& p : walls) keep(p);
@@ -402,6 +344,7 @@ Candidate extrusion_of(std::vector<LoopPieces> loops, const FitInput& input, con
   height.value = height.fitted = sweep.high - sweep.low;
   height.note = "length of the extrusion";
   c.parameters.push_back(height);
+  if (sweep.open_end > 0) c.held = {{"height", sweep.open_end}};
   c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
   c.scan_from_part.rotation = frame * rotation_of(Vec3(0, 0, angle));
   c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
@@ -443,12 +386,13 @@ struct Section {
   Mat3 frame;                     ///< columns x, y, and z along the sweep
   std::vector<PlanePoint> walls;
   std::vector<Vec2> ends[2];      ///< points of the faces at the low and the high end
+  std::vector<Vec2> between;      ///< points of neither, whatever their normals
   double size = 0, outline = 0;   ///< mm, longer side and circumference of the box around the walls
   double noise = 0, fine = 0;     ///< mm, of a wall point; least distance of nodes
 };
 
 Section section_of(const FitInput& input, const Sweep& sweep) {
-  Section s{sweep, rotation_onto_axis(sweep.direction), {}, {}};
+  Section s{sweep, rotation_onto_axis(sweep.direction), {}, {}, {}};
   const double margin = 0.5 * input.tolerance, thick = std::max(2.5 * input.sampling.sigma, input.tolerance);
   Vec2 low = Vec2::Constant(1e300), high = -low;
   for (std::size_t i = 0; i < input.cloud.size(); ++i) {
@@ -456,6 +400,7 @@ Section section_of(const FitInput& input, const Sweep& sweep) {
     if (std::abs(n.z()) > 0.9)
       for (const bool top : {false, true})
         if (std::abs(q.z() - (top ? sweep.high : sweep.low)) < thick) s.ends[top].push_back(q.head<2>());
+    if (q.z() > sweep.low + thick && q.z() < sweep.high - thick) s.between.push_back(q.head<2>());
     if (std::abs(n.z()) > side_sine || q.z() < sweep.low - margin || q.z() > sweep.high + margin) continue;
     s.walls.push_back({q.head<2>(), n.head<2>().normalized()});
     low = low.cwiseMin(q.head<2>()), high = high.cwiseMax(q.head<2>());
@@ -479,28 +424,11 @@ void add_outlines_by_cells(const FitInput& input, const Section& s, double band,
   }
 }
 
-LoopPieces loop_of(const Circle& hole) {
+LoopPieces loop_of(const PlaneCircle& hole) {
   ProfileSegment s;
   s.arc = true, s.center = hole.center, s.radius = hole.radius, s.sweep = -2 * pi;
   s.start = s.end = hole.center + Vec2(hole.radius, 0);
   return {{s}, false, "hole"};
-}
-
-/// Holes about the centres of a slot's ends, and as large as each other, where they nearly are.
-std::vector<Circle> about_ends(std::vector<Circle> holes, const std::vector<Vec2>& centres, double band) {
-  std::vector<Circle> result;
-  for (const Vec2& centre : centres)
-    for (const auto& h : holes)
-      if ((h.center - centre).norm() < 3 * band) {
-        result.push_back({centre, h.radius});
-        break;
-      }
-  if (result.size() == 1 && centres.size() == 2)
-    result.push_back({result[0].center == centres[0] ? centres[1] : centres[0], result[0].radius});
-  double radius = 0;
-  for (const auto& h : result) radius += h.radius / double(result.size());
-  for (auto& h : result) h.radius = radius;
-  return result;
 }
 
 /// Outlines of few numbers, with the holes whose walls were seen.
@@ -512,14 +440,14 @@ void add_common_outlines(const FitInput& input, const Section& s, double band, s
   const auto outlines = common_outlines(data);
   for (const auto& o : outlines) {
     if (o.cost > dearer * outlines[0].cost) break;
-    std::vector<PlanePoint> inside;
-    for (const auto& w : s.walls)
-      if (o.distance(w.position) < -2 * band) inside.push_back(w);
-    const auto holes = partly_seen_holes(inside, data.ends, band, s.size);
-    const auto paired = about_ends(holes, o.end_centres(), band);
-    for (const bool pair : {false, true}) {
-      const auto& found = pair ? paired : holes;
-      if (pair && paired.empty()) continue;
+    std::vector<Vec2> inside;
+    for (const Vec2& p : s.between)
+      if (o.distance(p) < -2 * band) inside.push_back(p);
+    const auto holes = hardly_seen_holes(inside, data.ends, band, s.size);
+    const auto about_ends = holes_about(o.end_centres(), o.radius(), inside, data.ends, band);
+    for (const bool ends : {false, true}) {
+      const auto& found = ends ? about_ends : holes;
+      if (ends && found.empty()) continue;
       std::vector<LoopPieces> loops = {o.loop()};
       for (const auto& h : found) loops.push_back(loop_of(h));
       for (std::size_t i = 1; loops.size() > 2 && i < loops.size(); ++i) loops[i].name = "hole " + print_number(double(i));

@@ -137,7 +137,9 @@ Model bare_model(const Candidate& candidate) {
 
 RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
   RefineReport report;
-  const Unknowns unknowns(candidate, options.fixed, input.bounds.center(), std::max(0.5 * input.bounds.diagonal(), 1e-9));
+  std::vector<std::string> fixed = options.fixed;
+  for (const auto& h : candidate.held) fixed.push_back(h.name);
+  const Unknowns unknowns(candidate, fixed, input.bounds.center(), std::max(0.5 * input.bounds.diagonal(), 1e-9));
   const double noise = std::max(input.sampling.sigma, 1e-7 * unknowns.size());
   // The last steps take every point; before them a sample finds the way as well.
   constexpr std::size_t enough_to_start = 8000;
@@ -175,6 +177,9 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.facets[k], u.filter[k]), u.slant[k], floor);
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
+  for (const auto& h : candidate.held)
+    for (auto& p : candidate.parameters)
+      if (p.name == h.name) p.sigma = p.sigma_systematic = std::max(h.sigma, u.floor);
   count_points(candidate, all, unknowns, u.points_per_independent);
   return report;
 }
