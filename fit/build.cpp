@@ -107,19 +107,24 @@ double worth_a_shape(const FitInput& input) {
   return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
 }
 
+constexpr double nats_per_stray = 6;     // what a point costs that a shape leaves to chance
+constexpr double strays_everywhere = 0.1;  // share of the points
+
+/// By how many nats a shape must follow its own points better than a simpler one; strays bend what they can.
+double far_more_likely(const FitInput& input) { return 20 + 0.1 * input.stray_share * double(input.cloud.size()); }
+
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
 /// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
 bool pays(const CandidateEvidence& longer, const CandidateEvidence& shorter, const FitInput& input) {
-  constexpr double clearly = 0.7, per_stray = 6;  // nats
-  const double far_more_likely = 20 + 0.02 * input.stray_share * double(input.cloud.size());  // nats; strays bend what they can
+  constexpr double clearly = 0.7;
   const double gain = shorter.total() - longer.total();
   if (!(gain > 0)) return false;
   if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
   const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
-  return only_noise && gain - per_stray * std::max(explained, 0.0) > far_more_likely;
+  return only_noise && gain - nats_per_stray * std::max(explained, 0.0) > far_more_likely(input);
 }
 
 /// The shortest description that meets the tolerance comes first, unless a longer one pays. `judged` is sorted by
@@ -140,12 +145,19 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   if (!by_size.empty()) return by_size;
   const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
   const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
+  const bool everywhere = input.stray_share > strays_everywhere;
+  const double left = double(r.unexplained) - double(w.unexplained), strays = input.stray_share * double(input.cloud.size());
+  if (r.description < w.description && everywhere && left > 0 && left < 0.1 * strays &&
+      r.total() - w.total() - nats_per_stray * left < far_more_likely(input))
+    return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are strays";
   if (r.description < w.description)
     return "shorter, but follows the data less closely: costs " + print_number(std::round(r.total() - w.total())) + " nats more in all";
   if (std::abs(r.misfit - w.misfit) < told_apart)
     return "fits as well, takes " + longer + " to describe";
   if (r.total() < w.total() && r.unexplained < w.unexplained)
-    return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) + " points that lie on it are strays";
+    return "the data cannot tell whether " + print_number(-left) + " points that lie on it are strays";
+  if (everywhere && r.total() < w.total())
+    return "the data cannot tell: costs " + print_number(std::round(w.total() - r.total())) + " nats less in all, as strays may have it";
   return "describes the part in " + longer;
 }
 
@@ -309,12 +321,17 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
 /// True if what was found follows the data only roughly, by many flat faces or by a round form: a body with rounded corners,
 /// or a ring with such, may do better.
 bool is_rough(const Search& search, const FitInput& input) {
-  constexpr std::size_t many_faces = 9;
+  constexpr std::size_t many_faces = 9, some_faces = 7;
+  constexpr double rough = 0.31;  // nats per point; 0.25 where there is only noise
   const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
   const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
-  if (!search.found || !(search.evidence.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
+  if (!search.found) return false;
   const Shape& shape = search.judged[search.winner].candidate.shape;
   const auto* body = std::get_if<HalfSpaces>(&shape);
+  const CandidateEvidence& e = search.evidence;
+  const double misfit = (e.misfit - nats_per_stray * double(e.unexplained)) / double(input.cloud.size());
+  if (body && body->planes.size() >= some_faces && facets == 0 && misfit > rough) return true;
+  if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
   return body ? body->planes.size() >= many_faces
               : std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) || std::holds_alternative<Ellipsoid>(shape);
 }
@@ -331,7 +348,7 @@ void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& op
   auto& [input, rejected, search] = attempt;
   if (!last_resort) {
     context.report("hypothesis", 0.15);
-    search.hypothesis = recover_superellipsoid(input.cloud.points, context);
+    search.hypothesis = recover_superellipsoid(input.cloud.points, context, input.cloud.normals);
     context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
   }
   context.report("candidates", 0.25);

@@ -40,13 +40,13 @@ class Seen {
     for (const Vec2& e : ends_) low_ = low_.cwiseMin(e), high_ = high_.cwiseMax(e);
     end_share_ = double(data.ends.size()) / double(ends_.size());
     wall_share_ = double(data.walls.size()) / double(walls_.size());
+    find_empty_cells(data.ends);
   }
 
   double size() const { return (high_ - low_).maxCoeff(); }
-  double band() const { return band_; }
 
   double cost(const CommonOutline& o) const {
-    constexpr double stray = 4.5, outside = 2, unfilled = 0.1, along = 0.85;
+    constexpr double stray = 4.5, outside = 2, unfilled = 0.3 * points_per_cell, spread = 0.1, along = 0.85;
     constexpr double impossible = 1e300;
     if (((o.high - o.low).array() < 2 * band_).any()) return impossible;
     if (o.form == OutlineForm::ell && (((o.inner - o.low).array() < 2 * band_).any() || ((o.high - o.inner).array() < 2 * band_).any())) return impossible;
@@ -57,8 +57,10 @@ class Seen {
       walls += std::abs(slope) < along ? stray : std::min(0.5 * u * u, stray);
     }
     for (const Vec2& e : ends_) ends += outside * std::clamp(o.distance(e) / band_ - 0.5, 0.0, 1.0);
-    const double filled = (high_ - low_).prod();
-    return wall_share_ * walls + end_share_ * (ends + unfilled * double(ends_.size()) * o.area() / filled);
+    double empty = 0;
+    for (const Vec2& c : empty_) empty += unfilled * std::clamp(0.5 - o.distance(c) / cell_, 0.0, 1.0);
+    const double area = spread * double(ends_.size()) * o.area() / (high_ - low_).prod();
+    return wall_share_ * walls + end_share_ * (ends + area) + empty;
   }
 
   /// Directions in which most walls face, modulo a right angle, and that in which the end faces extend.
@@ -107,8 +109,25 @@ class Seen {
   }
 
  private:
+  static constexpr double points_per_cell = 2;  // of the end faces, on the average
+
+  /// Middles of the cells, somewhat beyond all that was seen too, in which no end face was.
+  void find_empty_cells(const std::vector<Vec2>& ends) {
+    const Vec2 margin = 0.3 * (high_ - low_), low = low_ - margin, whole = high_ + margin - low;
+    cell_ = std::sqrt(points_per_cell * (high_ - low_).prod() / double(ends.size()));
+    const auto nx = static_cast<std::size_t>(whole.x() / cell_) + 1, ny = static_cast<std::size_t>(whole.y() / cell_) + 1;
+    std::vector<bool> filled(nx * ny, false);
+    for (const Vec2& e : ends)
+      filled[static_cast<std::size_t>((e.y() - low.y()) / cell_) * nx + static_cast<std::size_t>((e.x() - low.x()) / cell_)] = true;
+    for (std::size_t y = 0; y < ny; ++y)
+      for (std::size_t x = 0; x < nx; ++x)
+        if (!filled[y * nx + x]) empty_.emplace_back(low + cell_ * Vec2(double(x) + 0.5, double(y) + 0.5));
+  }
+
   std::vector<PlanePoint> walls_;
   std::vector<Vec2> ends_;
+  std::vector<Vec2> empty_;
+  double cell_ = 0;  // mm
   double band_;
   Vec2 low_ = Vec2::Constant(1e300), high_ = -low_;
   double end_share_ = 1, wall_share_ = 1;

@@ -412,47 +412,53 @@ Section section_of(const FitInput& input, const Sweep& sweep) {
   return s;
 }
 
+OutlineData outline_data(const FitInput& input, const Section& s, double band) {
+  OutlineData data;
+  data.walls = s.walls, data.band = band, data.spacing = input.thin_spacing;
+  for (const auto& end : s.ends) data.ends.insert(data.ends.end(), end.begin(), end.end());
+  return data;
+}
+
 /// With walls alone, and with the rims of the end faces.
 void add_outlines_by_cells(const FitInput& input, const Section& s, double band, std::vector<Candidate>& candidates) {
+  OutlineData data = outline_data(input, s, band);
   for (const bool with_rims : {false, true}) {
-    OutlineData data;
-    data.walls = s.walls, data.band = band, data.spacing = input.thin_spacing;
     if (with_rims) data.rims = outer_rims(s.ends, s.walls, std::max(s.fine, 3 * input.thin_spacing));
-    for (const auto& end : s.ends) data.ends.insert(data.ends.end(), end.begin(), end.end());
     auto loops = outline_by_cells(data);
     if (!loops.empty()) candidates.push_back(extrusion_of(std::move(loops), input, s.sweep, s.frame));
   }
 }
 
-LoopPieces loop_of(const PlaneCircle& hole) {
+LoopPieces loop_of(const PlaneCircle& hole, std::string name) {
   ProfileSegment s;
   s.arc = true, s.center = hole.center, s.radius = hole.radius, s.sweep = -2 * pi;
   s.start = s.end = hole.center + Vec2(hole.radius, 0);
-  return {{s}, false, "hole"};
+  return {{s}, false, std::move(name)};
 }
 
-/// Outlines of few numbers, with the holes whose walls were seen.
+std::vector<LoopPieces> with_holes(const LoopPieces& outline, const std::vector<PlaneCircle>& holes) {
+  std::vector<LoopPieces> loops = {outline};
+  for (std::size_t i = 0; i < holes.size(); ++i)
+    loops.push_back(loop_of(holes[i], holes.size() == 1 ? "hole" : "hole " + print_number(double(i + 1))));
+  return loops;
+}
+
+/// Outlines of few numbers, with the holes of which something was seen.
 void add_common_outlines(const FitInput& input, const Section& s, double band, std::vector<Candidate>& candidates) {
   constexpr double dearer = 1.5;
-  OutlineData data;
-  data.walls = s.walls, data.band = band, data.spacing = input.thin_spacing;
-  for (const auto& end : s.ends) data.ends.insert(data.ends.end(), end.begin(), end.end());
+  const OutlineData data = outline_data(input, s, band);
   const auto outlines = common_outlines(data);
   for (const auto& o : outlines) {
     if (o.cost > dearer * outlines[0].cost) break;
     std::vector<Vec2> inside;
     for (const Vec2& p : s.between)
       if (o.distance(p) < -2 * band) inside.push_back(p);
-    const auto holes = hardly_seen_holes(inside, data.ends, band, s.size);
-    const auto about_ends = holes_about(o.end_centres(), o.radius(), inside, data.ends, band);
-    for (const bool ends : {false, true}) {
-      const auto& found = ends ? about_ends : holes;
-      if (ends && found.empty()) continue;
-      std::vector<LoopPieces> loops = {o.loop()};
-      for (const auto& h : found) loops.push_back(loop_of(h));
-      for (std::size_t i = 1; loops.size() > 2 && i < loops.size(); ++i) loops[i].name = "hole " + print_number(double(i));
-      candidates.push_back(extrusion_of(std::move(loops), input, s.sweep, s.frame));
-    }
+    const auto add = [&](const std::vector<PlaneCircle>& holes) {
+      candidates.push_back(extrusion_of(with_holes(o.loop(), holes), input, s.sweep, s.frame));
+    };
+    add(hardly_seen_holes(inside, data.ends, band, s.size));
+    const auto in_ends = holes_about(o.end_centres(), o.radius(), inside, data.ends, band);
+    if (!in_ends.empty()) add(in_ends);
   }
 }
 

@@ -4,14 +4,17 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <tuple>
 
 #include "core/number.h"
+#include "core/random.h"
 #include "core/statistics.h"
 #include "fit/superquadric_mixture.h"
 
@@ -101,11 +104,26 @@ State stepped(const State& s, const Gradient& step) {
   return n;
 }
 
-/// Of the surface, to a few per cent: inliers are spread over it, so of two bodies through the same points the
-/// smaller explains them better.
+/// Of the surface without its taper, from triangles over one octant: inliers are spread over it, so of two bodies through the
+/// same points the smaller explains them better.
 double rough_area(const State& s) {
-  const double box = 8 * (s.a[0] * s.a[1] + s.a[1] * s.a[2] + s.a[2] * s.a[0]);
-  return box * std::clamp(1 - 0.26 * (s.e1 + s.e2 - 0.1), 0.3, 1.0);
+  constexpr int steps = 6;
+  std::array<std::array<Vec3, steps + 1>, steps + 1> at;
+  double sum = 0;
+  for (int face = 0; face < 3; ++face) {
+    for (int i = 0; i <= steps; ++i)
+      for (int k = 0; k <= steps; ++k) {
+        Vec3 v;
+        v[face] = 1, v[(face + 1) % 3] = double(i) / steps, v[(face + 2) % 3] = double(k) / steps;
+        const double in = superellipse_gauge(v[0], v[1], 2 / s.e2).value;
+        at[i][k] = s.a.cwiseProduct(v) / superellipse_gauge(in, v[2], 2 / s.e1).value;
+      }
+    for (int i = 0; i < steps; ++i)
+      for (int k = 0; k < steps; ++k)
+        sum += (at[i + 1][k] - at[i][k]).cross(at[i][k + 1] - at[i][k]).norm() +
+               (at[i + 1][k] - at[i + 1][k + 1]).cross(at[i][k + 1] - at[i + 1][k + 1]).norm();
+  }
+  return 4 * sum;
 }
 
 /// Tapers that are not wanted, and what is at its bound and pushed outward.
@@ -168,6 +186,35 @@ State upright_start(const std::vector<Vec3>& points) {
   return resized(s, points, 25);
 }
 
+/// The three directions to which normals n keep best: the greatest sum of (n . axis)^4, by fixed-point steps from several
+/// frames.
+Mat3 frame_of(const std::vector<Vec3>& normals) {
+  constexpr int frames = 6, most_steps = 60;
+  const std::size_t step = std::max<std::size_t>(1, normals.size() / most_points);
+  Random random(5);
+  Mat3 best = Mat3::Identity();
+  double most = -1;
+  for (int frame = 0; frame < frames; ++frame) {
+    Mat3 axes = frame == 0 ? Mat3(Mat3::Identity()) : rotation_of(Vec3(random.normal(), random.normal(), random.normal()) * 2);
+    double sum = 0;
+    for (int k = 0; k < most_steps; ++k) {
+      Mat3 pull = Mat3::Zero();
+      const double before = sum;
+      sum = 0;
+      for (std::size_t i = 0; i < normals.size(); i += step) {
+        const Vec3 along = axes.transpose() * normals[i], cubes = along.cwiseProduct(along).cwiseProduct(along);
+        pull += normals[i] * cubes.transpose(), sum += cubes.dot(along);
+      }
+      const Eigen::JacobiSVD<Mat3> svd(pull, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      axes = svd.matrixU() * svd.matrixV().transpose();
+      if (sum < before * (1 + 1e-9)) break;
+    }
+    if (sum > most * (1 + 1e-6)) most = sum, best = axes;
+  }
+  if (best.determinant() < 0) best.col(2) *= -1;
+  return best;
+}
+
 /// The ball through the points by least squares, reweighted: finds the far side of a body seen from one side only.
 State ball_start(const std::vector<Vec3>& points) {
   State s;
@@ -214,7 +261,7 @@ void tidy_axes(State& s) {
 }
 
 /// The best body of all starts. `floor` is the least sigma: how closely the points may be asked to follow it.
-State recovered(const std::vector<Vec3>& points, double volume, double floor, Context& context) {
+State recovered(const std::vector<Vec3>& points, const std::optional<Mat3>& frame, double volume, double floor, Context& context) {
   const std::size_t n = points.size();
   const std::size_t few = std::min(n, screen_points);
   const State upright = upright_start(points);
@@ -230,6 +277,15 @@ State recovered(const std::vector<Vec3>& points, double volume, double floor, Co
       starts.back().e1 = starts.back().e2 = 0.3, starts.back().k1 = k1, starts.back().k2 = k2;
     }
   starts.push_back(ball_start(points));
+  if (frame) {
+    State square;
+    square.rotation = *frame;
+    square = resized(square, points, 25);
+    for (int axis = 0; axis < 3; ++axis) {
+      starts.push_back(permuted(square, axis));
+      starts.back().e1 = starts.back().e2 = 0.4;
+    }
+  }
   const std::size_t drawn_starts = starts.size();
   for (std::size_t i = 0; i < drawn_starts; ++i) {
     State s = starts[i];
@@ -259,7 +315,7 @@ State recovered(const std::vector<Vec3>& points, double volume, double floor, Co
     others.push_back(permuted(best, axis));
     std::swap(others.back().e1, others.back().e2);
   }
-  if (best.e2 > 1.4) {
+  if (best.e2 > 1.15) {
     State turned = best;
     turned.rotation = best.rotation * rotation_of({0, 0, pi / 4});
     turned.a[0] = turned.a[1] = std::sqrt(0.5) * 0.5 * (best.a[0] + best.a[1]);
@@ -297,7 +353,7 @@ State recovered(const std::vector<Vec3>& points, double volume, double floor, Co
 
 }  // namespace
 
-SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& context) {
+SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& context, const std::vector<Vec3>& normals) {
   SuperellipsoidFit fit;
   fit.hypothesis.suggests = "none";
   fit.shape = {1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0};
@@ -322,11 +378,12 @@ SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& all, Context& 
   for (Vec3& p : points) p = (p - origin) / unit, box.add(p);
   const double volume = std::max(0.5, box.size().cwiseMax(0.2).prod());
 
-  State best = recovered(points, volume, 1e-5, context);
+  const std::optional<Mat3> frame = normals.empty() ? std::nullopt : std::optional(frame_of(normals));
+  State best = recovered(points, frame, volume, 1e-5, context);
   // Points that no filter rejected and no single body explains closely are no outliers: then the coarse body around
   // (nearly) all of them says more of the part than a close one of a third of it.
   if (best.inliers < 0.7) {
-    const State coarse = recovered(points, volume, 0.12, context);
+    const State coarse = recovered(points, frame, volume, 0.12, context);
     if (coarse.inliers > std::max(0.7, best.inliers + 0.1)) best = coarse;
   }
   tidy_axes(best);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 
@@ -46,8 +47,16 @@ std::vector<std::vector<double>> ways_to_write(const EvaluatedShape& shape) {
     if (s->top_x == 0) return {{s->size_x, s->size_y, s->size_z}, {s->size_y, s->size_x, s->size_z}};
     return {{s->size_x, s->size_y, s->size_z, s->top_x}};
   }
-  if (const auto* s = std::get_if<SuperellipsoidOf<double>>(&shape))
-    return {{s->a1, s->a2, s->a3, s->e1, s->e2}, {s->a2, s->a1, s->a3, s->e1, s->e2}};
+  if (const auto* s = std::get_if<SuperellipsoidOf<double>>(&shape)) {
+    // Where the exponents are equal, all three axes mean the same; where they are not, the numbers tell.
+    std::vector<std::vector<double>> ways;
+    for (const auto& a : {std::array{s->a1, s->a2, s->a3}, std::array{s->a2, s->a3, s->a1}, std::array{s->a3, s->a1, s->a2}})
+      for (const auto& [e1, e2] : {std::pair{s->e1, s->e2}, std::pair{s->e2, s->e1}}) {
+        ways.push_back({a[0], a[1], a[2], e1, e2});
+        ways.push_back({a[1], a[0], a[2], e1, e2});
+      }
+    return ways;
+  }
   if (const auto* s = std::get_if<SupertoroidOf<double>>(&shape))
     return {{s->major_radius, s->minor_radius, s->half_height, s->e1, s->e2}};
   if (const auto* s = std::get_if<FilletOf<double>>(&shape)) {

@@ -1,4 +1,5 @@
 /// Hard scans of known parts: what is found is right, or says that it cannot tell.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "bench/recovery/facets.h"
@@ -47,6 +48,29 @@ TEST_CASE("recovery: of thirty hard scans with a third unseen at least 28 give t
   CHECK(runs == 30);
   CHECK(right >= 28);
   CHECK(wrong == 0);
+}
+
+TEST_CASE("recovery: among 30 % strays, two thirds hidden, plates keep their holes and rounded bodies their axes") {
+  for (const auto& [kind, seed] : {std::pair{"extrude", 1}, std::pair{"extrude", 12}, std::pair{"superellipsoid", 3}}) {
+    const Case c = make_case(kind, hardest_conditions(), static_cast<std::uint64_t>(seed));
+    Context context;
+    const Score score = recovered(c, context);
+    INFO(kind << " " << seed << ": " << score.found << " " << score.why);
+    CHECK(score.answer == Answer::right);
+  }
+}
+
+TEST_CASE("recovery: the end of a plate that nobody saw lies where its walls end, not where the last stray does") {
+  const Case c = make_case("extrude", hardest_conditions(), 15);
+  Context context;
+  const Score score = recovered(c, context);
+  REQUIRE(score.model);
+  const Model& model = **score.model;
+  const auto height = std::find_if(model.parameters.begin(), model.parameters.end(), [](const Parameter& p) { return p.name == "height"; });
+  REQUIRE(height != model.parameters.end());
+  CHECK(height->fitted == Approx(c.truth.parameters.back().value).margin(1.5));
+  CHECK(height->note.find("not scanned") != std::string::npos);
+  CHECK(height->sigma > 0);
 }
 
 TEST_CASE("recovery: a ring with corners and a fillet come back from hard scans, a fillet from a coarse mesh") {

@@ -11,6 +11,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "model/distance.h"
 
 using namespace partscribe;
 
@@ -116,6 +117,36 @@ TEST_CASE("superellipsoid: sizes, exponents and place come back from a fifth of 
   CHECK(a[2] == Approx(40).margin(0.6));
   CHECK((fit.scan_from_shape.translation - Vec3(100, -50, 20)).norm() < 0.3);
   CHECK(fit.inlier_share == Approx(0.81).margin(0.04));
+}
+
+TEST_CASE("superellipsoid: half a rounded block finds its axes by its normals") {
+  Context context;
+  const SuperellipsoidOf<double> truth{17, 12, 12.3, 0.45, 0.5, 0, 0};
+  Model model;
+  model.as_scanned = false;
+  model.objects.push_back({"block", Superellipsoid{17, 12, 12.3, 0.45, 0.5, 0, 0}, {}, {}, {}});
+  const ModelDistance distance(model);
+  const Mat3 rotation = rotation_of(Vec3(0.4, -0.3, 0.8));
+  Random random(6);
+  std::vector<Vec3> points, normals;
+  while (points.size() < 2000) {
+    Vec3 p(random.uniform(-18, 18), random.uniform(-13, 13), random.uniform(-13, 13)), n;
+    for (int step = 0; step < 8; ++step) {
+      const double d = distance(p).distance;
+      for (int k = 0; k < 3; ++k) n[k] = (distance(p + 1e-5 * Vec3::Unit(k)).distance - distance(p - 1e-5 * Vec3::Unit(k)).distance) / 2e-5;
+      p -= d * n.normalized();
+    }
+    if (n.normalized().dot(Vec3(0.5, 0.6, 0.6).normalized()) < 0.2) continue;  // seen from one side
+    points.push_back(rotation * (p + 0.3 * random.normal() * n.normalized())), normals.push_back(rotation * n.normalized());
+  }
+  const SuperellipsoidFit fit = recover_superellipsoid(points, context, normals);
+  INFO(fit.shape.a1 << " " << fit.shape.a2 << " " << fit.shape.a3 << " " << fit.shape.e1 << " " << fit.shape.e2);
+  const Mat3 turn = fit.scan_from_shape.rotation.transpose() * rotation;
+  for (int k = 0; k < 3; ++k) CHECK(turn.col(k).cwiseAbs().maxCoeff() > 0.99);
+  CHECK(fit.shape.e1 < 0.7);
+  CHECK(fit.shape.e2 < 0.7);
+  const double whole = fit.shape.a1 * fit.shape.a2 * fit.shape.a3;
+  CHECK(whole == Approx(truth.a1 * truth.a2 * truth.a3).epsilon(0.1));
 }
 
 TEST_CASE("superellipsoid: shuffling the points changes not one bit") {
