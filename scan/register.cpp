@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -82,10 +84,10 @@ std::string name_of(const std::vector<RegisterView>& views, std::size_t v) {
 }
 
 /// One entry for all views that move alike.
-std::vector<FreeMotion> free_motions(const JointResult& joint, const std::vector<RegisterView>& views) {
+std::vector<FreeMotion> free_motions(const JointResult& joint, std::size_t views) {
   std::vector<FreeMotion> result;
   if (joint.free_directions.empty()) return result;
-  for (std::size_t v = 0; v < views.size(); ++v) {
+  for (std::size_t v = 0; v < views; ++v) {
     std::vector<FreeMotion> own = motions_of_view(v, joint);
     // All turns about one point are one thing, whatever axes span them.
     if (own.size() == 3 && own[0].turns) {
@@ -98,13 +100,61 @@ std::vector<FreeMotion> free_motions(const JointResult& joint, const std::vector
       else known->views.push_back(v);
     }
   }
-  for (FreeMotion& motion : result) {
+  return result;
+}
+
+/// Whether a motion of one view is one of its free motions, or several of them together.
+bool explained(Pose d, std::size_t view, const std::vector<FreeMotion>& free, const JointResult& joint, double shift_limit) {
+  std::vector<const FreeMotion*> own;
+  for (const FreeMotion& m : free)
+    if (std::find(m.views.begin(), m.views.end(), view) != m.views.end()) own.push_back(&m);
+  const Vec3& center = joint.center;
+  const auto left = [&] {
+    Vec6 e;
+    e << joint.size * rotation_vector(d.rotation), d * center - center;
+    return e;
+  };
+  for (int round = 0; round < 20 && !own.empty(); ++round) {
+    Eigen::MatrixXd j(6, static_cast<Eigen::Index>(own.size()));
+    for (std::size_t k = 0; k < own.size(); ++k)
+      j.col(static_cast<Eigen::Index>(k)) << (own[k]->turns ? Vec3(joint.size * own[k]->axis) : Vec3(Vec3::Zero())),
+          (own[k]->turns ? Vec3(own[k]->axis.cross(d * center - own[k]->point)) : own[k]->axis);
+    const Eigen::VectorXd step = j.completeOrthogonalDecomposition().solve(left());
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const double s = -step[static_cast<Eigen::Index>(k)];
+      d = (own[k]->turns ? rotation_about(own[k]->point, own[k]->axis, s) : Pose{Mat3::Identity(), s * own[k]->axis}) * d;
+    }
+  }
+  return left().norm() < shift_limit;
+}
+
+/// Motions that the search found to lead to other poses as good, and that are not among those of the normal matrix.
+void add_joined(const std::vector<std::vector<Pose>>& joined, const std::vector<std::size_t>& used, const JointResult& joint, std::vector<FreeMotion>& motions) {
+  for (const std::size_t v : used)
+    for (const Pose& d : joined[v]) {
+      if (explained(d, v, motions, joint, 0.1 * joint.size)) continue;
+      FreeMotion motion;
+      const double angle = rotation_vector(d.rotation).norm();
+      const Vec3 moved = d * joint.center - joint.center;
+      motion.turns = angle * joint.size > 0.2 * moved.norm();
+      motion.point = joint.center, motion.axis = moved.normalized();
+      if (motion.turns) {
+        const FixedLine line = fixed_line(d, joint.center);
+        motion.point = line.point, motion.axis = line.axis;
+      }
+      const auto known = std::find_if(motions.begin(), motions.end(), [&](const FreeMotion& m) { return same_motion(m, motion, joint.size); });
+      if (known == motions.end()) motions.push_back(motion), motions.back().views = {v};
+      else if (std::find(known->views.begin(), known->views.end(), v) == known->views.end()) known->views.push_back(v);
+    }
+}
+
+void name_motions(const std::vector<RegisterView>& views, std::vector<FreeMotion>& motions) {
+  for (FreeMotion& motion : motions) {
     std::string names;
     for (const std::size_t v : motion.views) names += (names.empty() ? "" : ", ") + name_of(views, v);
     motion.words = std::string(motion.views.size() == 1 ? "view " : "views ") + names + (motion.turns ? " turn about " : " slide along ") +
                    place_text(motion.axis, 1000) + (motion.turns ? " through " + place_text(motion.point, 100) : "");
   }
-  return result;
 }
 
 struct Judged {
@@ -141,6 +191,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
       else if (found.disagreement() > most_disagreement(options, surfaces[v]))
         reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_disagreement(options, surfaces[v]));
+      else if (found.unanswered() > options.max_unanswered)
+        reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered);
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
         reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";
     }
@@ -224,6 +276,27 @@ void place_views(const Registration& registration, Scan& scan) {
   cut(cloud.normals), cut(cloud.rays), cut(cloud.sigma), cut(cloud.view), cut(cloud.pixel), cut(cloud.rejected);
 }
 
+std::vector<std::uint8_t> floating_points(const Registration& registration, const PointCloud& cloud) {
+  ensure(cloud.normals.size() == cloud.size() && cloud.view.size() == cloud.size(), "what floats is told by normals and views");
+  std::vector<std::uint8_t> floating(cloud.size(), 0);
+  const std::size_t n = registration.views.size();
+  std::size_t placed = 0;
+  for (const RegisteredView& v : registration.views) placed += v.status != ViewStatus::refused;
+  for (const FreeMotion& motion : registration.free_motions) {
+    std::vector<std::uint8_t> moves(n, 0);
+    for (const std::size_t v : motion.views) moves[v] = 1;
+    if (2 * motion.views.size() > placed) for (auto& m : moves) m = !m;
+    constexpr double along_normal = 0.15;  // of the motion; normals of noisy points are off by some degrees
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const auto v = static_cast<std::size_t>(cloud.view[i]);
+      if (v >= n || !moves[v]) continue;
+      const Vec3 way = motion.turns ? Vec3(motion.axis.cross(cloud.points[i] - motion.point)) : motion.axis;
+      if (std::abs(way.dot(cloud.normals[i])) > along_normal * way.norm()) floating[i] = 1;
+    }
+  }
+  return floating;
+}
+
 Result<Registration> register_views(const std::vector<RegisterView>& views, const RegisterOptions& options, Context& context) {
   if (auto error = check(views, options)) return *error;
   const Error stopped{"stopped while registering views", ErrorKind::stopped};
@@ -276,7 +349,9 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   result.center = joint.center;
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
-  result.free_motions = free_motions(joint, views);
+  result.free_motions = free_motions(joint, views.size());
+  if (!start.joined.empty()) add_joined(start.joined, used, joint, result.free_motions);
+  name_motions(views, result.free_motions);
   // The last view has turned by all the steps together.
   if (result.turntable && result.turntable->step_observed)
     result.turntable->step_sigma = std::sqrt(joint.covariance[used.back()].topLeftCorner<3, 3>().trace() / 3) / std::max(1.0, double(used.back()));

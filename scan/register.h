@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,7 @@ struct RegisterOptions {
   double tolerance = 0;            ///< mm; a view whose sigma exceeds a quarter of it is refused; 0: no such demand
   double min_overlap = 0.15;       ///< share of a view's points that other views must confirm
   double max_seen_through = 0.05;  ///< share of a view's points that another view may have looked through
+  double max_unanswered = 0.25;    ///< share of a view's points that face another sensor which returned nothing there
   bool contours = true;            ///< borders of range images fix what surfaces leave free; doubles the time
   int samples = 3000;              ///< points of a view used in the joint adjustment; more is slower
 };
@@ -96,6 +98,11 @@ std::vector<RegisterView> views_of(const Scan& scan);
 /// Moves the points, rays and normals of `scan` to the registered poses; points of refused views are left out.
 /// The views of `registration` must be those of views_of(scan).
 void place_views(const Registration& registration, Scan& scan);
+
+/// Points of `cloud` (in the world, with normals and view) that a free motion of their view would move along their normal:
+/// where they lie only the guess says, and merged with others they would smear. One entry per point, 1 floats. A motion
+/// that most views share is taken as one of the others.
+std::vector<std::uint8_t> floating_points(const Registration& registration, const PointCloud& cloud);
 
 /// Fails for bad requests (no guess where one is needed, no points at all) and when cancelled; a view that cannot be
 /// placed is refused with its reason, not an error. The first usable view is the reference. Same views, same bytes,

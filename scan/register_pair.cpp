@@ -66,6 +66,16 @@ Surfels sample_surfels(const ViewSurface& surface, std::size_t count) {
   return result;
 }
 
+Surfels strided_surfels(const ViewSurface& surface, std::size_t count) {
+  Surfels result;
+  const std::size_t n = surface.samples.size(), some = std::min(count, n);
+  for (std::size_t k = 0; k < some; ++k) {
+    const auto i = surface.samples[(2 * k + 1) * n / (2 * some)];
+    result.points.push_back(surface.points[i]), result.normals.push_back(surface.normals[i]);
+  }
+  return result;
+}
+
 namespace {
 
 struct CellSum {
@@ -190,10 +200,25 @@ Pose align_symmetric(const Surfels& source, const PlacedModel& target, const Pos
   return align_symmetric({{&source, &target}}, start, options);
 }
 
+std::vector<WeakMotion> weak_motions(const Surfels& source, const PlacedModel& target, const Pose& pose, double reach, double noise, double weak) {
+  std::vector<WeakMotion> result;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : source.points) middle += p / static_cast<double>(source.points.size());
+  double size = 0;
+  for (const Vec3& p : source.points) size += (p - middle).squaredNorm();
+  size = std::max(std::sqrt(size / static_cast<double>(std::max<std::size_t>(source.points.size(), 1))), 1e-9);
+  PairEquations sum;
+  add_pair(source, target, pose, pose * middle, size, reach, noise, sum);
+  const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sum.h);
+  for (int k = 0; k < 3 && eigen.eigenvalues()[k] < weak * eigen.eigenvalues()[5]; ++k)
+    result.push_back({pose * middle, eigen.eigenvectors().col(k).head<3>() / size, eigen.eigenvectors().col(k).tail<3>()});
+  return result;
+}
+
 Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view,
                     const Pose& pose, const std::vector<std::size_t>& others, double reach, std::size_t samples) {
   Agreement result;
-  const Surfels mine = sample_surfels(surfaces[view], samples);
+  const Surfels mine = strided_surfels(surfaces[view], samples);
   result.samples = static_cast<int>(mine.points.size());
   std::vector<std::uint8_t> confirmed(mine.points.size(), 0);
   std::vector<double> residuals, best(mine.points.size(), 1e30);
@@ -214,17 +239,19 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
       }
       if (facing < 0.3) continue;
       const Neighbour near = other.tree->nearest_one(p);
-      ++result.faced;
+      const bool must_return = facing > 0.4;  // beyond 65 degrees a surface may fail to
+      result.faced += must_return;
       const Vec3 d = p - other.points[near.index];
       const double e = std::abs(d.dot(other.normals[near.index]));
-      if (near.sq_distance > 9 * reach * reach + 4 * other.spacing * other.spacing || e > reach ||
+      // Slanted surface returns more sparsely.
+      if (near.sq_distance > 9 * reach * reach + 4 * std::pow(other.spacing / facing, 2) || e > reach ||
           n.dot(other.normals[near.index]) < 0.866) {
-        ++result.odd;
+        result.odd += must_return;
         continue;
       }
       confirmed[i] = 1, best[i] = std::min(best[i], e);
     }
-    const Surfels theirs = sample_surfels(other, samples / 2);
+    const Surfels theirs = strided_surfels(other, samples / 2);
     const Pose here = there.inverse();
     for (std::size_t i = 0; i < theirs.points.size(); ++i) {
       const Vec3 p = here * theirs.points[i], n = here.rotation * theirs.normals[i];

@@ -16,6 +16,9 @@ struct Surfels {
 /// `count` of the samples of a view, in its own frame.
 Surfels sample_surfels(const ViewSurface& surface, std::size_t count);
 
+/// `count` of the samples at equal strides: spread like the samples themselves, and quickly taken.
+Surfels strided_surfels(const ViewSurface& surface, std::size_t count);
+
 /// One oriented point for every cube of edge `cell` (mm) and direction, in the frame of the view.
 Surfels thin_surfels(const ViewSurface& surface, double cell);
 
@@ -50,6 +53,18 @@ Pose align_symmetric(const Surfels& source, const PlacedModel& target, const Pos
 /// The one motion that lays every source over its target.
 Pose align_symmetric(const std::vector<AlignPair>& pairs, const Pose& start, const AlignOptions& options);
 
+/// A motion along which distances hardly change, for each mm that the view's points move in the mean.
+struct WeakMotion {
+  Vec3 center, turn, shift;  ///< world frame; rad about the center, mm
+  Pose by(double mm) const {
+    const Mat3 rotation = rotation_of(mm * turn);
+    return {rotation, center - rotation * center + mm * shift};
+  }
+};
+
+/// At most three, the weakest first; fixed by less than `weak` of what the best one is.
+std::vector<WeakMotion> weak_motions(const Surfels& source, const PlacedModel& target, const Pose& pose, double reach, double noise, double weak);
+
 /// What the other views say of a pose.
 struct Agreement {
   int samples = 0;
@@ -63,8 +78,11 @@ struct Agreement {
   double disagreement() const { return faced ? double(odd) / faced : 0; }
   double overlap() const { return samples ? double(confirmed) / samples : 0; }
   double seen_through() const { return samples ? double(std::max(through, back_through)) / samples : 0; }
+  /// What speaks against a pose, as a share of the samples.
+  double contradiction() const { return samples ? (3.0 * (through + back_through) + missing) / double(samples) + disagreement() : 1; }
   /// What ranks poses: confirmed less what contradicts.
-  double score() const { return samples ? (confirmed - 3.0 * (through + back_through) - missing) / double(samples) - disagreement() : -1; }
+  double score() const { return samples ? overlap() - contradiction() : -1; }
+  double unanswered() const { return samples ? double(missing) / samples : 0; }
 };
 
 /// `reach` is how far off a confirmed place may be along the normal, three times that across.

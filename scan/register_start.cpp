@@ -1,8 +1,10 @@
 #include "scan/register_start.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/number.h"
 #include "core/parallel.h"
@@ -66,56 +68,258 @@ bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double
 bool connected(const Placement& placement, std::size_t view, const PoseCandidate& a, const PoseCandidate& b) {
   for (const double share : {0.25, 0.5, 0.75}) {
     const Pose pose = between(a.pose, b.pose, share);
-    if (placement.judge(view, pose, 1.5, 300).overlap() < 0.8 * std::min(a.agreement.overlap(), b.agreement.overlap())) return false;
+    const Agreement there = placement.judge(view, pose, 2, 150);
+    if (there.overlap() < 0.8 * std::min(a.agreement.overlap(), b.agreement.overlap())) return false;
+    if (there.contradiction() > std::max(a.agreement.contradiction(), b.agreement.contradiction()) + 0.1) return false;
   }
   return true;
 }
 
-/// Poses a view ends in from many starts, best first, each place once.
-std::vector<PoseCandidate> candidates_from(const Placement& placement, std::size_t view, const std::vector<Pose>& starts, int threads) {
+/// Each start, and the same turn with the view laid over the middle of what both sides can see at that turn: where a
+/// guess is turned about is not known, so that a right turn may come with a wrong place.
+std::vector<Pose> with_places(const Placement& placement, std::size_t view, const std::vector<Pose>& starts) {
   const ViewSurface& surface = placement.surfaces[view];
-  const double fine_cell = 1.5 * surface.spacing;
-  const auto coarse = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface.radius / 12, 2 * surface.spacing));
-  const Surfels few = sample_surfels(surface, 300);
-  AlignOptions rough;
-  rough.start_reach = 0.35 * surface.radius, rough.end_reach = coarse->cell, rough.noise = 0.1 * coarse->cell, rough.iterations = 40;
-  std::vector<PoseCandidate> rough_results(starts.size());
-  parallel_for(starts.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      rough_results[k].pose = align_symmetric(few, *coarse, starts[k], rough);
-      rough_results[k].agreement = placement.judge(view, rough_results[k].pose, 4, 200);
-    }
-  }, 1);
-  std::stable_sort(rough_results.begin(), rough_results.end(), [](const PoseCandidate& a, const PoseCandidate& b) { return a.agreement.score() > b.agreement.score(); });
-  std::vector<PoseCandidate> result;
-  for (const PoseCandidate& c : rough_results) {
-    bool known = false;
-    for (const PoseCandidate& r : result) known = known || same_place(surface, r.pose, c.pose, 0.1, 0.1 * surface.radius);
-    if (!known) result.push_back(c);
-    if (result.size() >= 6) break;
+  const Surfels mine = sample_surfels(surface, 200);
+  struct Seen {
+    Surfels surfels;  // world frame
+    Vec3 sight;
+  };
+  std::vector<Seen> others;
+  for (const std::size_t o : placement.placed) {
+    const Pose& pose = placement.poses[o];
+    const ViewSurface& other = placement.surfaces[o];
+    Seen seen{sample_surfels(other, 200), pose.rotation * other.raster.ray(other.center)};
+    for (Vec3& p : seen.surfels.points) p = pose * p;
+    for (Vec3& n : seen.surfels.normals) n = pose.rotation * n;
+    others.push_back(std::move(seen));
   }
-  const auto fine = place_surfaces(placement.surfaces, placement.poses, placement.placed, fine_cell);
-  const Surfels many = sample_surfels(surface, 1000);
-  AlignOptions exact;
-  exact.start_reach = coarse->cell, exact.end_reach = std::max(1.5 * surface.spacing, 4 * surface.sigma), exact.noise = std::max(0.5 * surface.sigma, 0.02 * surface.spacing);
-  parallel_for(result.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      result[k].pose = align_symmetric(many, *fine, result[k].pose, exact);
-      result[k].agreement = placement.judge(view, result[k].pose, 1.5, 1000);
+  constexpr double facing = -0.2;  // cosine to the sight of the other sensor
+  std::vector<Pose> result;
+  for (const Pose& start : starts) {
+    result.push_back(start);
+    const Vec3 sight = start.rotation * surface.raster.ray(surface.center);
+    Vec3 own = Vec3::Zero(), theirs = Vec3::Zero();
+    int own_count = 0, their_count = 0;
+    for (const Seen& seen : others)
+      for (std::size_t i = 0; i < seen.surfels.points.size(); ++i)
+        if (seen.surfels.normals[i].dot(sight) < facing) theirs += seen.surfels.points[i], ++their_count;
+    for (std::size_t i = 0; i < mine.points.size(); ++i) {
+      const Vec3 n = start.rotation * mine.normals[i];
+      if (std::any_of(others.begin(), others.end(), [&](const Seen& seen) { return n.dot(seen.sight) < facing; }))
+        own += start * mine.points[i], ++own_count;
     }
-  }, 1);
-  std::stable_sort(result.begin(), result.end(), [](const PoseCandidate& a, const PoseCandidate& b) { return a.agreement.score() > b.agreement.score(); });
+    if (own_count < 10 || their_count < 10) continue;
+    const Vec3 shift = theirs / their_count - own / own_count;
+    if (shift.norm() > 0.1 * surface.radius) result.push_back({start.rotation, start.translation + shift});
+  }
   return result;
 }
+
+void sort_by_score(std::vector<PoseCandidate>& candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(), [](const PoseCandidate& a, const PoseCandidate& b) { return a.agreement.score() > b.agreement.score(); });
+}
+
+/// The first `most` places that are not the same within a tolerance (rad, share of the radius).
+std::vector<PoseCandidate> distinct(const std::vector<PoseCandidate>& candidates, const ViewSurface& surface, double within, std::size_t most) {
+  std::vector<PoseCandidate> result;
+  for (const PoseCandidate& c : candidates) {
+    if (result.size() >= most) break;
+    if (std::none_of(result.begin(), result.end(), [&](const PoseCandidate& r) { return same_place(surface, r.pose, c.pose, within, within * surface.radius); }))
+      result.push_back(c);
+  }
+  return result;
+}
+
+/// Three directions across each other: that of most normals, of most of those across it, and the third.
+Mat3 main_axes(const ViewSurface& surface) {
+  const Surfels surfels = sample_surfels(surface, 300);
+  const auto most_common = [&](const auto& allowed) {
+    Vec3 best = Vec3::Zero();
+    std::size_t most = 0;
+    for (const Vec3& n : surfels.normals) {
+      if (!allowed(n)) continue;
+      std::size_t like = 0;
+      for (const Vec3& m : surfels.normals) like += std::abs(n.dot(m)) > 0.98;
+      if (like > most) most = like, best = n;
+    }
+    return best;
+  };
+  Mat3 axes;
+  axes.col(0) = most_common([](const Vec3&) { return true; });
+  Vec3 second = most_common([&](const Vec3& n) { return std::abs(n.dot(axes.col(0))) < 0.2; });
+  if (second.isZero()) second = axes.col(0).unitOrthogonal();
+  axes.col(1) = (second - second.dot(axes.col(0)) * axes.col(0)).normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
+
+/// The 23 turns that lay a cube with these axes onto itself, about `center`: what symmetric parts are mistaken for.
+std::vector<Pose> symmetric_turns(const Mat3& axes, const Pose& pose, const Vec3& center) {
+  std::vector<Pose> result;
+  const Mat3 world = pose.rotation * axes;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (const double a : {1.0, -1.0})
+        for (const double b : {1.0, -1.0}) {
+          if (i == j || (i == 0 && j == 1 && a > 0 && b > 0)) continue;
+          Mat3 image;
+          image << a * world.col(i), b * world.col(j), a * world.col(i).cross(b * world.col(j));
+          const Mat3 turn = image * world.transpose();
+          result.push_back(Pose{turn, center - turn * center} * pose);
+        }
+  return result;
+}
+
+/// Where else a view could lie that fits at `pose`: turned as symmetric parts are mistaken, or slid.
+std::vector<Pose> rivals_of(const ViewSurface& surface, const Mat3& axes, const Pose& pose) {
+  std::vector<Pose> result = symmetric_turns(axes, pose, pose * surface.center);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double slide : {-1.0, -0.5, -0.25, 0.25, 0.5, 1.0})
+      result.push_back(Pose{Mat3::Identity(), slide * surface.radius * (pose.rotation * axes.col(axis))} * pose);
+  return result;
+}
+
+/// The search for poses of one view against others.
+class PoseSearch {
+ public:
+  PoseSearch(const Placement& placement, std::size_t view, int threads) : placement_(placement), view_(view), threads_(threads), surface_(placement.surfaces[view]) {
+    coarse_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface_.radius / 12, 2 * surface_.spacing));
+    fine_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, 1.5 * surface_.spacing);
+  }
+
+  const Pose* guess = nullptr;                    ///< where there is one
+  std::function<bool(const Pose&)> too_far;        ///< from the guess
+
+  /// Poses the view ends in from `starts`, best first, each place once. The coarse search keeps many, for what it says
+  /// of a place is coarse as well.
+  std::vector<PoseCandidate> from(const std::vector<Pose>& starts) const {
+    std::vector<PoseCandidate> found;
+    for (const Pose& start : guess ? with_places(placement_, view_, starts) : starts) found.push_back({start, {}});
+    AlignOptions rough;
+    rough.start_reach = 0.35 * surface_.radius, rough.end_reach = coarse_->cell, rough.noise = 0.1 * coarse_->cell, rough.iterations = 40;
+    align(found, 300, *coarse_, rough, 4, 200);
+    found = distinct(found, surface_, 0.1, 32);
+    if (!starts.empty()) found.insert(found.begin(), {starts.front(), {}});  // which may be better than coarse cells can tell
+    AlignOptions exact;
+    exact.start_reach = 2 * coarse_->cell, exact.end_reach = std::max(1.5 * surface_.spacing, 4 * surface_.sigma), exact.noise = std::max(0.5 * surface_.sigma, 0.02 * surface_.spacing);
+    align(found, 300, *fine_, exact, 2, 400);
+    found = families(distinct(found, surface_, 0.05, found.size()));
+    slide(found, exact);
+    exact.start_reach = exact.end_reach;
+    align(found, 1000, *fine_, exact, 1.5, 1000);
+    return found;
+  }
+
+ private:
+  /// A few of each set of poses that free motions join, and a few sets.
+  std::vector<PoseCandidate> families(const std::vector<PoseCandidate>& candidates) const {
+    constexpr int most_of_one = 2;
+    constexpr std::size_t most_heads = 6;
+    std::vector<PoseCandidate> heads, result;
+    std::vector<int> count;
+    for (const PoseCandidate& c : candidates) {
+      std::size_t of = 0;
+      while (of < heads.size() && !connected(placement_, view_, heads[of], c)) ++of;
+      if (of == heads.size()) {
+        if (heads.size() == most_heads) continue;
+        heads.push_back(c), count.push_back(0);
+      }
+      if (++count[of] <= most_of_one) result.push_back(c);
+    }
+    return result;
+  }
+
+  void align(std::vector<PoseCandidate>& candidates, std::size_t points, const PlacedModel& model, const AlignOptions& options, double factor, std::size_t samples) const {
+    const Surfels source = sample_surfels(surface_, points);
+    parallel_for(candidates.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        candidates[k].pose = align_symmetric(source, model, candidates[k].pose, options);
+        candidates[k].agreement = placement_.judge(view_, candidates[k].pose, factor, samples);
+      }
+    }, 1);
+    sort_by_score(candidates);
+  }
+
+  /// Where surfaces leave a view free, what was looked through says where it cannot lie: it moves only as that improves.
+  void away_from_contradiction(PoseCandidate& best, const Surfels& source, const AlignOptions& exact) const {
+    for (const double size : {0.5, 0.25, 0.12, 0.06}) {
+      if (best.agreement.contradiction() < 0.01) return;
+      const auto motions = weak_motions(source, *fine_, best.pose, 2 * exact.end_reach, exact.noise, 0.02);
+      bool moved = false;
+      for (int round = 0; round < 3; ++round) {
+        const double before = best.agreement.score();
+        for (const WeakMotion& motion : motions)
+          for (const double way : {size, -size}) {
+            const Pose pose = motion.by(way * surface_.radius) * best.pose;
+            if (!allowed(pose)) continue;
+            const Agreement found = placement_.judge(view_, pose, 2, 250);
+            if (found.score() > best.agreement.score() && found.contradiction() < best.agreement.contradiction() - 0.005) best = {pose, found}, moved = true;
+          }
+        if (best.agreement.score() <= before) break;
+      }
+      if (moved) best.pose = align_symmetric(source, *fine_, best.pose, exact);
+    }
+  }
+
+  /// Along free motions the guess is all that is known: back towards it, as far as nothing speaks against that.
+  void back_to_guess(PoseCandidate& best, const Surfels& source, const AlignOptions& exact) const {
+    const auto motions = weak_motions(source, *fine_, best.pose, 2 * exact.end_reach, exact.noise, 1e-3);
+    if (motions.empty()) return;
+    using Vec6 = Eigen::Matrix<double, 6, 1>;
+    const auto distance_to = [&](const Pose& pose) {
+      Vec6 e;
+      e << surface_.radius * rotation_vector(pose.rotation * guess->rotation.transpose()), pose * surface_.center - *guess * surface_.center;
+      return e;
+    };
+    Pose nearest = best.pose;
+    for (int round = 0; round < 4; ++round) {
+      const Vec6 e = distance_to(nearest);
+      Eigen::MatrixXd j(6, static_cast<Eigen::Index>(motions.size()));
+      for (std::size_t k = 0; k < motions.size(); ++k)
+        j.col(static_cast<Eigen::Index>(k)) << surface_.radius * motions[k].turn, motions[k].turn.cross(nearest * surface_.center - motions[k].center) + motions[k].shift;
+      const Eigen::VectorXd step = j.completeOrthogonalDecomposition().solve(e);
+      for (std::size_t k = 0; k < motions.size(); ++k) nearest = motions[k].by(-step[static_cast<Eigen::Index>(k)]) * nearest;
+    }
+    const double chance = 0.02 + 0.1 * best.agreement.overlap();
+    for (const double share : {1.0, 0.5, 0.25}) {
+      const Pose pose = align_symmetric(source, *fine_, between(best.pose, nearest, share), exact);
+      if (distance_to(pose).norm() > distance_to(best.pose).norm()) continue;
+      const Agreement found = placement_.judge(view_, pose, 2, 250);
+      if (found.score() < best.agreement.score() - chance || found.contradiction() > best.agreement.contradiction() + 0.02) continue;
+      best = {pose, found};
+      return;
+    }
+  }
+
+  void slide(std::vector<PoseCandidate>& candidates, AlignOptions exact) const {
+    const Surfels source = sample_surfels(surface_, 300);
+    exact.start_reach = exact.end_reach;
+    parallel_for(candidates.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        candidates[k].agreement = placement_.judge(view_, candidates[k].pose, 2, 250);
+        away_from_contradiction(candidates[k], source, exact);
+        if (guess) back_to_guess(candidates[k], source, exact);
+      }
+    }, 1);
+  }
+
+  bool allowed(const Pose& pose) const { return !too_far || !too_far(pose); }
+
+  const Placement& placement_;
+  std::size_t view_;
+  int threads_;
+  const ViewSurface& surface_;
+  std::unique_ptr<PlacedModel> coarse_, fine_;
+};
 
 std::string degrees_text(double angle) { return print_number(std::round(angle * 1800 / pi) / 10); }
 std::string percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
-/// Whether the evidence tells a worse pose from the better: by more than chance and a little more.
+/// Whether the evidence tells a worse pose from the better. More overlap is little evidence, for a face lies on any other
+/// face: what is not contradicted and overlaps half as much is as possible.
 bool clearly_better(const Agreement& a, const Agreement& b) {
-  const double n = std::max(a.samples, 1);
-  const double margin = a.score() - b.score();
-  return margin > 0.02 + 3 * std::sqrt(std::max(a.confirmed, b.confirmed) * 0.05) / n + 0.05 * a.overlap();
+  if (b.contradiction() > 1.5 * a.contradiction() + 0.02) return true;
+  return b.overlap() < 0.5 * a.overlap() && a.contradiction() < 1.5 * b.contradiction() + 0.02;
 }
 
 }  // namespace
@@ -163,27 +367,44 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   std::string& reason = result.reason[view];
   const Placement placement{surfaces, result.poses, others, reach};
   const Pose start = starts.front();
-  std::vector<PoseCandidate> found = candidates_from(placement, view, starts, context.threads);
-  std::erase_if(found, [&](const PoseCandidate& c) {
+  const auto too_far = [&](const Pose& pose) {
     if (!guessed) return false;
-    const Distance d = distance(surface, guesses[view], c.pose);
+    const Distance d = distance(surface, guesses[view], pose);
     return d.angle > 1.1 * options.guess_angle + 0.05 || d.shift > most_shift;
-  });
+  };
+  PoseSearch search(placement, view, context.threads);
+  if (guessed) search.guess = &guesses[view], search.too_far = too_far;
+  std::vector<PoseCandidate> found = search.from(starts);
+  std::erase_if(found, [&](const PoseCandidate& c) { return too_far(c.pose); });
+  // What was found says where else to look.
+  std::vector<Pose> elsewhere;  // without a guess the starts hold such turns already
+  const Mat3 axes = main_axes(surface);
+  for (std::size_t k = 0; guessed && k < std::min<std::size_t>(2, found.size()); ++k)
+    for (const Pose& pose : rivals_of(surface, axes, found[k].pose)) if (!too_far(pose)) elsewhere.push_back(pose);
+  std::vector<PoseCandidate> more = search.from(elsewhere);
+  std::erase_if(more, [&](const PoseCandidate& c) { return too_far(c.pose); });
+  found.insert(found.end(), more.begin(), more.end());
+  sort_by_score(found);
+  found = distinct(found, surface, 0.03, found.size());
   if (found.empty()) {
     reason = !guessed ? "no features like those of another view" : "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
     return false;
   }
-  // Of a free motion the pose nearest to the start.
+  // Of a free motion the pose nearest to the start that shows most of what can be shown.
   PoseCandidate chosen = found.front();
+  std::vector<Pose> joined;
   reason.clear();
   for (std::size_t k = 1; k < found.size(); ++k) {
     if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement)) continue;
     if (!connected(placement, view, found[0], found[k])) {
       if (reason.empty()) reason = "fits in two places that are " + apart(distance(surface, found[0].pose, found[k].pose));
-    } else if (distance(surface, start, found[k].pose).angle < distance(surface, start, chosen.pose).angle) {
-      chosen = found[k];
+      continue;
     }
+    joined.push_back(found[k].pose * found[0].pose.inverse());
+    if (found[k].agreement.overlap() > 0.8 * found[0].agreement.overlap() && distance(surface, start, found[k].pose).angle < distance(surface, start, chosen.pose).angle)
+      chosen = found[k];
   }
+  result.joined[view] = std::move(joined);
   result.poses[view] = chosen.pose;
   if (!reason.empty()) return false;
   if (chosen.agreement.overlap() < options.min_overlap)
@@ -225,7 +446,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
                                const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   Growth growth{surfaces, guesses, options, 0, confirm_reach(surfaces), turns_within(options.guess_angle),
-                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)}, {}, true};
+                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n)}, {}, true};
   StartResult& result = growth.result;
   std::vector<std::size_t> usable;
   Box3 box;
@@ -239,29 +460,33 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
   std::vector<std::size_t>& placed = growth.placed;
   placed = agreeing(growth, usable, context);
   context.say("agree from their guesses: " + std::to_string(placed.size()) + " of " + std::to_string(usable.size()));
+  std::vector<std::size_t> failed_at(n, 0);  // how many were placed when it failed
   // Each is tried in other places as well; what fits elsewhere no worse is not known.
   for (std::size_t k = 1; k < placed.size() && !context.cancelled;) {
     std::vector<std::size_t> others = placed;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     if (growth.place(placed[k], growth.starts_around(placed[k], result.poses[placed[k]]), others, context)) ++k;
-    else placed = others;
+    else failed_at[placed[k]] = others.size(), placed = others;
   }
   std::vector<std::size_t> waiting;
   for (const std::size_t v : usable)
     if (std::find(placed.begin(), placed.end(), v) == placed.end()) waiting.push_back(v);
-  std::vector<int> tried(n, 0);
   while (!waiting.empty() && !context.cancelled) {
     // The one that by its guess shares most with what is placed; those that failed wait until more is there.
-    std::size_t best = 0;
-    double best_share = -3;
+    std::size_t best = waiting.size();
+    double best_share = -1;
     for (std::size_t k = 0; k < waiting.size(); ++k) {
       const std::size_t v = waiting[k];
-      const double share = agreement(surfaces, result.poses, v, guesses[v], placed, 0.2 * surfaces[v].radius, 150).overlap() - tried[v];
+      if (failed_at[v] == placed.size()) continue;
+      const double share = agreement(surfaces, result.poses, v, guesses[v], placed, 0.2 * surfaces[v].radius, 150).overlap();
       if (share > best_share) best_share = share, best = k;
     }
+    if (best == waiting.size()) break;
     const std::size_t view = waiting[best];
-    if (++tried[view] > 2) break;
-    if (!growth.place(view, growth.starts_around(view, guesses[view]), placed, context)) continue;
+    if (!growth.place(view, growth.starts_around(view, guesses[view]), placed, context)) {
+      failed_at[view] = placed.size();
+      continue;
+    }
     placed.push_back(view);
     waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(best));
   }
@@ -294,24 +519,10 @@ std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfac
       const std::vector<Pose> poses(surfaces.size());
       const std::vector<std::size_t> target{pair.target};
       const Placement placement{surfaces, poses, target, reach};
-      pair.found = candidates_from(placement, pair.source, feature_poses(*features[pair.source], *features[pair.target], 24), 1);
+      pair.found = PoseSearch(placement, pair.source, 1).from(feature_poses(*features[pair.source], *features[pair.target], 24));
     }
   }, 1);
   return pairs;
-}
-
-/// Half and quarter turns about the main axes of a view: what symmetric parts are mistaken for.
-std::vector<Pose> symmetric_turns(const ViewSurface& surface, const Pose& pose, const Vec3& center) {
-  std::vector<Pose> result;
-  Mat3 spread = Mat3::Zero();
-  for (const auto i : surface.samples) spread += surface.normals[i] * surface.normals[i].transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(spread);
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double angle : {0.5 * pi, pi, 1.5 * pi}) {
-      const Mat3 turn = rotation_of(pose.rotation * eigen.eigenvectors().col(axis) * angle);
-      result.push_back(Pose{turn, center - turn * center} * pose);
-    }
-  return result;
 }
 
 }  // namespace
@@ -356,7 +567,7 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
     const std::size_t view = waiting[best];
     Vec3 center = Vec3::Zero();
     for (const std::size_t v : placed) center += result.poses[v] * surfaces[v].center / static_cast<double>(placed.size());
-    for (const Pose& pose : symmetric_turns(surfaces[view], best_starts.front(), center)) best_starts.push_back(pose);
+    for (const Pose& pose : symmetric_turns(main_axes(surfaces[view]), best_starts.front(), center)) best_starts.push_back(pose);
     if (!growth.place(view, best_starts, placed, context)) {
       failed_at[view] = placed.size();
       continue;
@@ -374,7 +585,7 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
 StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   const std::vector<Pose> none(n);
-  const StartResult nothing{none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n)};
+  const StartResult nothing{none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n)};
   StartResult result = nothing;
   std::vector<std::size_t> usable;
   for (std::size_t v = 0; v < n; ++v)

@@ -12,6 +12,8 @@ struct StartResult {
   std::vector<Pose> poses;           ///< world_from_view
   std::vector<std::uint8_t> placed;
   std::vector<std::string> reason;   ///< why a view could not be placed
+  /// World motions of each view that lead, by a way that fits all along, to poses that fit as well; may be empty.
+  std::vector<std::vector<Pose>> joined;
 };
 
 /// How far apart confirmed surfaces may lie along the normal once poses are good, mm.

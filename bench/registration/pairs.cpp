@@ -12,6 +12,24 @@
 
 namespace partscribe {
 
+namespace {
+
+/// Share of the second view's surface that the first has as well, within two pixels and 30 degrees.
+double overlap_of(const ViewSurface& first, const Pose& first_pose, const ViewSurface& second, const Pose& second_pose) {
+  const Pose there = first_pose.inverse() * second_pose;
+  std::size_t shared = 0, asked = 0;
+  for (std::size_t k = 0; k < second.samples.size(); k += 3) {
+    const auto i = second.samples[k];
+    const Vec3 p = there * second.points[i];
+    const Neighbour near = first.tree->nearest_one(p);
+    ++asked;
+    shared += near.sq_distance < 4 * first.spacing * first.spacing && first.normals[near.index].dot(there.rotation * second.normals[i]) > 0.866;
+  }
+  return asked ? double(shared) / double(asked) : 0;
+}
+
+}  // namespace
+
 std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context) {
   std::vector<PairCase> result;
   const auto scan = read_scan({scan_json}, {}, context);
@@ -27,7 +45,8 @@ std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name,
   std::array<std::vector<Found>, 5> fifths;
   for (std::size_t a = 0; a < views.size(); ++a)
     for (std::size_t b = a + 1; b < views.size(); ++b) {
-      const double overlap = agreement(surfaces, poses, b, poses[b], {a}, 4 * surfaces[b].sigma, 800).overlap();
+      if (!surfaces[a].usable() || !surfaces[b].usable()) continue;
+      const double overlap = overlap_of(surfaces[a], poses[a], surfaces[b], poses[b]);
       fifths[std::size_t(std::min(4, int(overlap * 5)))].push_back({a, b, overlap});
     }
   const Vec3 middle = scan->cloud.bounds().center();

@@ -238,7 +238,7 @@ void starts(const Path& folder, const std::vector<std::string>& names) {
   Outcomes all;
   const double begin = seconds();
   for (const auto& name : names_in(folder, names))
-    for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 6, quiet())) {
+    for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, quiet())) {
       const int off = int(std::lround(pair.start * 180 / pi));
       RegisterOptions options;
       options.guess_angle = pair.start + 0.1;

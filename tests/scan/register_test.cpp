@@ -270,6 +270,74 @@ TEST_CASE("register: a start that is a quarter turn off is refused or put right,
   CHECK(off_truth(found, scan.truth).angle < 0.3 * pi / 180);
 }
 
+namespace {
+
+/// What is left of a rotation error once turns about a declared axis are taken out; nothing if all turns are declared.
+double undeclared_angle(const Mat3& error, const std::vector<FreeMotion>& free) {
+  const Eigen::Quaterniond q(error);
+  double left = rotation_vector(error).norm();
+  int turns = 0;
+  for (const FreeMotion& motion : free) {
+    if (!motion.turns) continue;
+    ++turns;
+    left = std::min(left, 2 * std::acos(std::min(1.0, std::hypot(q.w(), q.vec().dot(motion.axis)))));
+  }
+  return turns >= 3 ? 0 : left;
+}
+
+}  // namespace
+
+TEST_CASE("register: a pair of views of a box from 60 degrees off is right, or its freedom is said, or it is refused") {
+  std::vector<Side> sides;
+  for (int k = 0; k < 3; ++k)
+    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 12.0 + 6 * k});
+  auto options = small();
+  options.views = "16", options.resolution = 64, options.sigma = 0.03;
+  const Case scan = scan_of(convex(sides, 24), options, 0, 0);
+  Random random(11);
+  int placed = 0;
+  for (const auto& [a, b] : {std::pair<std::size_t, std::size_t>{9, 14}, {5, 13}, {1, 6}, {3, 8}}) {
+    std::vector<RegisterView> pair{scan.views[a], scan.views[b]};
+    pair[0].guess = scan.truth[a];
+    const Mat3 turn = rotation_of(pi / 3 * Vec3(random.normal(), random.normal(), random.normal()).normalized());
+    pair[1].guess = Pose{turn, Vec3::Zero()} * scan.truth[b];
+    RegisterOptions wide;
+    wide.guess_angle = pi / 3 + 0.1;
+    const Registration found = run(pair, wide);
+    if (found.views[1].status == ViewStatus::refused) {
+      CHECK(!found.views[1].reason.empty());
+      continue;
+    }
+    ++placed;
+    const Mat3 error = found.views[1].world_from_view.rotation * scan.truth[b].rotation.transpose();
+    INFO(a << " " << b << ": " << rotation_vector(error).norm() * 180 / pi << " degrees");
+    CHECK(undeclared_angle(error, found.free_motions) < 1 * pi / 180);
+  }
+  CHECK(placed >= 1);
+}
+
+TEST_CASE("register: what a free motion would displace floats, and what it leaves alone does not") {
+  Registration registration;
+  registration.views.resize(3);
+  for (auto& view : registration.views) view.status = ViewStatus::registered;
+  FreeMotion slide;
+  slide.views = {1}, slide.axis = Vec3::UnitZ();
+  registration.free_motions = {slide};
+  PointCloud cloud;
+  for (const std::int32_t view : {0, 1, 2})
+    for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(0, 0, 1)}) cloud.points.push_back({3, 2, 1}), cloud.normals.push_back(normal), cloud.view.push_back(view);
+  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0});
+  // Two of three that slide together: the third may as well have slid.
+  registration.free_motions[0].views = {1, 2};
+  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 1, 0, 0, 0, 0});
+  // About an axis, a wall that is round about it stays.
+  registration.free_motions[0].views = {1}, registration.free_motions[0].turns = true;
+  cloud.normals[2] = Vec3(3, 2, 0).normalized();
+  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 0, 0, 0, 0, 0});
+  cloud.normals[3] = Vec3(1, 0, 0);
+  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0});
+}
+
 TEST_CASE("register: the same bytes for any number of threads") {
   auto options = small();
   options.resolution = 40, options.views = "octahedron";
