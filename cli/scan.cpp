@@ -43,14 +43,14 @@ void keep_known(const PointCloud& before, PointCloud& cloud) {
 }
 
 /// Merged, they would smear what is known; the line says how many they are.
-std::string set_floating_aside(const Registration& registration, PointCloud& cloud) {
-  const auto floating = floating_points(registration, cloud);
+std::string set_floating_aside(const Registration& registration, double spacing, PointCloud& cloud) {
+  const auto floating = floating_points(registration, cloud, 5 * spacing);
   const auto count = std::count(floating.begin(), floating.end(), 1);
   if (count == 0) return "";
   cloud.rejected.resize(cloud.size(), 0);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (floating[i]) cloud.rejected[i] = 1;
-  return "Left " + std::to_string(count) + " points out: free motions of their views would displace them, so that only the guess says where they lie\n";
+  return "Left " + std::to_string(count) + " points out: free motions of their views would displace them, and other views saw those faces\n";
 }
 
 Result<int> run(const ScanArguments& arguments, Session& session) {
@@ -73,7 +73,7 @@ Result<int> run(const ScanArguments& arguments, Session& session) {
   if (several) {
     keep_known(samples, scan.cloud);
     if (auto ok = session.stage("merge"); !ok) return ok.error();
-    if (placed->registration) news += set_floating_aside(*placed->registration, scan.cloud);
+    if (placed->registration) news += set_floating_aside(*placed->registration, sampling.spacing, scan.cloud);
     MergedCloud merged = merge_views(scan.cloud, {}, session.context);
     news += "Merged " + std::to_string(merged.sample.size()) + " points into " + std::to_string(merged.cloud.size()) + ", " +
             readable(merged.spacing) + " mm apart\n";

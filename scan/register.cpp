@@ -11,6 +11,7 @@
 #include "core/ensure.h"
 #include "core/number.h"
 #include "core/statistics.h"
+#include "geometry/kd_tree.h"
 #include "scan/register_joint.h"
 #include "scan/register_pair.h"
 #include "scan/register_paper.h"
@@ -276,8 +277,11 @@ void place_views(const Registration& registration, Scan& scan) {
   cut(cloud.normals), cut(cloud.rays), cut(cloud.sigma), cut(cloud.view), cut(cloud.pixel), cut(cloud.rejected);
 }
 
-std::vector<std::uint8_t> floating_points(const Registration& registration, const PointCloud& cloud) {
+std::vector<std::uint8_t> floating_points(const Registration& registration, const PointCloud& cloud, double reach) {
   ensure(cloud.normals.size() == cloud.size() && cloud.view.size() == cloud.size(), "what floats is told by normals and views");
+  constexpr double along_normal = 0.15;  // of the motion; normals of noisy points are off by some degrees
+  constexpr double same_face = 0.7;      // cosine
+  constexpr std::size_t nearby = 6;
   std::vector<std::uint8_t> floating(cloud.size(), 0);
   const std::size_t n = registration.views.size();
   std::size_t placed = 0;
@@ -286,12 +290,22 @@ std::vector<std::uint8_t> floating_points(const Registration& registration, cons
     std::vector<std::uint8_t> moves(n, 0);
     for (const std::size_t v : motion.views) moves[v] = 1;
     if (2 * motion.views.size() > placed) for (auto& m : moves) m = !m;
-    constexpr double along_normal = 0.15;  // of the motion; normals of noisy points are off by some degrees
+    std::vector<std::uint32_t> loose;
+    std::vector<Vec3> still, facing;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const auto v = static_cast<std::size_t>(cloud.view[i]);
-      if (v >= n || !moves[v]) continue;
+      if (v >= n || floating[i]) continue;
       const Vec3 way = motion.turns ? Vec3(motion.axis.cross(cloud.points[i] - motion.point)) : motion.axis;
-      if (std::abs(way.dot(cloud.normals[i])) > along_normal * way.norm()) floating[i] = 1;
+      if (!moves[v]) still.push_back(cloud.points[i]), facing.push_back(cloud.normals[i]);
+      else if (std::abs(way.dot(cloud.normals[i])) > along_normal * way.norm()) loose.push_back(static_cast<std::uint32_t>(i));
+    }
+    if (loose.empty() || still.empty()) continue;
+    const KdTree tree(still);
+    std::vector<Neighbour> near;
+    for (const auto i : loose) {
+      tree.nearest(cloud.points[i], nearby, near);
+      for (const Neighbour& k : near)
+        if (k.sq_distance < reach * reach && facing[k.index].dot(cloud.normals[i]) > same_face) floating[i] = 1;
     }
   }
   return floating;

@@ -99,10 +99,11 @@ std::vector<RegisterView> views_of(const Scan& scan);
 /// The views of `registration` must be those of views_of(scan).
 void place_views(const Registration& registration, Scan& scan);
 
-/// Points of `cloud` (in the world, with normals and view) that a free motion of their view would move along their normal:
-/// where they lie only the guess says, and merged with others they would smear. One entry per point, 1 floats. A motion
-/// that most views share is taken as one of the others.
-std::vector<std::uint8_t> floating_points(const Registration& registration, const PointCloud& cloud);
+/// Points of `cloud` (in the world, with normals and view) that would smear what is known: a free motion of their view would
+/// move them along their normal, so that only the guess says where they lie, and within `reach` (mm) a view that does not
+/// move so shows the same face. Where nobody else saw the face they stay: they are all there is. One entry per point, 1
+/// floats. A motion that most views share is taken as one of the others.
+std::vector<std::uint8_t> floating_points(const Registration& registration, const PointCloud& cloud, double reach);
 
 /// Fails for bad requests (no guess where one is needed, no points at all) and when cancelled; a view that cannot be
 /// placed is refused with its reason, not an error. The first usable view is the reference. Same views, same bytes,

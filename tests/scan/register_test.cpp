@@ -326,16 +326,19 @@ TEST_CASE("register: what a free motion would displace floats, and what it leave
   PointCloud cloud;
   for (const std::int32_t view : {0, 1, 2})
     for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(0, 0, 1)}) cloud.points.push_back({3, 2, 1}), cloud.normals.push_back(normal), cloud.view.push_back(view);
-  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0});
+  CHECK(floating_points(registration, cloud, 1) == std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0});
   // Two of three that slide together: the third may as well have slid.
   registration.free_motions[0].views = {1, 2};
-  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 1, 0, 0, 0, 0});
+  CHECK(floating_points(registration, cloud, 1) == std::vector<std::uint8_t>{0, 1, 0, 0, 0, 0});
   // About an axis, a wall that is round about it stays.
   registration.free_motions[0].views = {1}, registration.free_motions[0].turns = true;
   cloud.normals[2] = Vec3(3, 2, 0).normalized();
-  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 0, 0, 0, 0, 0});
+  CHECK(floating_points(registration, cloud, 1) == std::vector<std::uint8_t>{0, 0, 0, 0, 0, 0});
   cloud.normals[3] = Vec3(1, 0, 0);
-  CHECK(floating_points(registration, cloud) == std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0});
+  CHECK(floating_points(registration, cloud, 1) == std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0});
+  // A face that nobody else saw is all there is.
+  cloud.points[3] = {3, 2, 9};
+  CHECK(floating_points(registration, cloud, 1) == std::vector<std::uint8_t>{0, 0, 0, 0, 0, 0});
 }
 
 TEST_CASE("register: the same bytes for any number of threads") {
