@@ -487,9 +487,15 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
         {j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
     if (model.rivals.size() == 12) break;
   }
-  const std::string bent = winner < judged.size() ? bent_sheet(judged[winner].candidate, input) : "";
-  if (!bent.empty())  // closer to the data than the winner: its numbers are the most that can be said
-    model.rivals.insert(model.rivals.begin(), {"cylinder", true, rounded(final_evidence.local_max), std::round(judged[winner].evidence.total()), bent});
+  if (winner < judged.size()) {
+    const auto put_first = [&](const char* procedure, bool meets, const std::string& reason) {
+      if (!reason.empty())
+        model.rivals.insert(model.rivals.begin(), {procedure, meets, rounded(final_evidence.local_max), std::round(judged[winner].evidence.total()), reason});
+    };
+    // A bent sheet is closer to the data than the winner: its numbers are the most that can be said.
+    put_first("cylinder", true, bent_sheet(judged[winner].candidate, input));
+    put_first("convex polyhedron", false, open_polyhedron(judged[winner].candidate, input, context));
+  }
   context.report("fitted", 1.0);
   return checked(std::move(model), "the fitted model");
 }

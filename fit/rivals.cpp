@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/convex_body.h"
 #include "fit/refine.h"
 
 namespace partscribe {
@@ -124,6 +125,13 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input) {
   const Measured r{radius, sheet->curvature.sigma * radius * radius};
   const double degrees = std::round(sheet->extent * k * 180 / pi);
   return "the data cannot tell it from " + print_number(degrees) + " degrees of a cylinder of radius " + with_sigma(r, "mm");
+}
+
+std::string open_polyhedron(const Candidate& winner, const FitInput& input, Context& context) {
+  if (!std::holds_alternative<Superellipsoid>(winner.shape) && !std::holds_alternative<Supertoroid>(winner.shape)) return {};
+  const auto faces = scanned_faces(input, context);
+  if (faces.size() < 2 || !closed_body(faces, input, context).empty()) return {};
+  return "the data cannot tell: " + print_number(double(faces.size())) + " plane faces hold nearly all points, and what closes them was not scanned";
 }
 
 }  // namespace partscribe

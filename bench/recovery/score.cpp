@@ -132,12 +132,17 @@ bool names_hidden_faces(const Model& model) {
                      [](const Parameter& p) { return p.note.find("not scanned") != std::string::npos; });
 }
 
+/// What users read for a kind.
+std::string procedure_of(const std::string& kind) {
+  return kind == "half_spaces" ? "convex polyhedron" : kind == "revolve" ? "surface of revolution" : kind == "extrude" ? "extrusion" : kind;
+}
+
 /// True if the model says that `kind` fits as well or that the data cannot tell.
 bool admits(const Model& model, const std::string& kind) {
+  const std::string procedure = procedure_of(kind);
   return std::any_of(model.rivals.begin(), model.rivals.end(), [&](const Rival& r) {
     const bool open = r.reason.find("cannot tell") != std::string::npos || r.reason.find("fits as well") != std::string::npos;
-    return open &&
-           (r.reason.find(kind) != std::string::npos || r.procedure.find(kind) != std::string::npos);
+    return open && (r.reason.find(procedure) != std::string::npos || r.procedure.find(procedure) != std::string::npos);
   });
 }
 

@@ -60,6 +60,17 @@ TEST_CASE("recovery: among 30 % strays, two thirds hidden, plates keep their hol
   }
 }
 
+TEST_CASE("recovery: two faces of a polyhedron may be a rounded block, and the model says what else") {
+  const Case c = make_case("half_spaces", hardest_conditions(), 20);
+  Context context;
+  const Score score = recovered(c, context);
+  REQUIRE(score.model);
+  const std::string said = reasons(**score.model);
+  INFO(said);
+  CHECK(score.answer == Answer::cannot_tell);
+  CHECK(said.find("convex polyhedron: the data cannot tell: 2 plane faces hold nearly all points") != std::string::npos);
+}
+
 TEST_CASE("recovery: the end of a plate that nobody saw lies where its walls end, not where the last stray does") {
   const Case c = make_case("extrude", hardest_conditions(), 15);
   Context context;
