@@ -47,8 +47,12 @@ bool is_slow(const Candidate& c) {
 /// A round body so much larger than the data that its wall is a plane to them.
 bool hardly_bends(const Candidate& c, double size) {
   constexpr double times = 5;
-  return (std::holds_alternative<Sphere>(c.shape) || std::holds_alternative<Cylinder>(c.shape)) && !c.parameters.empty() &&
-         c.parameters[0].value > times * size;
+  const auto* ball = std::get_if<Sphere>(&c.shape);
+  const auto* rod = std::get_if<Cylinder>(&c.shape);
+  const Expr* radius = ball ? &ball->radius : rod ? &rod->radius : nullptr;
+  return radius && radius->is_parameter() && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
+           return p.name == radius->parameter && p.value > times * size;
+         });
 }
 
 Judged judge(Candidate candidate, const FitInput& input, Context& context) {
