@@ -40,13 +40,16 @@ class Seen {
     for (const Vec2& e : ends_) low_ = low_.cwiseMin(e), high_ = high_.cwiseMax(e);
     end_share_ = double(data.ends.size()) / double(ends_.size());
     wall_share_ = double(data.walls.size()) / double(walls_.size());
-    find_empty_cells(data.ends);
+    if (wide_enough()) find_empty_cells(data.ends);
   }
+
+  /// Or no outline fits in.
+  bool wide_enough() const { return (high_ - low_).minCoeff() > 2 * band_; }
 
   double size() const { return (high_ - low_).maxCoeff(); }
 
   double cost(const CommonOutline& o) const {
-    constexpr double stray = 4.5, outside = 2, unfilled = 0.3 * points_per_cell, spread = 0.1, along = 0.85;
+    constexpr double stray = 4.5, outside = 2, unfilled = 0.3, by_area = 0.1, along = 0.85;
     constexpr double impossible = 1e300;
     if (((o.high - o.low).array() < 2 * band_).any()) return impossible;
     if (o.form == OutlineForm::ell && (((o.inner - o.low).array() < 2 * band_).any() || ((o.high - o.inner).array() < 2 * band_).any())) return impossible;
@@ -58,8 +61,8 @@ class Seen {
     }
     for (const Vec2& e : ends_) ends += outside * std::clamp(o.distance(e) / band_ - 0.5, 0.0, 1.0);
     double empty = 0;
-    for (const Vec2& c : empty_) empty += unfilled * std::clamp(0.5 - o.distance(c) / cell_, 0.0, 1.0);
-    const double area = spread * double(ends_.size()) * o.area() / (high_ - low_).prod();
+    for (const Vec2& c : empty_) empty += unfilled * per_cell_ * std::clamp(0.5 - o.distance(c) / cell_, 0.0, 1.0);
+    const double area = by_area * double(ends_.size()) * o.area() / (high_ - low_).prod();
     return wall_share_ * walls + end_share_ * (ends + area) + empty;
   }
 
@@ -109,12 +112,12 @@ class Seen {
   }
 
  private:
-  static constexpr double points_per_cell = 2;  // of the end faces, on the average
-
   /// Middles of the cells, somewhat beyond all that was seen too, in which no end face was.
   void find_empty_cells(const std::vector<Vec2>& ends) {
     const Vec2 margin = 0.3 * (high_ - low_), low = low_ - margin, whole = high_ + margin - low;
-    cell_ = std::sqrt(points_per_cell * (high_ - low_).prod() / double(ends.size()));
+    constexpr double least_per_cell = 2, most_cells = 1500;
+    per_cell_ = std::max(least_per_cell, double(ends.size()) / most_cells);
+    cell_ = std::sqrt(per_cell_ * (high_ - low_).prod() / double(ends.size()));
     const auto nx = static_cast<std::size_t>(whole.x() / cell_) + 1, ny = static_cast<std::size_t>(whole.y() / cell_) + 1;
     std::vector<bool> filled(nx * ny, false);
     for (const Vec2& e : ends)
@@ -127,7 +130,8 @@ class Seen {
   std::vector<PlanePoint> walls_;
   std::vector<Vec2> ends_;
   std::vector<Vec2> empty_;
-  double cell_ = 0;  // mm
+  double cell_ = 0;      // mm
+  double per_cell_ = 0;  // points of the end faces, on the average
   double band_;
   Vec2 low_ = Vec2::Constant(1e300), high_ = -low_;
   double end_share_ = 1, wall_share_ = 1;
@@ -238,6 +242,7 @@ std::vector<CommonOutline> common_outlines(const OutlineData& data) {
   if (data.walls.size() < least_points || data.ends.size() < least_points || !(data.band > 0)) return {};
   const Seen seen(data);
   std::vector<CommonOutline> result;
+  if (!seen.wide_enough()) return result;
   for (const OutlineForm form : {OutlineForm::rectangle, OutlineForm::rounded, OutlineForm::slot, OutlineForm::ell}) {
     CommonOutline best;
     best.cost = 1e300;

@@ -106,6 +106,10 @@ TEST_CASE("common outlines: nothing comes of nothing") {
   Plate plate;
   plate.wall({0, 0}, {50, 0}, 120);
   CHECK(common_outlines(plate.data).empty());  // no end face
+  OutlineData line;
+  line.band = 0.1;
+  for (int i = 0; i < 50; ++i) line.walls.push_back({{double(i), 0}, {0, 1}}), line.ends.emplace_back(double(i), 0);
+  CHECK(common_outlines(line).empty());
 }
 
 TEST_CASE("round holes: sixty degrees of wall, and the faces that end around it") {
