@@ -16,7 +16,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int groups = 10;           // of the jackknife, by place
-constexpr double free_limit = 10;    // times what noise in the normals explains
+/// What noise in the normals alone explains is 1: from 0.4 to 1.2 where parts are round, from 2 on where something fixes
+/// them. While partners are wrong, weak directions lead astray.
+constexpr double free_limit = 1.5, rough_free_limit = 10;
 constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
 
 /// The part of the normal equations that one view against another contributes; the other has the opposite sign.
@@ -59,17 +61,25 @@ int group_of(const Problem& problem, const Vec3& p) {
   return static_cast<int>(hash % groups);
 }
 
-void add_row(const Problem& problem, const Vec3& place, const Vec3& n, double e, double w, double normal_variance,
-             bool grouped, PairSum& sum) {
-  const Vec3 lever = (place - problem.center) / problem.size;
+/// The derivative of a distance along `n` at `place`.
+Vec6 row_of(const Problem& problem, const Vec3& place, const Vec3& n) {
   Vec6 row;
-  row << lever.cross(n), n;
-  const Mat6 square = w * row * row.transpose();
-  sum.h += square, sum.g -= w * e * row;
-  // The same with the two directions across the normal: what a slightly wrong normal mixes in.
-  Eigen::Matrix<double, 3, 6> all;
-  all << 0, lever.z(), -lever.y(), 1, 0, 0, -lever.z(), 0, lever.x(), 0, 1, 0, lever.y(), -lever.x(), 0, 0, 0, 1;
-  sum.m += normal_variance * (w * all.transpose() * all - square);
+  row << ((place - problem.center) / problem.size).cross(n), n;
+  return row;
+}
+
+Mat6 square_of(const Vec6& row) { return row * row.transpose(); }
+
+/// What a normal of this variance (rad^2) across itself mixes into the square of its row.
+Mat6 mixed_in(const Problem& problem, const Vec3& place, const Vec3& n, double variance) {
+  const Vec3 u = n.unitOrthogonal();
+  return variance * (square_of(row_of(problem, place, u)) + square_of(row_of(problem, place, n.cross(u))));
+}
+
+void add_row(const Problem& problem, const Vec3& place, const Vec3& n, double e, double w, const Mat6& mixed, bool grouped, PairSum& sum) {
+  const Vec6 row = row_of(problem, place, n);
+  const Mat6 square = w * square_of(row);
+  sum.h += square, sum.g -= w * e * row, sum.m += w * mixed;
   ++sum.matches;
   if (!grouped) return;
   const auto k = static_cast<std::size_t>(group_of(problem, place));
@@ -98,8 +108,11 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
     const double e = d.dot(n);
     const double w = std::exp(-d.squaredNorm() / (2 * round.reach * round.reach) - e * e / (2 * round.wide * round.wide));
     if (w < 1e-3) continue;
-    add_row(problem, problem.poses[b] * (x - 0.5 * d), problem.poses[b].rotation * n, e,
-            w / (round.surface_sigma * round.surface_sigma), round.normal_variance, round.grouped, sum);
+    // The normals differ by two errors, their mean by half as much.
+    const Pose& pose = problem.poses[b];
+    const Vec3 place = pose * (x - 0.5 * d);
+    add_row(problem, place, pose.rotation * n, e, w / (round.surface_sigma * round.surface_sigma),
+            square_of(row_of(problem, place, pose.rotation * (0.5 * (nx - ny)))), round.grouped, sum);
     sum.residual.push_back(e), sum.bend.push_back((nx - ny).squaredNorm());
   }
   return sum;
@@ -132,8 +145,9 @@ PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, con
       if (std::abs(e) > 2 * wide) continue;
       const double w = std::exp(-e * e / (2 * wide * wide));
       const double sigma = round.contour_sigma * c.pixel;
-      add_row(problem, problem.poses[b] * q, problem.poses[b].rotation * n, e * c.pixel, contour_trust * w / (sigma * sigma),
-              round.normal_variance, round.grouped, sum);
+      const Vec3 place = problem.poses[b] * q, normal = problem.poses[b].rotation * n;
+      add_row(problem, place, normal, e * c.pixel, contour_trust * w / (sigma * sigma), mixed_in(problem, place, normal, round.normal_variance),
+              round.grouped, sum);
       sum.residual.push_back(e);
       sum.bias_top += w * e * lever, sum.bias_bottom += w * lever * lever;
       break;
@@ -223,13 +237,13 @@ struct Directions {
   Eigen::Index first = 0;  // of those that are fixed well enough
 };
 
-Directions directions_of(System system) {
+Directions directions_of(System system, double limit) {
   const Eigen::Index n = system.h.rows();
   const double ridge = 1e-9 * std::max(system.m.trace() / static_cast<double>(n), 1e-30) + 1e-12 * system.h.trace() / static_cast<double>(n);
   system.m.diagonal().array() += ridge;
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(system.h, system.m);
   Directions result{eigen.eigenvectors(), eigen.eigenvalues()};
-  while (result.first < n && !(result.fixed[result.first] > free_limit)) ++result.first;
+  while (result.first < n && !(result.fixed[result.first] > limit)) ++result.first;
   return result;
 }
 
@@ -285,8 +299,9 @@ std::vector<Mat6> covariance_of(const Problem& problem, const std::vector<PairSu
   const std::size_t n = problem.views.size();
   const Eigen::Index size = system.h.rows();
   MatrixXd spread = MatrixXd::Zero(size, size);
+  // Of the square of the rows, 1 is what noise in the normals mixes in.
   for (Eigen::Index k = directions.first; k < size; ++k)
-    spread += directions.v.col(k) * directions.v.col(k).transpose() / directions.fixed[k];
+    spread += directions.v.col(k) * directions.v.col(k).transpose() * (directions.fixed[k] / std::pow(directions.fixed[k] - 1, 2));
   // Leave out one group of places after the other, within the directions that are fixed.
   const MatrixXd basis = directions.v.rightCols(size - directions.first);
   std::vector<VectorXd> steps;
@@ -343,10 +358,9 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
       for (std::size_t b = 0; b < views.size(); ++b)
         if (a != b && !problem.surface(a).contour.empty() && std::abs(sight_cosine(problem, a, b) + 0.08) < 0.79) borders.emplace_back(a, b);
   std::vector<PairSum> sums, contour_sums;
+  round.border_wide = round.reach / 2;
   const auto match = [&] {
-    round.wide = std::max(round.reach / 2, 3 * round.surface_sigma);
-    round.border_wide = round.reach / 2;
-    if (round.reach <= end_reach) round.wide = 3 * round.surface_sigma, round.border_wide = 0;
+    round.wide = std::max(round.border_wide, 3 * round.surface_sigma);
     sums.assign(pairs.size(), {}), contour_sums.assign(borders.size(), {});
     parallel_for(pairs.size() + borders.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
@@ -368,12 +382,19 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     learn(sums, contour_sums, least, std::max(0.5, 0.25 * (round.reach - end_reach) / spacing), round);
     const System system = assemble(views.size(), all_sums());
     if (!(system.h.trace() > 0)) break;
-    const double moved = apply(problem, solve(directions_of(system), system.g), 2 * round.reach);
+    const double limit = round.reach > end_reach ? rough_free_limit : free_limit;
+    const double moved = apply(problem, solve(directions_of(system, limit), system.g), 2 * round.reach);
     if (round.reach > end_reach) {
       if (moved < 0.2 * round.reach) {
-        round.reach = std::max(0.6 * round.reach, end_reach);
+        round.reach = std::max(0.6 * round.reach, end_reach), round.border_wide = round.reach / 2;
         if (round.reach == end_reach) pairs = neighbour_pairs(problem, 3 * round.reach, options.neighbours, context.threads);
       }
+      continue;
+    }
+    // By steps: what only a few places fix is lost when a narrow kernel sees them off at once.
+    if (round.border_wide > 0) {
+      round.border_wide *= 0.6;
+      if (round.border_wide < 3 * round.surface_sigma) round.border_wide = 0;
       continue;
     }
     if (++at_end >= 6 && moved < 0.02 * std::max(sigma, 1e-3 * spacing)) break;
@@ -383,7 +404,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   const std::vector<PairSum> all = all_sums();
   const System system = assemble(views.size(), all);
   if (system.h.trace() > 0) {
-    const Directions directions = directions_of(system);
+    const Directions directions = directions_of(system, free_limit);
     const auto covariance = covariance_of(problem, all, system, directions);
     for (std::size_t k = 0; k < views.size(); ++k) result.covariance[views[k]] = covariance[k];
     for (Eigen::Index k = 0; k < directions.first; ++k) {

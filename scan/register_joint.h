@@ -11,7 +11,7 @@ struct JointOptions {
   double start_reach = 5;    ///< mm
   bool contours = true;
   int neighbours = 7;        ///< views that each view is held against
-  int rounds = 40;
+  int rounds = 50;
 };
 
 /// How far each view is fixed, and in which directions not.
@@ -30,8 +30,9 @@ struct JointResult {
 
 /// Gauss-Newton on symmetric point-to-plane distances under Welsch weights, with the occluding contours of each view
 /// against the faces that other views see edge-on to it. `views` are adjusted, the first of them stays.
-/// A direction counts as free when the distances change along it no more than noise in the normals explains:
-/// v'Hv < 10 v'Mv, with M what random normals would give.
+/// A direction v counts as free when the distances change along it no more than noise in the normals explains:
+/// v'Hv < 1.5 v'Mv. H sums w r r' over the rows r of the mean of two normals, M the same over half their difference, which
+/// has the same noise: where nothing fixes v the two have the same expectation, whatever the noise and however it varies.
 JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                            const std::vector<std::size_t>& views, const JointOptions& options, Context& context);
 

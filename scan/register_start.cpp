@@ -352,8 +352,8 @@ struct Growth {
   bool guessed = true;
 
   /// The best pose of a view against others, among those reached from `starts`; false with a reason if there is none or
-  /// more than one.
-  bool place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, Context& context);
+  /// more than one. `adjusted`: the first start comes from all views together and stays unless another is clearly better.
+  bool place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, bool adjusted, Context& context);
   /// The first start as it is, and its guess turned every way that is allowed.
   std::vector<Pose> starts_around(std::size_t view, const Pose& start) const {
     std::vector<Pose> starts{start};
@@ -362,7 +362,7 @@ struct Growth {
   }
 };
 
-bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, Context& context) {
+bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, bool adjusted, Context& context) {
   const ViewSurface& surface = surfaces[view];
   std::string& reason = result.reason[view];
   const Placement placement{surfaces, result.poses, others, reach};
@@ -405,6 +405,10 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
       chosen = found[k];
   }
   result.joined[view] = std::move(joined);
+  if (adjusted) {
+    const PoseCandidate kept{start, placement.judge(view, start, 1.5, 1000)};
+    if (!clearly_better(chosen.agreement, kept.agreement) && connected(placement, view, kept, chosen)) chosen = kept;
+  }
   result.poses[view] = chosen.pose;
   if (!reason.empty()) return false;
   if (chosen.agreement.overlap() < options.min_overlap)
@@ -465,7 +469,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
   for (std::size_t k = 1; k < placed.size() && !context.cancelled;) {
     std::vector<std::size_t> others = placed;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    if (growth.place(placed[k], growth.starts_around(placed[k], result.poses[placed[k]]), others, context)) ++k;
+    if (growth.place(placed[k], growth.starts_around(placed[k], result.poses[placed[k]]), others, true, context)) ++k;
     else failed_at[placed[k]] = others.size(), placed = others;
   }
   std::vector<std::size_t> waiting;
@@ -483,7 +487,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
     }
     if (best == waiting.size()) break;
     const std::size_t view = waiting[best];
-    if (!growth.place(view, growth.starts_around(view, guesses[view]), placed, context)) {
+    if (!growth.place(view, growth.starts_around(view, guesses[view]), placed, false, context)) {
       failed_at[view] = placed.size();
       continue;
     }
@@ -568,7 +572,7 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
     Vec3 center = Vec3::Zero();
     for (const std::size_t v : placed) center += result.poses[v] * surfaces[v].center / static_cast<double>(placed.size());
     for (const Pose& pose : symmetric_turns(main_axes(surfaces[view]), best_starts.front(), center)) best_starts.push_back(pose);
-    if (!growth.place(view, best_starts, placed, context)) {
+    if (!growth.place(view, best_starts, placed, false, context)) {
       failed_at[view] = placed.size();
       continue;
     }
