@@ -169,6 +169,9 @@ double most_disagreement(const RegisterOptions& options, const ViewSurface& surf
   return options.arrangement == Arrangement::unknown && surface.organised ? 0.04 : 0.15;
 }
 
+/// Each fixes a pose by its noise; with a handful, chance does.
+constexpr std::size_t fewest_matches = 50;
+
 /// Fills in what the final poses say of each view, and refuses those that break a rule.
 Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used,
              const RegisterOptions& options, Registration& result) {
@@ -188,6 +191,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
     if (v != used.front()) {
       if (view.overlap < options.min_overlap)
         reason = "only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap);
+      else if (joint.matches[v] < fewest_matches)
+        reason = "only " + std::to_string(joint.matches[v]) + " places of its surface lie on that of other views, expected " + std::to_string(fewest_matches);
       else if (view.seen_through > options.max_seen_through)
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
       else if (found.disagreement() > most_disagreement(options, surfaces[v]))

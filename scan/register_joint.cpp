@@ -16,9 +16,14 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int groups = 10;           // of the jackknife, by place
+/// While partners are wrong, weak directions lead astray.
+constexpr double rough_free_limit = 10;
 /// What noise in the normals alone explains is 1: from 0.4 to 1.2 where parts are round, from 2 on where something fixes
-/// them. While partners are wrong, weak directions lead astray.
-constexpr double free_limit = 1.5, rough_free_limit = 10;
+/// them. Normals of one window share their noise, so that few matches (of a view) reach more by chance.
+double free_limit(std::size_t matches) {
+  constexpr double window = 20, deviations = 6;
+  return std::max(1.5, 1 + deviations * std::sqrt(2 * window / static_cast<double>(std::max<std::size_t>(matches, 1))));
+}
 constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
 
 /// The part of the normal equations that one view against another contributes; the other has the opposite sign.
@@ -332,6 +337,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   JointResult result;
   result.poses = poses;
   result.covariance.assign(poses.size(), Mat6::Zero());
+  result.matches.assign(poses.size(), 0);
   result.gap.assign(poses.size(), std::vector<double>(poses.size(), -1));
   Problem problem{surfaces, views, {}, Vec3::Zero(), 1};
   double spacing = 0, sigma = 0;
@@ -348,12 +354,12 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   if (views.size() < 2) return result;
 
   const double end_reach = std::max(1.5 * spacing, 4 * sigma);
-  const double least = 1e-3 * spacing;
+  const double least = std::max(1e-3 * spacing, 0.2 * sigma);  // 0.28 sigma if both are means of 25
   Round round;
   round.reach = std::max(options.start_reach, end_reach);
   round.surface_sigma = round.reach / 4;
   PairList pairs = neighbour_pairs(problem, round.reach, options.neighbours, context.threads), borders;
-  if (options.contours)
+  if (options.contours && views.size() > 2)  // of two nothing would tell which face a border belongs to
     for (std::size_t a = 0; a < views.size(); ++a)
       for (std::size_t b = 0; b < views.size(); ++b)
         if (a != b && !problem.surface(a).contour.empty() && std::abs(sight_cosine(problem, a, b) + 0.08) < 0.79) borders.emplace_back(a, b);
@@ -370,6 +376,11 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
           contour_sums[k - pairs.size()] = match_contours(problem, borders[k - pairs.size()].first, borders[k - pairs.size()].second, round);
     }, 1);
   };
+  const auto matches_of_view = [&] {
+    std::size_t matches = 0;
+    for (const PairSum& sum : sums) matches += sum.matches;
+    return matches / (views.size() - 1);
+  };
   const auto all_sums = [&] {
     std::vector<PairSum> all = sums;
     all.insert(all.end(), contour_sums.begin(), contour_sums.end());
@@ -382,7 +393,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     learn(sums, contour_sums, least, std::max(0.5, 0.25 * (round.reach - end_reach) / spacing), round);
     const System system = assemble(views.size(), all_sums());
     if (!(system.h.trace() > 0)) break;
-    const double limit = round.reach > end_reach ? rough_free_limit : free_limit;
+    const double limit = round.reach > end_reach ? rough_free_limit : free_limit(matches_of_view());
     const double moved = apply(problem, solve(directions_of(system, limit), system.g), 2 * round.reach);
     if (round.reach > end_reach) {
       if (moved < 0.2 * round.reach) {
@@ -404,7 +415,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   const std::vector<PairSum> all = all_sums();
   const System system = assemble(views.size(), all);
   if (system.h.trace() > 0) {
-    const Directions directions = directions_of(system, free_limit);
+    const Directions directions = directions_of(system, free_limit(matches_of_view()));
     const auto covariance = covariance_of(problem, all, system, directions);
     for (std::size_t k = 0; k < views.size(); ++k) result.covariance[views[k]] = covariance[k];
     for (Eigen::Index k = 0; k < directions.first; ++k) {
@@ -417,6 +428,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   for (std::size_t k = 0; k < views.size(); ++k) result.poses[views[k]] = problem.poses[k];
   for (const PairSum& sum : sums) {
     result.surface_matches += sum.matches;
+    result.matches[views[sum.a]] += sum.matches, result.matches[views[sum.b]] += sum.matches;
     std::vector<double> sizes = sum.residual;
     for (double& e : sizes) e = std::abs(e);
     if (sizes.size() >= 30) result.gap[views[sum.a]][views[sum.b]] = median(std::move(sizes));

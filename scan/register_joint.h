@@ -25,13 +25,14 @@ struct JointResult {
   double surface_sigma = 0;                ///< of the distances between surfaces, mm
   double contour_sigma = 0, contour_bias = 0;  ///< pixels
   std::size_t surface_matches = 0, contour_matches = 0;
+  std::vector<std::size_t> matches;        ///< of surface, of each view with any other
   std::vector<std::vector<double>> gap;    ///< median |distance| of each pair of views, mm; negative without overlap
 };
 
 /// Gauss-Newton on symmetric point-to-plane distances under Welsch weights, with the occluding contours of each view
 /// against the faces that other views see edge-on to it. `views` are adjusted, the first of them stays.
 /// A direction v counts as free when the distances change along it no more than noise in the normals explains:
-/// v'Hv < 1.5 v'Mv. H sums w r r' over the rows r of the mean of two normals, M the same over half their difference, which
+/// v'Hv < 1.5 v'Mv (more for few matches). H sums w r r' over the rows r of the mean of two normals, M the same over half their difference, which
 /// has the same noise: where nothing fixes v the two have the same expectation, whatever the noise and however it varies.
 JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                            const std::vector<std::size_t>& views, const JointOptions& options, Context& context);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 
 #include "core/number.h"
 #include "core/random.h"
@@ -29,6 +30,14 @@ double overlap_of(const ViewSurface& first, const Pose& first_pose, const ViewSu
 }
 
 }  // namespace
+
+std::vector<std::string> scans_in(const Path& folder, std::vector<std::string> names) {
+  if (names.empty())
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (std::filesystem::exists(entry.path() / "scan" / "scan.json")) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
 
 std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context) {
   std::vector<PairCase> result;
@@ -60,7 +69,7 @@ std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name,
       for (const int off : {5, 15, 30, 60}) {
         const auto direction = [&] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
         const Mat3 turn = rotation_of(off * pi / 180 * direction());
-        PairCase pair{name + " " + std::to_string(f.a) + " " + std::to_string(f.b), views[f.a], views[f.b], poses[f.b], f.overlap, off * pi / 180, radius};
+        PairCase pair{name + " " + std::to_string(f.a) + " " + std::to_string(f.b), views[f.a], views[f.b], poses[f.b], f.overlap, off * pi / 180, radius, surfaces[f.b].spacing};
         pair.second.guess = Pose{turn, middle - turn * middle + 0.05 * radius * direction()} * poses[f.b];
         result.push_back(std::move(pair));
       }

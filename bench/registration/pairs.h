@@ -17,7 +17,11 @@ struct PairCase {
   double overlap = 0;        ///< share of the second's points that the first confirms
   double start = 0;          ///< rad off
   double radius = 0;         ///< mm, of the part
+  double spacing = 0;        ///< mm, of the points of the second view
 };
+
+/// The names given, or those of all folders in `folder` that hold a scan/scan.json; sorted.
+std::vector<std::string> scans_in(const Path& folder, std::vector<std::string> names);
 
 /// Up to `most` pairs in each fifth of overlap from 20 % on, each from 5, 15, 30 and 60 degrees and a twentieth of the
 /// radius off. The same every time.

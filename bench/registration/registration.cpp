@@ -4,6 +4,7 @@
 ///   bench_registration unknown FILE           the same with the poses forgotten
 ///   bench_registration paper DIR [CASE...]    the same as cases by the method of 1993
 ///   bench_registration starts DIR [CASE...]   pairs of views from starts 5 to 60 degrees off; what became of each to stderr
+///   bench_registration beside DIR [CASE...]   the same pairs beside small_gicp, if the headers were found
 ///   bench_registration turntable FILE FILE... views by equal steps about an unknown axis
 ///   bench_registration cases DIR [CASE...]   scans with true poses and disturbed guesses, as `partscribe simulate` writes
 #include <Eigen/Geometry>
@@ -11,13 +12,13 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <filesystem>
 #include <map>
 #include <string>
 
 #include "core/number.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "beside.h"
 #include "pairs.h"
 #include "scan/read.h"
 #include "scan/register.h"
@@ -56,51 +57,57 @@ Eigen::VectorXd error_vector(const std::vector<Pose>& truth, const std::vector<P
   return e;
 }
 
-/// The least squares of what is left when all views move alike and every declared motion is taken out.
+/// One view's part of a declared motion.
+struct ViewMotion {
+  Eigen::Index view;  // among those that are registered
+  const FreeMotion* motion;
+};
+
+/// What is left when all views move alike and every declared motion is followed, as far as it goes, to where that is least.
 PoseErrors errors_of(const std::vector<Pose>& truth, const Registration& registration, double size) {
   std::vector<Pose> found, there;
-  std::vector<std::size_t> index;
-  for (std::size_t v = 0; v < truth.size(); ++v)
-    if (registration.views[v].status != ViewStatus::refused)
-      found.push_back(registration.views[v].world_from_view), there.push_back(truth[v]), index.push_back(v);
+  std::vector<ViewMotion> motions;
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    if (registration.views[v].status == ViewStatus::refused) continue;
+    for (const FreeMotion& motion : registration.free_motions)
+      if (std::find(motion.views.begin(), motion.views.end(), v) != motion.views.end()) motions.push_back({Eigen::Index(found.size()), &motion});
+    found.push_back(registration.views[v].world_from_view), there.push_back(truth[v]);
+  }
   PoseErrors result;
   if (found.size() < 2) return result;
-  // The first view is the frame; the rest is small then.
-  const Pose shift = there[0] * found[0].inverse();
-  for (Pose& pose : found) pose = shift * pose;
-  const Vec3 center = shift * registration.center;
-  Eigen::VectorXd e = error_vector(there, found, center, size);
-  std::vector<Eigen::VectorXd> basis;
-  for (int k = 0; k < 6; ++k) {
-    Eigen::VectorXd same = Eigen::VectorXd::Zero(e.size());
-    for (Eigen::Index v = 0; v < e.size() / 6; ++v) same[6 * v + k] = 1;
-    basis.push_back(same);
-  }
-  for (const FreeMotion& motion : registration.free_motions) {
-    const Vec3 axis = shift.rotation * motion.axis, point = shift * motion.point;
-    for (const std::size_t moved : motion.views) {
-      Eigen::VectorXd free = Eigen::VectorXd::Zero(e.size());
-      for (std::size_t k = 0; k < index.size(); ++k)
-        if (index[k] == moved) {
-          const auto i = 6 * static_cast<Eigen::Index>(k);
-          if (motion.turns) free.segment<3>(i) = size * axis, free.segment<3>(i + 3) = axis.cross(center - point);
-          else free.segment<3>(i + 3) = axis;
-        }
-      if (free.norm() > 0) basis.push_back(free);
+  const auto views = Eigen::Index(found.size()), free = Eigen::Index(motions.size());
+  Pose moved = there[0] * found[0].inverse();  // all views alike; the first is the frame to begin with
+  const auto left = [&] {
+    std::vector<Pose> now;
+    for (const Pose& pose : found) now.push_back(moved * pose);
+    return error_vector(there, now, moved * registration.center, size);
+  };
+  for (int round = 0; round < 30; ++round) {
+    const Vec3 center = moved * registration.center;
+    Eigen::MatrixXd j = Eigen::MatrixXd::Zero(6 * views, 6 + free);
+    for (Eigen::Index v = 0; v < views; ++v) j.block<6, 6>(6 * v, 0).setIdentity();
+    for (Eigen::Index k = 0; k < free; ++k) {
+      const FreeMotion& m = *motions[std::size_t(k)].motion;
+      const Vec3 axis = moved.rotation * m.axis;
+      if (m.turns) j.block<3, 1>(6 * motions[std::size_t(k)].view, 6 + k) = size * axis, j.block<3, 1>(6 * motions[std::size_t(k)].view + 3, 6 + k) = axis.cross(center - moved * m.point);
+      else j.block<3, 1>(6 * motions[std::size_t(k)].view + 3, 6 + k) = axis;
     }
+    const Eigen::VectorXd step = -j.completeOrthogonalDecomposition().solve(left());
+    for (Eigen::Index k = 0; k < free; ++k) {
+      const FreeMotion& m = *motions[std::size_t(k)].motion;
+      Pose& pose = found[std::size_t(motions[std::size_t(k)].view)];
+      pose = (m.turns ? rotation_about(m.point, m.axis, step[6 + k]) : Pose{Mat3::Identity(), step[6 + k] * m.axis}) * pose;
+    }
+    const Mat3 turn = rotation_of(step.head<3>() / size);
+    moved = Pose{turn, center + step.segment<3>(3) - turn * center} * moved;
   }
-  for (std::size_t a = 0; a < basis.size(); ++a) {
-    for (std::size_t b = 0; b < a; ++b) basis[a] -= basis[b].dot(basis[a]) * basis[b];
-    if (basis[a].norm() < 1e-3) { basis[a].setZero(); continue; }
-    basis[a].normalize();
-    e -= basis[a].dot(e) * basis[a];
-  }
-  for (Eigen::Index v = 0; v < e.size() / 6; ++v) {
+  const Eigen::VectorXd e = left();
+  for (Eigen::Index v = 0; v < views; ++v) {
     result.angle.push_back(e.segment<3>(6 * v).norm() / size * 180 / pi), result.shift.push_back(e.segment<3>(6 * v + 3).norm());
     result.rms_angle += std::pow(result.angle.back(), 2), result.rms_shift += std::pow(result.shift.back(), 2);
     result.worst_angle = std::max(result.worst_angle, result.angle.back()), result.worst_shift = std::max(result.worst_shift, result.shift.back());
   }
-  result.rms_angle = std::sqrt(result.rms_angle / double(found.size())), result.rms_shift = std::sqrt(result.rms_shift / double(found.size()));
+  result.rms_angle = std::sqrt(result.rms_angle / double(views)), result.rms_shift = std::sqrt(result.rms_shift / double(views));
   return result;
 }
 
@@ -112,17 +119,9 @@ int refused(const Registration& registration) {
   return count;
 }
 
-std::vector<std::string> names_in(const Path& folder, std::vector<std::string> names) {
-  if (names.empty())
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-      if (std::filesystem::exists(entry.path() / "scan" / "scan.json")) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 void cases(const Path& folder, const std::vector<std::string>& names, bool paper) {
   std::printf("| case | views | refused | free motions | rms deg | worst deg | rms mm | worst mm | overlap least | gap mm | s |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const auto& name : names_in(folder, names)) {
+  for (const auto& name : scans_in(folder, names)) {
     const Path file = folder / name / "scan" / "scan.json";
     const auto exact = read_scan({file}, {}, quiet());
     const auto guess = read_scan({file}, {{}, true}, quiet());
@@ -237,7 +236,7 @@ void starts(const Path& folder, const std::vector<std::string>& names) {
   std::map<std::pair<int, int>, Outcomes> table;  // overlap in fifths, start in degrees
   Outcomes all;
   const double begin = seconds();
-  for (const auto& name : names_in(folder, names))
+  for (const auto& name : scans_in(folder, names))
     for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, quiet())) {
       const int off = int(std::lround(pair.start * 180 / pi));
       RegisterOptions options;
@@ -276,6 +275,7 @@ int main(int count, char** arguments) {
   if (words.size() == 2 && words[0] == "unknown") return published(words[1], 0, 0, true), 0;
   if (words.size() >= 3 && words[0] == "turntable") return turntable({words.begin() + 1, words.end()}), 0;
   if (words.size() >= 2 && words[0] == "starts") return starts(words[1], {words.begin() + 2, words.end()}), 0;
-  std::fprintf(stderr, "usage: bench_registration cases|paper|starts DIR [CASE...] | published FILE DEG MM | unknown FILE | turntable FILE...\n");
+  if (words.size() >= 2 && words[0] == "beside") return beside(words[1], {words.begin() + 2, words.end()}), 0;
+  std::fprintf(stderr, "usage: bench_registration cases|paper|starts|beside DIR [CASE...] | published FILE DEG MM | unknown FILE | turntable FILE...\n");
   return 2;
 }

@@ -1,0 +1,66 @@
+#include "beside.h"
+
+#include <cstdio>
+#include <ctime>
+#include <map>
+
+#include "core/number.h"
+#include "core/statistics.h"
+#include "pairs.h"
+#include "peers.h"
+
+namespace partscribe {
+namespace {
+
+double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+struct Row {
+  std::map<int, int> right, asked;  // by degrees of the start
+  int refused = 0;
+  std::vector<double> angle, shift;  // of the right ones: degrees, mm
+  std::vector<double> spent;         // ms
+};
+
+void count(const PairCase& pair, const Pose& world_from_second, const std::vector<FreeMotion>& free, Row& row) {
+  const PairError e = pair_error(pair, world_from_second, free);
+  if (e.angle * 180 / pi > 1 || e.shift > 0.02 * pair.radius) return;
+  ++row.right[int(std::lround(pair.start * 180 / pi))];
+  row.angle.push_back(e.angle * 180 / pi), row.shift.push_back(e.shift);
+}
+
+}  // namespace
+
+void beside(const Path& folder, const std::vector<std::string>& names) {
+  Context context;
+  const auto methods = peers::small_gicp_methods();
+  std::vector<Row> rows(methods.size() + 1);
+  for (const auto& name : scans_in(folder, names))
+    for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, context)) {
+      for (Row& row : rows) ++row.asked[int(std::lround(pair.start * 180 / pi))];
+      RegisterOptions options;
+      options.guess_angle = pair.start + 0.1;
+      double start = seconds();
+      const auto ours = register_views({pair.first, pair.second}, options, context);
+      rows[0].spent.push_back(1000 * (seconds() - start));
+      if (!ours.ok()) continue;
+      if (ours->views[1].status == ViewStatus::refused) ++rows[0].refused;
+      else count(pair, ours->views[1].world_from_view, ours->free_motions, rows[0]);
+      const Pose first = *pair.first.guess;
+      for (std::size_t k = 0; k < methods.size(); ++k) {
+        start = seconds();
+        const Pose found = methods[k].align(pair.first.cloud.points, pair.second.cloud.points, first.inverse() * *pair.second.guess, pair.spacing, methods[k].gate * pair.radius);
+        rows[k + 1].spent.push_back(1000 * (seconds() - start));
+        count(pair, first * found, ours->free_motions, rows[k + 1]);
+      }
+    }
+  std::printf("| method | partners within | 5 deg | 15 | 30 | 60 | refused | wrong | median deg | median mm | ms |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Row& row = rows[k];
+    std::printf("| %s | %s |", k == 0 ? "Partscribe" : methods[k - 1].name.c_str(), k == 0 ? "itself" : (print_number(methods[k - 1].gate) + " radius").c_str());
+    int wrong = -row.refused;
+    for (const auto& [degrees, asked] : row.asked) std::printf(" %d of %d |", row.right[degrees], asked), wrong += asked - row.right[degrees];
+    std::printf(" %d | %d | %.4f | %.4f | %.0f |\n", row.refused, wrong, median(row.angle), median(row.shift), median(row.spent));
+  }
+}
+
+}  // namespace partscribe

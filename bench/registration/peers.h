@@ -1,0 +1,23 @@
+/// Other programs' registration of one pair of views, for the benchmark.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/vec.h"
+
+namespace peers {
+
+/// One method with one setting. It aligns `second` (from its guess) to `first`, both in the frames of their views, and
+/// returns the pose of the second in the frame of the first, where `guess` is as well. Lengths in mm.
+struct Method {
+  std::string name;
+  double gate = 0;  ///< largest distance of partners, share of the part's radius
+  partscribe::Pose (*align)(const std::vector<partscribe::Vec3>& first, const std::vector<partscribe::Vec3>& second,
+                            const partscribe::Pose& guess, double spacing, double gate);
+};
+
+/// Empty when the benchmark was built without the peer's headers.
+std::vector<Method> small_gicp_methods();
+
+}  // namespace peers
