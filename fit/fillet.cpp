@@ -8,7 +8,6 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "fit/refine.h"
-#include "model/distance.h"
 
 namespace partscribe {
 namespace {
@@ -16,6 +15,7 @@ namespace {
 constexpr std::size_t most_points = 600;
 constexpr double same = 0.998;    // cosine of 3.6 degrees: normals of one plane face
 constexpr double square = 0.09;   // sine of 5 degrees
+constexpr double most_unexplained = 0.6;  // of the points
 
 /// Directions, regardless of sign, that many normals share: of plane faces, the most frequent first, at most `most`.
 std::vector<Vec3> face_directions(std::vector<Vec3> normals, std::size_t most) {
@@ -54,81 +54,169 @@ Vec3 wall_direction(const std::vector<Vec3>& normals, Vec3 direction) {
   return direction;
 }
 
+/// Points and their normals, few enough to try many starts on.
+struct Sample {
+  std::vector<Vec3> points, normals;
+};
+
+/// Directions along which the fillet may run: square to most normals, or those of plane faces.
+std::vector<Vec3> axes_of(const std::vector<Vec3>& normals, const std::vector<Vec3>& faces) {
+  constexpr double known = 0.995;
+  std::vector<Vec3> axes;
+  const auto add = [&](const Vec3& d) {
+    if (std::none_of(axes.begin(), axes.end(), [&](const Vec3& a) { return std::abs(a.dot(d)) > known; })) axes.push_back(d);
+  };
+  Mat3 scatter = Mat3::Zero();
+  for (const Vec3& n : normals) scatter += n * n.transpose();
+  const Mat3 main = Eigen::SelfAdjointEigenSolver<Mat3>(scatter).eigenvectors();
+  for (int k = 0; k < 3; ++k) add(wall_direction(normals, main.col(k)));
+  for (const Vec3& f : faces) add(wall_direction(normals, f.unitOrthogonal()));
+  for (const Vec3& f : faces) add(f);
+  return axes;
+}
+
 struct Start {
   Pose scan_from_part;
   Vec3 size = Vec3::Zero();  // width, height, length
-  double miss = 1e300;       // mm, that 60 % of the points keep to
+  double cost = 1e300;       // share of the points that it leaves unexplained
+  double open_end = 0;       // mm, how well an end is known of which no face was seen; 0: both were
 };
 
-/// The fillet whose corner lies low along x and y, ends included, and how far the points are from it.
-Start start_in(const Mat3& rotation, const std::vector<Vec3>& points) {
+struct Concave {
+  double into = 0;  // mm, how far a point is inside the bend, where nothing of the fillet is; to first order
+  Vec2 normal = Vec2::Zero();
+};
+
+/// Of a point in the fillet's frame. Beyond the ends of its legs there is none.
+Concave concave_side(const Vec3& q, const Vec3& size) {
+  const Vec2 half = size.head<2>(), u = (half - q.head<2>()).cwiseQuotient(half), slope = u.cwiseQuotient(half);
+  if (!(u.minCoeff() > 0)) return {};
+  return {(1 - u.norm()) * u.norm() / std::max(slope.norm(), 1e-9), slope.normalized()};
+}
+
+/// Share of the points that a fillet does not explain; `thick` is how far off, in mm, one is as good as unexplained. Distances to
+/// first order: they will do for comparing starts.
+double cost_of(const Pose& scan_from_part, const Vec3& size, const Sample& sample, bool oriented, double thick) {
+  constexpr double turned = 0.1;  // 1 - cosine at which a normal is as good as another's
+  const Pose part_from_scan = scan_from_part.inverse();
+  double sum = 0;
+  for (std::size_t i = 0; i < sample.points.size(); ++i) {
+    const Vec3 q = part_from_scan * sample.points[i], n = part_from_scan.rotation * sample.normals[i];
+    const Concave side = concave_side(q, size);
+    const double outside = (-q).cwiseMax(q - size).cwiseMax(0).norm(), beside = std::hypot(outside, std::max(side.into, 0.0));
+    double best = 1;
+    const auto face = [&](double off, const Vec3& normal) {
+      const double cosine = n.dot(normal), d = off / thick;
+      best = std::min(best, d * d + (1 - (oriented ? cosine : std::abs(cosine))) / turned);
+    };
+    face(std::hypot(q.x(), beside), {-1, 0, 0}), face(std::hypot(q.y(), beside), {0, -1, 0});
+    face(std::hypot(q.z(), beside), {0, 0, -1}), face(std::hypot(size.z() - q.z(), beside), {0, 0, 1});
+    face(std::hypot(side.into, outside), {side.normal.x(), side.normal.y(), 0});
+    sum += best;
+  }
+  return sum / double(sample.points.size());
+}
+
+/// The fillet whose corner lies low along x and y around all points but `left_out` of them at either end of each axis.
+Start start_in(const Mat3& rotation, const Sample& sample, bool oriented, double left_out, double thick) {
   Start start;
   Vec3 low, high;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> along;
-    for (const auto& p : points) along.push_back(rotation.col(k).dot(p));
-    low[k] = quantile(along, 0.01), high[k] = quantile(along, 0.99);
+    for (const auto& p : sample.points) along.push_back(rotation.col(k).dot(p));
+    low[k] = quantile(along, left_out), high[k] = quantile(along, 1 - left_out);
   }
-  start.scan_from_part.rotation = rotation;
-  start.scan_from_part.translation = rotation * low;
+  start.scan_from_part = {rotation, rotation * low};
   start.size = high - low;
-  if (!(start.size.minCoeff() > 0)) return start;
-  // To first order, which will do for comparing starts.
-  const Pose part_from_scan = start.scan_from_part.inverse();
-  std::vector<double> misses;
-  for (const auto& p : points) {
-    const Vec3 q = part_from_scan * p;
-    const Vec2 u(1 - q.x() / start.size.x(), 1 - q.y() / start.size.y());
-    const Vec2 slope(u.x() / start.size.x(), u.y() / start.size.y());
-    const double concave = u.x() > 0 && u.y() > 0 ? (1 - u.norm()) * u.norm() / std::max(slope.norm(), 1e-9) : 1e300;
-    const Vec3 outside = (-q).cwiseMax(q - start.size).cwiseMax(0);
-    const double faces = std::min({std::abs(q.x()), std::abs(q.y()), std::abs(q.z()), std::abs(start.size.z() - q.z())});
-    misses.push_back(std::max(outside.norm(), std::min(std::abs(concave), faces)));
-  }
-  start.miss = quantile(misses, 0.6);
+  if (start.size.minCoeff() > 0) start.cost = cost_of(start.scan_from_part, start.size, sample, oriented, thick);
   return start;
 }
 
-/// Every way to stand a fillet on two directions that are square to each other: its length along either or across both.
-std::vector<Mat3> frames_on(const Vec3& a, const Vec3& b) {
-  Mat3 axes;
-  axes.col(0) = a, axes.col(1) = (b - b.dot(a) * a).normalized(), axes.col(2) = axes.col(0).cross(axes.col(1));
+/// Frames with their z along the axis or against it, and x along the faces that are square to it, or evenly around.
+std::vector<Mat3> frames_about(const Vec3& axis, const std::vector<Vec3>& faces) {
+  constexpr int even = 24;
+  std::vector<Vec3> across;
+  const Vec3 u = axis.unitOrthogonal(), v = axis.cross(u);
+  for (int k = 0; k < even; ++k) across.push_back(std::cos(2 * pi * k / even) * u + std::sin(2 * pi * k / even) * v);
+  for (const Vec3& f : faces) {
+    if (std::abs(f.dot(axis)) > square) continue;
+    const Vec3 x = (f - f.dot(axis) * axis).normalized(), y = axis.cross(x);
+    across.insert(across.end(), {x, y, -x, -y});
+  }
   std::vector<Mat3> frames;
-  for (int along = 0; along < 3; ++along)
-    for (const double side_x : {1.0, -1.0})
-      for (const double side_y : {1.0, -1.0}) {
-        Mat3 r;
-        r.col(0) = side_x * axes.col((along + 1) % 3), r.col(1) = side_y * axes.col((along + 2) % 3);
-        r.col(2) = r.col(0).cross(r.col(1));
-        frames.push_back(r);
-      }
+  for (const Vec3& x : across) {
+    Mat3 r;
+    r << x, axis.cross(x), axis;
+    frames.push_back(r);
+  }
   return frames;
 }
 
-/// Enough points lie on the concave side and on no side of a block, facing the right way, and enough on a leg: without its
-/// concave side it is a block like any other, without its legs any bent patch.
-bool shows_itself(const Candidate& c, const Vec3& size, const FitInput& input) {
-  constexpr double clearly = 3;  // sigmas
+/// The concave side explains points far better than the sides of the block around it would, facing their way, and enough lie on
+/// a leg: without its concave side it is a block like any other, without its legs any bent patch. Among many strays only what
+/// slants to both legs counts: along a leg some always lie as its tip would.
+bool shows_itself(const Start& start, const FitInput& input) {
+  constexpr double many_strays = 0.1;  // share of the points
+  constexpr double facing = 0.8, on_leg = 0.98, slanting = 0.35, outlier = 12;  // cosines; half the square of a residual in sigmas
   const PointCloud& cloud = input.cloud;
-  const double reach = clearly * std::max(input.sampling.sigma, 0.1 * input.tolerance);
-  const ModelDistance distance(bare_model(c));
-  const Pose part_from_scan = c.scan_from_part.inverse();
-  std::size_t concave = 0, legs = 0;
+  const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance), n_points = double(cloud.size());
+  const Pose part_from_scan = start.scan_from_part.inverse();
+  const Vec3& size = start.size;
+  const auto misfit = [&](double off) { return 0.5 * std::min(0.5 * off * off / (sigma * sigma), outlier); };
+  double gain = 0;
+  std::size_t legs = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Vec3 q = part_from_scan * cloud.points[i];
-    if (!(std::abs(distance(q).distance) < reach)) continue;
-    const Vec3 n = part_from_scan.rotation * cloud.normals[i];
-    const bool outward = !input.oriented || n.x() > 0 || n.y() > 0;
-    if (std::min(q.minCoeff(), (size - q).minCoeff()) > reach) concave += outward;
-    else legs += std::max(std::abs(n.x()), std::abs(n.y())) > same && std::min(q.x(), q.y()) < reach;
+    const Vec3 q = part_from_scan * cloud.points[i], n = part_from_scan.rotation * cloud.normals[i];
+    const Concave side = concave_side(q, size);
+    const double into = std::min(q.minCoeff(), (size - q).minCoeff());
+    const double cosine = n.head<2>().dot(side.normal);
+    const bool counts = input.stray_share < many_strays || side.normal.minCoeff() > slanting;
+    if (counts && into > std::abs(side.into) && (input.oriented ? cosine : std::abs(cosine)) > facing) gain += misfit(into) - misfit(side.into);
+    if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma)
+      legs += std::max(std::abs(n.x()), std::abs(n.y())) > on_leg;
   }
-  return concave >= std::max<std::size_t>(15, cloud.size() / 250) && legs > cloud.size() / 20;
+  return gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > n_points / 20;
 }
 
 Parameter length(const char* name, double value, const char* note) {
   Parameter p;
   p.name = name, p.value = p.fitted = value, p.note = note;
   return p;
+}
+
+/// Puts the ends on their faces. An end of which no face was seen stays beyond the points of the sides: that leaves none of them out.
+void settle_ends(Start& start, const FitInput& input) {
+  constexpr double same_way = 0.95, on_end = 0.9;
+  constexpr std::size_t least_points = 20;
+  const double near = 3 * std::max(input.sampling.sigma, 0.1 * input.tolerance);
+  const Pose part_from_scan = start.scan_from_part.inverse();
+  std::vector<double> sides, ends;
+  for (std::size_t i = 0; i < input.cloud.size(); ++i) {
+    const Vec3 q = part_from_scan * input.cloud.points[i], n = part_from_scan.rotation * input.cloud.normals[i];
+    const Concave side = concave_side(q, start.size);
+    if (std::min(q.x(), q.y()) < -near || std::max(q.x() - start.size.x(), q.y() - start.size.y()) > near) continue;
+    const auto on = [&](double off, double cosine) { return std::abs(off) < near && std::abs(cosine) > same_way; };
+    if (on(q.x(), n.x()) || on(q.y(), n.y()) || on(side.into, n.head<2>().dot(side.normal))) sides.push_back(q.z());
+    else if (std::abs(n.z()) > on_end) ends.push_back(q.z());
+  }
+  if (sides.size() < least_points) return;
+  std::sort(ends.begin(), ends.end());
+  double at[2] = {std::min(0.0, quantile(sides, 0.005)), std::max(start.size.z(), quantile(sides, 0.995))};
+  for (const int high : {0, 1}) {
+    // Where most points face along, with hardly a point of the sides beyond.
+    const double inside = quantile(sides, high ? 0.97 : 0.03) + (high ? -near : near);
+    std::size_t most = least_points - 1, first = 0;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const auto last = std::upper_bound(ends.begin(), ends.end(), ends[i] + 2 * near);
+      const auto count = static_cast<std::size_t>(last - ends.begin()) - i;
+      if (count > most && (high ? ends[i] + near > inside : ends[i] + near < inside)) most = count, first = i;
+    }
+    if (most >= least_points) at[high] = ends[first + most / 2];
+    else start.open_end = std::max(3 * input.tolerance, 0.05 * start.size.z());
+  }
+  if (!(at[1] > at[0])) return;
+  start.scan_from_part.translation += start.scan_from_part.rotation.col(2) * at[0];
+  start.size.z() = at[1] - at[0];
 }
 
 Candidate candidate_from(const Start& start, bool round) {
@@ -145,7 +233,47 @@ Candidate candidate_from(const Start& start, bool round) {
     c.parameters = {length("width", size.x(), "first leg"), length("height", size.y(), "second leg"),
                     length("length", size.z(), "length of the fillet")};
   }
+  if (start.open_end > 0) c.held = {{"length", start.open_end}};
   return c;
+}
+
+bool alike(const Start& a, const Start& b) {
+  const Mat3 turn = a.scan_from_part.rotation.transpose() * b.scan_from_part.rotation;
+  return turn.trace() > 1 + 2 * std::cos(0.15) && (a.size - b.size).norm() < 0.1 * a.size.norm();
+}
+
+Vec3 size_of(const Candidate& c) { return {c.parameters[0].value, c.parameters[1].value, c.parameters[2].value}; }
+
+/// The best of many starts, each refined.
+Start best_start(const Sample& sample, const FitInput& input, Context& context) {
+  constexpr std::size_t most_refined = 6;
+  constexpr double dearer = 0.2;         // share of the points
+  constexpr double largest = 1.2, coarse = 0.08;  // of the data's size
+  const double size = input.bounds.diagonal();
+  const std::vector<Vec3> faces = face_directions(sample.normals, 5);
+  std::vector<Start> starts;
+  for (const Vec3& axis : axes_of(sample.normals, faces))
+    for (const Mat3& frame : frames_about(axis, faces))
+      for (const double left_out : {0.01, 0.05}) starts.push_back(start_in(frame, sample, input.oriented, left_out, coarse * size));
+  std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
+  std::vector<Start> tried;
+  Start best;
+  RefineOptions quick;
+  quick.points = most_points, quick.iterations = 20, quick.uncertainty = false, quick.fixed = {"length"};
+  for (const Start& start : starts) {
+    if (tried.size() == most_refined || start.cost > starts[0].cost + dearer || context.cancelled) break;
+    if (std::any_of(tried.begin(), tried.end(), [&](const Start& t) { return alike(t, start); })) continue;
+    tried.push_back(start);
+    Candidate any = candidate_from(start, false);
+    refine(any, input, quick, context);
+    Start refined{any.scan_from_part, size_of(any), 0};
+    // A concave side much larger than the data bends too little to be one.
+    if (!(refined.size.minCoeff() > 0) || refined.size.maxCoeff() > largest * size) continue;
+    const double thick = 3 * std::max(input.sampling.sigma, 0.1 * input.tolerance);
+    refined.cost = cost_of(refined.scan_from_part, refined.size, sample, input.oriented, thick);
+    if (refined.cost < best.cost) best = refined;
+  }
+  return best;
 }
 
 }  // namespace
@@ -153,39 +281,19 @@ Candidate candidate_from(const Start& start, bool round) {
 std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) {
   const auto& cloud = input.cloud;
   if (cloud.size() < 50 || cloud.normals.size() != cloud.size() || input.bounds.empty()) return {};
-  std::vector<Vec3> points, normals;
+  Sample sample;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / most_points);
-  for (std::size_t i = 0; i < cloud.size(); i += step) {
-    points.push_back(cloud.points[i]);
-    if (cloud.normals[i].squaredNorm() > 0.5) normals.push_back(cloud.normals[i]);
-  }
-  std::vector<Vec3> directions = face_directions(normals, 5);
-  const std::size_t faces = directions.size();
-  for (std::size_t i = 0; i < faces; ++i) directions.push_back(wall_direction(normals, directions[i].unitOrthogonal()));
-  Start best;
-  for (std::size_t i = 0; i < faces; ++i)
-    for (std::size_t k = i + 1; k < directions.size(); ++k) {
-      if (std::abs(directions[i].dot(directions[k])) > square) continue;
-      // Which corner of the box around the data is the fillet's own is told by the data.
-      for (const Mat3& frame : frames_on(directions[i], directions[k])) {
-        const Start start = start_in(frame, points);
-        if (start.miss < best.miss) best = start;
-      }
-    }
+  for (std::size_t i = 0; i < cloud.size(); i += step)
+    if (cloud.normals[i].squaredNorm() > 0.5) sample.points.push_back(cloud.points[i]), sample.normals.push_back(cloud.normals[i]);
+  Start best = best_start(sample, input, context);
   context.report("fillets", 1);
-  const double close = std::max({2 * input.tolerance, 3 * input.sampling.sigma, 0.02 * input.bounds.diagonal()});
-  if (!(best.miss < close)) return {};
-  RefineOptions quick;
-  quick.points = most_points, quick.iterations = 20, quick.uncertainty = false;
+  if (!(best.cost < most_unexplained)) return {};
+  settle_ends(best, input);
   Candidate any = candidate_from(best, false);
-  refine(any, input, quick, context);
-  Start polished;
-  polished.scan_from_part = any.scan_from_part;
-  for (int k = 0; k < 3; ++k) polished.size[k] = any.parameters[static_cast<std::size_t>(k)].value;
-  if (!(polished.size.minCoeff() > 0) || !shows_itself(any, polished.size, input)) return {};
+  if (!shows_itself(best, input)) return {};
   std::vector<Candidate> result;
-  if (std::abs(polished.size.x() - polished.size.y()) < 0.1 * (polished.size.x() + polished.size.y()))
-    result.push_back(candidate_from(polished, true));
+  if (std::abs(best.size.x() - best.size.y()) < 0.1 * (best.size.x() + best.size.y()))
+    result.push_back(candidate_from(best, true));
   result.push_back(std::move(any));
   return result;
 }

@@ -111,6 +111,24 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
   report.inlier_share = double(inliers) / double(d.value.size());
 }
 
+/// By how much the numbers hang on how much say is left to points that may be strays: half of how far they move, in their own
+/// units, from where nearly all that is off loses its say to where hardly anything does. Noise alone moves them by less than
+/// its own sigma.
+std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& unknowns, const std::vector<Vec3>& points, double noise, Context& context) {
+  constexpr double little = 1.5, much = 4;
+  std::vector<Candidate> ends(2, candidate);
+  RefineOptions options;
+  options.iterations = 12;
+  for (std::size_t k = 0; k < 2; ++k) {
+    options.welsch = k == 0 ? little : much;
+    RefineReport unused;
+    descend(ends[k], unknowns, points, noise, options, unused, context);
+  }
+  std::vector<double> result;
+  for (const std::size_t k : unknowns.free_parameters()) result.push_back(0.5 * std::abs(ends[1].parameters[k].value - ends[0].parameters[k].value));
+  return result;
+}
+
 /// How many points speak about each parameter.
 void count_points(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns, double points_per_independent) {
   const auto& free = unknowns.free_parameters();
@@ -169,12 +187,14 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   report.rms = u.rms;
   report.points_per_independent = u.points_per_independent;
   const auto& free = unknowns.free_parameters();
+  const std::vector<double> strays =
+      input.stray_share > 0 ? sway_of_strays(candidate, unknowns, points, noise, context) : std::vector<double>(free.size(), 0);
   for (std::size_t k = 0; k < free.size(); ++k) {
     auto& p = candidate.parameters[free[k]];
     p.fitted = p.value;
     p.sigma_noise = u.noise[k];
     const double floor = p.quantity == Quantity::length ? u.floor : u.floor / unknowns.size();
-    p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.facets[k], u.filter[k]), u.slant[k], floor);
+    p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.facets[k], u.filter[k]), u.slant[k], std::hypot(strays[k], floor));
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
   for (const auto& h : candidate.held)

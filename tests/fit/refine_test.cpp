@@ -258,3 +258,27 @@ TEST_CASE("refine: noise along known rays does not bend the surface, and along u
   CHECK(std::abs(across / 8) > 2 * stated / 8);
   CHECK(wider > 1.2);
 }
+
+TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
+  const double height = 10;
+  Scan scan = test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
+  // A curtain that grazes the top.
+  Random random(5);
+  for (int i = 0; i < 250; ++i) scan.cloud.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
+  FitInput input = input_of(scan, 0.3);
+  Context context;
+  const auto fitted = [&](double share) {
+    input.stray_share = share;
+    Candidate c;
+    c.object_name = "block";
+    c.shape = Box{Expr::of("length"), Expr::of("width"), Expr::of("height")};
+    c.parameters = {test::length("length", 30), test::length("width", 20), test::length("height", height)};
+    refine(c, input, {}, context);
+    return c.parameters;
+  };
+  const auto trusting = fitted(0), wary = fitted(0.2);
+  const auto by_strays = [&](std::size_t k) { return std::sqrt(std::pow(wary[k].sigma, 2) - std::pow(trusting[k].sigma, 2)); };
+  CHECK(trusting[2].fitted == wary[2].fitted);
+  CHECK(by_strays(2) > 0.15 * std::abs(wary[2].fitted - height));
+  CHECK(by_strays(0) < 0.2 * by_strays(2));  // its faces are clean
+}

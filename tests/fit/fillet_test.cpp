@@ -1,0 +1,63 @@
+#include "fit/fillet.h"
+
+#include <catch2/catch.hpp>
+
+#include "fit/prepare.h"
+#include "fit/refine.h"
+#include "tests/fit/sampled.h"
+
+using namespace partscribe;
+
+namespace {
+
+Model model_with(Shape shape) {
+  Model model;
+  model.as_scanned = false;
+  model.objects.push_back({"part", std::move(shape), {}, {}, {}});
+  return model;
+}
+
+FitInput prepared(Scan& scan, double tolerance) {
+  Context context;
+  auto input = prepare(scan, tolerance, context);
+  REQUIRE(input);
+  return std::move(*input);
+}
+
+/// Of the last candidate, that with two legs of its own, smaller first.
+Vec3 sizes_of(const std::vector<Candidate>& candidates) {
+  REQUIRE_FALSE(candidates.empty());
+  const auto& p = candidates.back().parameters;
+  REQUIRE(p.size() == 3);
+  return {std::min(p[0].value, p[1].value), std::max(p[0].value, p[1].value), p[2].value};
+}
+
+}  // namespace
+
+TEST_CASE("fillet: its concave side and little of its legs, among strays") {
+  for (const Vec3& from : {Vec3(0.9, -0.5, 0.4), Vec3(0.6, -0.7, 0.6), Vec3(-0.5, 0.8, -0.7)})
+    for (const auto& [width, height] : {std::pair{24.0, 24.0}, std::pair{28.0, 18.0}}) {
+      Scan scan = test::sampled(model_with(Fillet{width, height, 40}), {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = from, .seed = 3});
+      Context context;
+      const FitInput input = prepared(scan, 0.6);
+      std::vector<Candidate> found = propose_fillets(input, context);
+      INFO(from.transpose() << ", " << width << " x " << height);
+      REQUIRE_FALSE(found.empty());
+      CHECK((found.size() == 2) == (width == height));
+      RefineOptions options;
+      options.uncertainty = false;
+      refine(found.back(), input, options, context);
+      const Vec3 size = sizes_of(found);
+      CHECK(size.x() == Approx(std::min(width, height)).margin(0.8));
+      CHECK(size.y() == Approx(std::max(width, height)).margin(0.8));
+      CHECK(size.z() == Approx(40).margin(1.5));
+    }
+}
+
+TEST_CASE("fillet: none among the strays around a block, nor on a rod") {
+  for (const Shape& shape : {Shape(Box{30, 20, 40}), Shape(Cylinder{15, 40})}) {
+    Scan scan = test::sampled(model_with(shape), {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});
+    Context context;
+    CHECK(propose_fillets(prepared(scan, 0.6), context).empty());
+  }
+}
