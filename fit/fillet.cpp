@@ -157,6 +157,7 @@ std::vector<Mat3> frames_about(const Vec3& axis, const std::vector<Vec3>& faces)
 /// slants to both legs counts: along a leg some always lie as its tip would.
 bool shows_itself(const Start& start, const FitInput& input) {
   constexpr double many_strays = 0.1;  // share of the points
+  constexpr std::size_t least_points = 40;  // fewer lie there by chance
   constexpr double facing = 0.8, on_leg = 0.98, slanting = 0.35, outlier = 12;  // cosines; half the square of a residual in sigmas
   const PointCloud& cloud = input.cloud;
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance), n_points = double(cloud.size());
@@ -164,18 +165,19 @@ bool shows_itself(const Start& start, const FitInput& input) {
   const Vec3& size = start.size;
   const auto misfit = [&](double off) { return 0.5 * std::min(0.5 * off * off / (sigma * sigma), outlier); };
   double gain = 0;
-  std::size_t legs = 0;
+  std::size_t legs = 0, concave = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Vec3 q = part_from_scan * cloud.points[i], n = part_from_scan.rotation * cloud.normals[i];
     const Concave side = concave_side(q, size);
     const double into = std::min(q.minCoeff(), (size - q).minCoeff());
     const double cosine = n.head<2>().dot(side.normal);
     const bool counts = input.stray_share < many_strays || side.normal.minCoeff() > slanting;
-    if (counts && into > std::abs(side.into) && (input.oriented ? cosine : std::abs(cosine)) > facing) gain += misfit(into) - misfit(side.into);
+    if (counts && into > std::abs(side.into) && (input.oriented ? cosine : std::abs(cosine)) > facing)
+      gain += misfit(into) - misfit(side.into), ++concave;
     if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma)
       legs += std::max(std::abs(n.x()), std::abs(n.y())) > on_leg;
   }
-  return gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > n_points / 20;
+  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > n_points / 20;
 }
 
 Parameter length(const char* name, double value, const char* note) {
