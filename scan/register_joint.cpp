@@ -102,7 +102,8 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
   PairSum sum = empty_sum(a, b, round.grouped);
   const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
   const Pose there = problem.poses[b].inverse() * problem.poses[a];
-  for (const auto i : from.samples) {
+  for (std::size_t k = 0; k < from.samples.size(); ++k) {
+    const auto i = from.samples[k];
     const Vec3 x = there * from.points[i], nx = there.rotation * from.normals[i];
     if (nx.dot(to.raster.ray(x)) > 0.1) continue;  // faces away: the other cannot see it
     const Neighbour near = to.tree->nearest_one(x);
@@ -113,11 +114,12 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
     const double e = d.dot(n);
     const double w = std::exp(-d.squaredNorm() / (2 * round.reach * round.reach) - e * e / (2 * round.wide * round.wide));
     if (w < 1e-3) continue;
-    // The normals differ by two errors, their mean by half as much.
+    // Apart from how the surface bends from place to place the normals differ by two errors, their mean by half as much.
+    const Vec3 errors = nx - there.rotation * (from.bending[k] * (there.rotation.transpose() * d)) - ny;
     const Pose& pose = problem.poses[b];
     const Vec3 place = pose * (x - 0.5 * d);
     add_row(problem, place, pose.rotation * n, e, w / (round.surface_sigma * round.surface_sigma),
-            square_of(row_of(problem, place, pose.rotation * (0.5 * (nx - ny)))), round.grouped, sum);
+            square_of(row_of(problem, place, pose.rotation * (0.5 * errors))), round.grouped, sum);
     sum.residual.push_back(e), sum.bend.push_back((nx - ny).squaredNorm());
   }
   return sum;

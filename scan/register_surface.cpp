@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -510,6 +511,28 @@ ViewSurface surface_of_view(const RegisterView& view, int samples, Context& cont
   return surface;
 }
 
+/// Least squares over the neighbours on the same smooth piece.
+std::vector<Mat3> bending_of(const ViewSurface& surface, int threads) {
+  constexpr std::size_t neighbours = 12;
+  std::vector<Mat3> result(surface.samples.size(), Mat3::Zero());
+  parallel_for(result.size(), threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec3 &p = surface.points[surface.samples[k]], &n = surface.normals[surface.samples[k]];
+      surface.tree->nearest(p, neighbours, near);
+      Mat3 places = surface.spacing * surface.spacing * Mat3::Identity(), changes = Mat3::Zero();
+      for (const Neighbour& at : near) {
+        const Vec3 change = surface.normals[at.index] - n, along = surface.points[at.index] - p;
+        if (!surface.smooth[at.index] || change.norm() > 0.5) continue;
+        const Vec3 t = along - along.dot(n) * n;
+        places += t * t.transpose(), changes += change * t.transpose();
+      }
+      result[k] = changes * places.inverse();
+    }
+  }, 64);
+  return result;
+}
+
 }  // namespace
 
 std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context) {
@@ -522,6 +545,7 @@ std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, i
     for (const auto i : surfaces[v].samples) surfaces[v].sample_points.push_back(surfaces[v].points[i]);
     surfaces[v].tree = std::make_unique<KdTree>(surfaces[v].points);
     surfaces[v].sample_tree = std::make_unique<KdTree>(surfaces[v].sample_points);
+    surfaces[v].bending = bending_of(surfaces[v], context.threads);
   }
   return surfaces;
 }

@@ -46,6 +46,7 @@ struct ViewSurface {
   std::vector<Vec3> normals;          ///< unit, towards the sensor
   std::vector<std::uint8_t> smooth;   ///< 1: inside a smooth piece, so that place and normal are good
   std::vector<std::uint32_t> samples; ///< smooth points, evenly spread over directions and places
+  std::vector<Mat3> bending;          ///< of each sample: the change of the normal with the place, 1/mm
   std::vector<ContourPoint> contour;
   SightRaster raster;
   Vec3 center = Vec3::Zero();

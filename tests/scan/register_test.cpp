@@ -91,6 +91,26 @@ Surface cylinder() {
   return surface;
 }
 
+/// A drum with a small bump in sight from everywhere: a few hundredths of what is seen fix how it is turned.
+Surface drum_with_bumps() {
+  const Surface drum = cylinder();
+  std::vector<Vec3> bumps;
+  for (int k = 0; k < 4; ++k) bumps.push_back(Vec3(6 * std::cos(1.7 * k), 6 * std::sin(1.7 * k), 4.0 * k - 7));
+  Surface surface = drum;
+  surface.bounds.add(Vec3(-13, -13, -15)), surface.bounds.add(Vec3(13, 13, 15));
+  surface.first_hit = [drum, bumps](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
+    std::optional<SurfaceHit> best = drum.first_hit(o, d);
+    for (const Vec3& center : bumps) {
+      const double along = (center - o).dot(d), sq = 36 - (o + along * d - center).squaredNorm();
+      if (sq <= 0) continue;
+      const double t = along - std::sqrt(sq);
+      if (t > 0 && (!best || t < best->distance)) best = SurfaceHit{t, (o + t * d - center) / 6};
+    }
+    return best;
+  };
+  return surface;
+}
+
 struct Case {
   std::vector<RegisterView> views;
   std::vector<Pose> truth;
@@ -244,6 +264,16 @@ TEST_CASE("register: a cylinder turns about its axis, and that is said") {
   // In the frame of the reference view's guess the axis is z within that guess's error.
   CHECK(std::abs(turning->axis.z()) > 0.99);
   CHECK(found.warnings.size() >= 1);
+}
+
+TEST_CASE("register: small bumps fix how a drum is turned") {
+  const Case scan = scan_of(drum_with_bumps(), small(), 0.05, 0.5);
+  const Registration found = run(scan.views);
+  CHECK(count(found, ViewStatus::registered) == 7);
+  CHECK(found.free_motions.empty());
+  const Off off = off_truth(found, scan.truth);
+  CHECK(off.angle < 0.5 * pi / 180);
+  CHECK(off.shift < 0.2);  // a quarter of a pixel
 }
 
 TEST_CASE("register: a view of another part is refused") {
