@@ -9,6 +9,7 @@
 #include "cli/views.h"
 #include "geometry/normals.h"
 #include "geometry/read_geometry.h"
+#include "scan/background.h"
 #include "scan/merge.h"
 
 namespace partscribe {
@@ -21,6 +22,7 @@ constexpr const char* help =
   partscribe scan 0.ply 1.ply 2.ply --poses none          no poses at all: the surfaces tell them
   partscribe scan v*.ply --poses turntable                equal steps about an unknown axis
   partscribe scan bracket.obj --units m                   the file's numbers are metres
+  partscribe scan kinect.pcd --units m --on-table 1       only the largest thing that stands on the table
 
 Range images are filtered (reweighted least trimmed squares: outliers flagged, noise averaged, edges kept), views are
 brought into one frame, and where they overlap they become one nonredundant cloud. A view that cannot be placed for
@@ -31,6 +33,7 @@ struct ScanArguments {
   std::vector<Path> inputs;
   PoseArguments poses;
   bool all_points = false;
+  int on_table = 0;  // 0: everything
 };
 
 /// The filter knows normals and noise of its pixels better than neighbourhoods of all views do.
@@ -53,6 +56,16 @@ std::string set_floating_aside(const Registration& registration, double spacing,
   return "Left " + std::to_string(count) + " points out: free motions of their views would displace them, and other views saw those faces\n";
 }
 
+/// Only one thing that stands on the largest plane is left; the line says what went.
+Result<std::string> cut_out(int which, SamplingSummary& sampling, PointCloud& cloud) {
+  const auto found = cut_background(cloud, sampling.sigma, sampling.spacing, which);
+  if (!found) return found.error();
+  cloud = selected(cloud, found->keep);
+  sampling.rejected = static_cast<std::size_t>(std::count(cloud.rejected.begin(), cloud.rejected.end(), 1));
+  return "Kept thing " + std::to_string(which) + " of " + std::to_string(found->things.size()) + " that stand on a plane of " + std::to_string(found->support) +
+         " points; its lowest " + readable(found->lost) + " mm went with the plane\n";
+}
+
 Result<int> run(const ScanArguments& arguments, Session& session) {
   const auto& inputs = arguments.inputs;
   const Path folder = output_folder(session.options, inputs.front(), part_name(inputs.front()));
@@ -61,7 +74,6 @@ Result<int> run(const ScanArguments& arguments, Session& session) {
   auto placed = read_views(inputs, arguments.poses, arguments.all_points ? Points::measured : Points::filtered, session);
   if (!placed) return placed.error();
   Scan& scan = placed->scan;
-  if (auto ok = make_folder(folder); !ok) return ok.error();
   if (auto ok = session.stage("normals"); !ok) return ok.error();
   std::string news;
   if (placed->filter.views > 0)
@@ -79,7 +91,14 @@ Result<int> run(const ScanArguments& arguments, Session& session) {
             readable(merged.spacing) + " mm apart\n";
     scan.cloud = std::move(merged.cloud), sampling.spacing = merged.spacing;
   }
+  if (arguments.on_table > 0) {
+    if (auto ok = session.stage("cut out"); !ok) return ok.error();
+    auto line = cut_out(arguments.on_table, sampling, scan.cloud);
+    if (!line) return line.error();
+    news += *line;
+  }
   if (auto ok = session.stage("write"); !ok) return ok.error();
+  if (auto ok = make_folder(folder); !ok) return ok.error();
   if (auto ok = write_file(folder / "cloud.ply", write_cloud_ply(scan.cloud)); !ok) return ok.error();
   if (auto ok = write_file(folder / "poses.json", poses_json(*placed)); !ok) return ok.error();
   session.finish_stage();
@@ -101,6 +120,8 @@ Command scan_command() {
           [arguments](Arguments& a) {
             a.paths(arguments->inputs, "scan", "scan files of one part");
             declare(arguments->poses, a);
+            a.count(arguments->on_table, "--on-table", "N", 1, 1000,
+                    "only the Nth largest thing that stands on the largest plane: a part cut out of its surroundings");
             a.flag(arguments->all_points, "--all-points", "every point as it was measured, neither filtered nor merged");
           },
           [arguments](Session& session) { return run(*arguments, session); }};

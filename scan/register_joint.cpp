@@ -15,16 +15,16 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int groups = 10;           // of the jackknife, by place
-/// While partners are wrong, weak directions lead astray.
-constexpr double rough_free_limit = 10;
+constexpr int groups = 10;              // of the jackknife, by place
+constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
+constexpr double rough_free_limit = 10;  // while partners are wrong, weak directions lead astray
+
 /// What noise in the normals alone explains is 1: from 0.4 to 1.2 where parts are round, from 2 on where something fixes
 /// them. Normals of one window share their noise, so that few matches (of a view) reach more by chance.
 double free_limit(std::size_t matches) {
   constexpr double window = 20, deviations = 6;
   return std::max(1.5, 1 + deviations * std::sqrt(2 * window / static_cast<double>(std::max<std::size_t>(matches, 1))));
 }
-constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
 
 /// The part of the normal equations that one view against another contributes; the other has the opposite sign.
 struct PairSum {
@@ -115,7 +115,8 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
     const double w = std::exp(-d.squaredNorm() / (2 * round.reach * round.reach) - e * e / (2 * round.wide * round.wide));
     if (w < 1e-3) continue;
     // Apart from how the surface bends from place to place the normals differ by two errors, their mean by half as much.
-    const Vec3 errors = nx - there.rotation * (from.bending[k] * (there.rotation.transpose() * d)) - ny;
+    Vec3 errors = nx - ny;
+    if (d.norm() < 2 * from.spacing) errors -= there.rotation * (from.bending[k] * (there.rotation.transpose() * d));
     const Pose& pose = problem.poses[b];
     const Vec3 place = pose * (x - 0.5 * d);
     add_row(problem, place, pose.rotation * n, e, w / (round.surface_sigma * round.surface_sigma),

@@ -1,5 +1,6 @@
 /// Views with rough poses, as a user brings them together.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "run.h"
@@ -84,6 +85,34 @@ TEST_CASE("views: one view cannot be registered, and an unknown way of poses is 
   CHECK(alone.err.find("several views") != std::string::npos);
   const auto unknown = run_partscribe({"scan", file, "--poses", "somewhere"}, folder.path());
   CHECK(unknown.exit_code == 2);
+}
+
+TEST_CASE("views: a part on a table is cut out, and nothing is written when there is none") {
+  const TemporaryDirectory folder;
+  std::string scene;
+  for (int i = 0; i < 90; ++i)
+    for (int j = 0; j < 90; ++j) {
+      const double x = i - 45, y = j - 45, up = 400 - x * x - y * y;  // a dome of radius 20
+      scene += std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(up > 0 ? std::sqrt(up) : 0) + "\n";
+    }
+  REQUIRE(write_file(folder.path() / "scene.xyz", scene).ok());
+  const Path out = folder.path() / "out";
+  const auto scan = [&](const char* which) {
+    return run_partscribe({"scan", (folder.path() / "scene.xyz").string(), "--units", "mm", "--on-table", which, "--out", out.string()});
+  };
+  const auto none = scan("2");
+  CHECK(none.exit_code == 3);
+  CHECK(none.err.find("found 1") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(out));
+  const auto dome = scan("1");
+  INFO(dome.out << dome.err);
+  REQUIRE(dome.exit_code == 0);
+  CHECK(dome.out.find("Kept thing 1 of 1") != std::string::npos);
+  const auto line = dome.out.find("Points ");
+  REQUIRE(line != std::string::npos);
+  const int points = std::stoi(dome.out.substr(line + 7));
+  CHECK(points > 1000);
+  CHECK(points < 1257);  // 400 pi in all
 }
 
 }  // namespace partscribe

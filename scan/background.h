@@ -1,0 +1,30 @@
+/// A part on its table, cut out of everything else that a sensor saw.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/result.h"
+#include "geometry/point_cloud.h"
+
+namespace partscribe {
+
+/// What stands on the largest plane.
+struct Foreground {
+  std::vector<std::uint8_t> keep;   ///< one per point, 1: of the thing asked for
+  Vec3 normal = Vec3::UnitZ();      ///< of the plane, towards the things
+  double offset = 0;                ///< normal . p on the plane, mm
+  double lost = 0;                  ///< mm above the plane that went with it, because noise hides what they are
+  std::size_t support = 0;          ///< points on the plane
+  std::vector<std::size_t> things;  ///< points of each, the largest first
+};
+
+/// Finds the plane that most points lie on (random samples, then least squares), its largest connected piece, and the
+/// connected pieces above that piece's convex hull; `which` of them (1: the one of most points) is kept. The cloud must
+/// have normals; `sigma` and `spacing` in mm. Fails when there is no such plane or no such thing.
+Result<Foreground> cut_background(const PointCloud& cloud, double sigma, double spacing, int which);
+
+/// The points with keep[i] != 0 and what is known of them.
+PointCloud selected(const PointCloud& cloud, const std::vector<std::uint8_t>& keep);
+
+}  // namespace partscribe
