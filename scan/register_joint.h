@@ -32,8 +32,9 @@ struct JointResult {
 /// Gauss-Newton on symmetric point-to-plane distances under Welsch weights, with the occluding contours of each view
 /// against the faces that other views see edge-on to it. `views` are adjusted, the first of them stays.
 /// A direction v counts as free when the distances change along it no more than noise in the normals explains:
-/// v'Hv < 1.5 v'Mv (more for few matches). H sums w r r' over the rows r of the mean of two normals, M the same over half their difference, less
-/// what the surface bends from one place to the other: where nothing fixes v the two have the same expectation, whatever the noise and however it varies.
+/// v'Hv < 1.5 v'Mv (more for few matches). H sums w r r' over the rows r of the mean of two normals, M the same over half
+/// their difference, less what the surface bends from one place to the other: where nothing fixes v the two have the same
+/// expectation, whatever the noise and however it varies.
 JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                            const std::vector<std::size_t>& views, const JointOptions& options, Context& context);
 
