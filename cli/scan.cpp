@@ -7,6 +7,7 @@
 #include "cli/inputs.h"
 #include "cli/stages.h"
 #include "cli/views.h"
+#include "geometry/keep_points.h"
 #include "geometry/normals.h"
 #include "geometry/read_geometry.h"
 #include "scan/background.h"
@@ -60,7 +61,7 @@ std::string set_floating_aside(const Registration& registration, double spacing,
 Result<std::string> cut_out(int which, SamplingSummary& sampling, PointCloud& cloud) {
   const auto found = cut_background(cloud, sampling.sigma, sampling.spacing, which);
   if (!found) return found.error();
-  cloud = selected(cloud, found->keep);
+  keep_points(cloud, found->keep);
   sampling.rejected = static_cast<std::size_t>(std::count(cloud.rejected.begin(), cloud.rejected.end(), 1));
   return "Kept thing " + std::to_string(which) + " of " + std::to_string(found->things.size()) + " that stand on a plane of " + std::to_string(found->support) +
          " points; its lowest " + readable(found->lost) + " mm went with the plane\n";

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/keep_points.h"
 #include "geometry/read_formats.h"
 
 namespace partscribe {
@@ -84,20 +85,11 @@ bool is_place(const Vec3& p) {
   return std::abs(p.x()) < farthest && std::abs(p.y()) < farthest && std::abs(p.z()) < farthest;
 }
 
-template <class T>
-void keep(std::vector<T>& column, const std::vector<char>& good) {
-  if (column.empty()) return;
-  std::size_t to = 0;
-  for (std::size_t i = 0; i < good.size(); ++i)
-    if (good[i]) column[to++] = column[i];
-  column.resize(to);
-}
-
 /// Drops points that are no places and the triangles on them.
 std::optional<Error> clean(RawGeometry& raw, const std::string& name) {
   auto& cloud = raw.cloud;
   if (cloud.empty()) return bad_input(name + ": expected points, found none");
-  std::vector<char> good(cloud.size());
+  std::vector<std::uint8_t> good(cloud.size());
   std::size_t bad = 0;
   for (std::size_t i = 0; i < good.size(); ++i) {
     good[i] = is_place(cloud.points[i]);
@@ -118,8 +110,7 @@ std::optional<Error> clean(RawGeometry& raw, const std::string& name) {
     std::erase_if(raw.mesh.triangles, [&](const auto& t) { return !good[t[0]] || !good[t[1]] || !good[t[2]]; });
     for (auto& t : raw.mesh.triangles)
       for (auto& corner : t) corner = index[corner];
-    keep(cloud.points, good), keep(cloud.normals, good), keep(cloud.rays, good), keep(cloud.sigma, good);
-    keep(cloud.view, good), keep(cloud.pixel, good), keep(cloud.rejected, good);
+    keep_points(cloud, good);
     if (!raw.mesh.vertices.empty()) raw.mesh.vertices = cloud.points;
   }
   const auto unit = [](std::vector<Vec3>& column) {

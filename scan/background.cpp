@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "core/ensure.h"
 #include "core/random.h"
@@ -158,20 +157,6 @@ Result<Foreground> cut_background(const PointCloud& cloud, double sigma, double 
   }
   if (result.things.size() < static_cast<std::size_t>(which))
     return bad_input("expected at least " + std::to_string(which) + (which == 1 ? " thing" : " things") + " standing on the largest plane, found " + std::to_string(result.things.size()));
-  return result;
-}
-
-PointCloud selected(const PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
-  ensure(keep.size() == cloud.size(), "one mark per point");
-  PointCloud result = cloud;
-  const auto cut = [&](auto& column) {
-    if (column.empty()) return;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < keep.size(); ++i)
-      if (keep[i]) column[kept++] = column[i];
-    column.resize(kept);
-  };
-  cut(result.points), cut(result.normals), cut(result.rays), cut(result.sigma), cut(result.view), cut(result.pixel), cut(result.rejected);
   return result;
 }
 

@@ -24,7 +24,4 @@ struct Foreground {
 /// have normals; `sigma` and `spacing` in mm. Fails when there is no such plane or no such thing.
 Result<Foreground> cut_background(const PointCloud& cloud, double sigma, double spacing, int which);
 
-/// The points with keep[i] != 0 and what is known of them.
-PointCloud selected(const PointCloud& cloud, const std::vector<std::uint8_t>& keep);
-
 }  // namespace partscribe

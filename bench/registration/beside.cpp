@@ -23,8 +23,8 @@ struct Row {
 
 void count(const PairCase& pair, const Pose& world_from_second, const std::vector<FreeMotion>& free, Row& row) {
   const PairError e = pair_error(pair, world_from_second, free);
-  if (e.angle * 180 / pi > 1 || e.shift > 0.02 * pair.radius) return;
-  ++row.right[int(std::lround(pair.start * 180 / pi))];
+  if (!is_right(pair, e)) return;
+  ++row.right[degrees_off(pair)];
   row.angle.push_back(e.angle * 180 / pi), row.shift.push_back(e.shift);
 }
 
@@ -36,7 +36,7 @@ void beside(const Path& folder, const std::vector<std::string>& names) {
   std::vector<Row> rows(methods.size() + 1);
   for (const auto& name : scans_in(folder, names))
     for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, context)) {
-      for (Row& row : rows) ++row.asked[int(std::lround(pair.start * 180 / pi))];
+      for (Row& row : rows) ++row.asked[degrees_off(pair)];
       RegisterOptions options;
       options.guess_angle = pair.start + 0.1;
       double start = seconds();

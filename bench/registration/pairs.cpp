@@ -104,4 +104,8 @@ PairError pair_error(const PairCase& pair, const Pose& found, const std::vector<
   return {e.head<3>().norm() / pair.radius, e.tail<3>().norm()};
 }
 
+bool is_right(const PairCase& pair, const PairError& error) { return error.angle * 180 / pi <= 1 && error.shift <= 0.02 * pair.radius; }
+
+int degrees_off(const PairCase& pair) { return static_cast<int>(std::lround(pair.start * 180 / pi)); }
+
 }  // namespace partscribe

@@ -34,4 +34,10 @@ struct PairError {
 };
 PairError pair_error(const PairCase& pair, const Pose& first_from_second, const std::vector<FreeMotion>& free);
 
+/// Within one degree and 2 % of the radius.
+bool is_right(const PairCase& pair, const PairError& error);
+
+/// Degrees from the truth to the start, rounded.
+int degrees_off(const PairCase& pair);
+
 }  // namespace partscribe

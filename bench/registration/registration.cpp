@@ -238,7 +238,7 @@ void starts(const Path& folder, const std::vector<std::string>& names) {
   const double begin = seconds();
   for (const auto& name : scans_in(folder, names))
     for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, quiet())) {
-      const int off = int(std::lround(pair.start * 180 / pi));
+      const int off = degrees_off(pair);
       RegisterOptions options;
       options.guess_angle = pair.start + 0.1;
       const auto result = register_views({pair.first, pair.second}, options, quiet());
@@ -247,7 +247,7 @@ void starts(const Path& folder, const std::vector<std::string>& names) {
       const char* word = "";
       const auto count = [&](int Outcomes::*kind, const char* said) { ++(table[{std::min(4, int(pair.overlap * 5)), off}].*kind), ++(all.*kind), word = said; };
       if (refused(*result) > 0) count(&Outcomes::refused, "refused");
-      else if (e.angle * 180 / pi > 1 || e.shift > 0.02 * pair.radius) count(&Outcomes::wrong, "wrong");
+      else if (!is_right(pair, e)) count(&Outcomes::wrong, "wrong");
       else if (!result->free_motions.empty()) count(&Outcomes::declared, "declared");
       else count(&Outcomes::recovered, "recovered");
       std::fprintf(stderr, "%s, overlap %.2f, from %d: %s, %.2f deg %.2f mm of %.1f", pair.name.c_str(), pair.overlap, off, word, e.angle * 180 / pi, e.shift, pair.radius);

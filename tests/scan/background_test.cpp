@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "geometry/keep_points.h"
 
 using namespace partscribe;
 
@@ -65,7 +66,8 @@ TEST_CASE("background: one thing on a table is cut out, whatever the attitude") 
     CHECK(kept_of(scene, *can, 'c') > 2200);
     for (const char other : {'t', 'w', 'c'}) CHECK(kept_of(scene, *ball, other) == 0);
     for (const char other : {'t', 'w', 'b'}) CHECK(kept_of(scene, *can, other) == 0);
-    const PointCloud left = selected(scene.cloud, ball->keep);
+    PointCloud left = scene.cloud;
+    keep_points(left, ball->keep);
     CHECK(left.size() == ball->things[0]);
     CHECK(left.normals.size() == left.size());
     CHECK(left.rays.empty());
@@ -80,7 +82,9 @@ TEST_CASE("background: what is not there is said") {
   CHECK(third.error().message.find("found 2") != std::string::npos);
   std::vector<std::uint8_t> only_ball;
   for (const char what : scene.of) only_ball.push_back(what == 'b');
-  const auto alone = cut_background(selected(scene.cloud, only_ball), 0.2, 1, 1);
+  PointCloud ball = scene.cloud;
+  keep_points(ball, only_ball);
+  const auto alone = cut_background(ball, 0.2, 1, 1);
   CHECK_FALSE(alone.ok());
   CHECK_FALSE(cut_background({}, 0.2, 1, 1).ok());
 }
