@@ -76,8 +76,8 @@ std::vector<std::string> header_lines(const Model& model) {
 
 std::string describe_evidence(const Evidence& evidence) {
   if (evidence.points == 0) return {};
-  std::string text = "rms " + two_digits(evidence.rms) + " mm, at most " + two_digits(evidence.max) + " mm from " +
-                     with_thousands(evidence.points) + " points";
+  std::string text = "rms " + two_digits(evidence.rms) + " mm from " + with_thousands(evidence.points) +
+                     " points, local mean within " + two_digits(evidence.max) + " mm";
   if (evidence.covered > 0) {
     text += ", " + print_number(std::round(100 * std::min(evidence.covered, 1.0))) + " % of its surface scanned";
   }

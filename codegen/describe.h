@@ -22,7 +22,7 @@ std::string as_title(const std::string& name);
 /// Lines on top of a script: what the part is, units, tolerance, quality of the fit, sources, program.
 std::vector<std::string> header_lines(const Model& model);
 
-/// "rms 0.012 mm, at most 0.034 mm from 4,120 points, 87 % of its surface scanned"; empty without evidence.
+/// "rms 0.042 mm from 4,120 points, local mean within 0.034 mm, 87 % of its surface scanned"; empty without evidence.
 std::string describe_evidence(const Evidence& evidence);
 
 /// "fitted 8.9987 +/- 0.0004 from 4,120 points; nominal 9 (0.5 mm grid, z = 3.2)"; empty if the value was not fitted.

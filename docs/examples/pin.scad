@@ -1,7 +1,7 @@
 // Pin
 //
 // Units: millimetres and degrees. Tolerance: 0.08 mm.
-// Fit: rms 0.0042 mm, at most 0.0046 mm from 43,290 points, 100 % of its surface scanned.
+// Fit: rms 0.0042 mm from 43,290 points, local mean within 0.0046 mm, 100 % of its surface scanned.
 // Source: scan.json, view_00.png, view_01.png, view_02.png and 3 more.
 // Written by partscribe 0.1.0.
 

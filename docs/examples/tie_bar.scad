@@ -1,7 +1,7 @@
 // Tie bar
 //
 // Units: millimetres and degrees. Tolerance: 0.15 mm.
-// Fit: rms 0.02 mm, at most 0.019 mm from 30,857 points, 100 % of its surface scanned.
+// Fit: rms 0.02 mm from 30,857 points, local mean within 0.019 mm, 100 % of its surface scanned.
 // Source: scan.json, view_00.png, view_01.png, view_02.png and 5 more.
 // Written by partscribe 0.1.0.
 

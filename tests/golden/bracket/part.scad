@@ -1,7 +1,7 @@
 // Bracket: an angle bracket with bores
 //
 // Units: millimetres and degrees. Tolerance: 0.1 mm.
-// Fit: rms 0.024 mm, at most 0.051 mm from 21,250 points, 93 % of its surface scanned.
+// Fit: rms 0.024 mm from 21,250 points, local mean within 0.051 mm, 93 % of its surface scanned.
 // Source: bracket.ply.
 // Written by partscribe 0.1.0.
 
@@ -48,24 +48,24 @@ assert(thickness + 2 * overshoot > 0, "thickness + 2 * overshoot must be positiv
 assert(eye_radius > 0, "eye_radius must be positive");
 
 // The plate that lies.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module foot()
   cube([length, width, thickness]);
 
 // The plate that stands.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module wall()
   cube([thickness, width, height]);
 
 // Both plates.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module body() union() {
   foot();
   wall();
 }
 
 // Front bore in the foot.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module bore_1() {
   n = facets(bore_radius);
   translate([length * 2 / 3, (width - bore_distance) / 2, -overshoot])
@@ -73,7 +73,7 @@ module bore_1() {
 }
 
 // Back bore in the foot.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module bore_2() {
   n = facets(bore_radius);
   translate([length * 2 / 3, (width + bore_distance) / 2, -overshoot])
@@ -81,7 +81,7 @@ module bore_2() {
 }
 
 // Eye in the wall.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module eye() {
   n = facets(eye_radius);
   translate([-overshoot, width / 2, height * 0.6]) rotate([0, 90, 0])

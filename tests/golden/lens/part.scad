@@ -1,7 +1,7 @@
 // Lens: what two balls have in common, cut by a slanted groove
 //
 // Units: millimetres and degrees. Tolerance: 0.5 mm.
-// Fit: rms 0.024 mm, at most 0.051 mm from 21,250 points, 93 % of its surface scanned.
+// Fit: rms 0.024 mm from 21,250 points, local mean within 0.051 mm, 93 % of its surface scanned.
 // Source: lens.ply.
 // Written by partscribe 0.1.0.
 
@@ -31,26 +31,26 @@ assert(front_radius > 0, "front_radius must be positive");
 assert(back_radius > 0, "back_radius must be positive");
 
 // Front ball.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module front()
   translate([0, 0, center_thickness - front_radius])
     ball(front_radius);
 
 // Back ball.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module back()
   translate([0, 0, back_radius])
     ball(back_radius);
 
 // What both balls share.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module blank() intersection() {
   front();
   back();
 }
 
 // Slanted groove.
-// Fit: rms 0.021 mm, at most 0.043 mm from 3,100 points, 87 % of its surface scanned.
+// Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module groove()
   translate([-30, -1, center_thickness - 2]) rotate([0, 0, 2 * tilt])
     cube([60, 2, 4]);
