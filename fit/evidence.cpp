@@ -69,6 +69,7 @@ double description_length(const Candidate& candidate, std::size_t points) {
   };
   if (const auto* s = std::get_if<Revolve>(&candidate.shape)) count_sketch(s->sketch);
   if (const auto* s = std::get_if<Extrude>(&candidate.shape)) count_sketch(s->sketch);
+  if (std::holds_alternative<Wedge>(candidate.shape)) ++pieces;  // a block and the plane that cuts it
   if (const auto* s = std::get_if<HalfSpaces>(&candidate.shape))
     pieces += s->planes.size(), numbers += 2 * s->planes.size();
   if (const auto* s = std::get_if<TriSurface>(&candidate.shape))

@@ -14,6 +14,7 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "fit/convex_body.h"
+#include "fit/wedges.h"
 
 namespace partscribe {
 
@@ -309,6 +310,8 @@ std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context
   }
   if (faces.size() >= 4)
     if (auto any = half_spaces_of(faces)) result.push_back(*any);
+  if (input.stray_share > 0)
+    for (Candidate& wedge : propose_wedges(scanned, input, context)) result.push_back(std::move(wedge));
   return result;
 }
 
