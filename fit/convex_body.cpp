@@ -332,6 +332,61 @@ bool close_regularly(std::vector<ConvexFace>& faces, const FitInput& input, doub
   return true;
 }
 
+/// Together: every point belongs to the face it is outermost of; faces with few points are dropped.
+void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
+  const auto& points = input.cloud.points;
+  for (int round = 0; round < 3; ++round) {
+    std::vector<std::vector<Vec3>> members(faces.size()), inner(faces.size());
+    for (const Vec3& p : points) {
+      std::size_t f = 0;
+      double second = 0;
+      if (!(std::abs(convex_distance(faces, p, &f, &second)) < 2 * reach)) continue;
+      members[f].push_back(p);
+      if (second < -4 * reach) inner[f].push_back(p);
+    }
+    std::vector<ConvexFace> kept;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      if (members[f].size() < std::max<std::size_t>(20, points.size() / 200)) continue;
+      // Real edges are rounded and tilt narrow faces, so the plane is taken from the points away from them.
+      const auto& used = 5 * inner[f].size() > 2 * members[f].size() ? inner[f] : members[f];
+      fit_plane(faces[f], used, std::max(input.sampling.sigma * 2, 0.5 * input.tolerance), 6);
+      faces[f].points = members[f].size();
+      kept.push_back(faces[f]);
+    }
+    faces = kept;
+  }
+}
+
+/// What the points cost, in nats, as the evidence for a candidate counts it.
+double misfit_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
+  const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
+  double sum = 0;
+  for (const Vec3& p : input.cloud.points) {
+    const double u = convex_distance(faces, p) / sigma;
+    sum += 0.5 * std::min(u * u / 2, 12.0);
+  }
+  return sum;
+}
+
+/// Drops faces whose points the others explain nearly as well: bevels that strays beside an edge make, and twins.
+void drop_superfluous(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
+  constexpr double least_gain = 2;  // nats per point; a true face has 2.5 to 6
+  while (faces.size() > 2) {
+    const double with_all = misfit_of(faces, input);
+    double least = least_gain;
+    std::size_t worst = faces.size();
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      std::vector<ConvexFace> others = faces;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(f));
+      const double gain = (misfit_of(others, input) - with_all) / double(faces[f].points);
+      if (gain < least) least = gain, worst = f;
+    }
+    if (worst == faces.size()) return;
+    faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(worst));
+    settle(faces, input, reach);
+  }
+}
+
 Vec3 robust_middle(const std::vector<Vec3>& points) {
   Vec3 middle;
   for (int k = 0; k < 3; ++k) {
@@ -364,27 +419,8 @@ std::vector<ConvexFace> scanned_faces(const FitInput& input, Context& context) {
       beyond += surface[k] && faces[i].normal.dot(points[k]) - faces[i].offset > 2 * reach;
     if (double(beyond) > allowed * double(surface_points)) faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  // Together: every point belongs to the face it is outermost of.
-  for (int round = 0; round < 3; ++round) {
-    std::vector<std::vector<Vec3>> members(faces.size()), inner(faces.size());
-    for (const Vec3& p : points) {
-      std::size_t f = 0;
-      double second = 0;
-      if (!(std::abs(convex_distance(faces, p, &f, &second)) < 2 * reach)) continue;
-      members[f].push_back(p);
-      if (second < -4 * reach) inner[f].push_back(p);
-    }
-    std::vector<ConvexFace> kept;
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      if (members[f].size() < std::max<std::size_t>(20, points.size() / 200)) continue;
-      // Real edges are rounded and tilt narrow faces, so the plane is taken from the points away from them.
-      const auto& used = 5 * inner[f].size() > 2 * members[f].size() ? inner[f] : members[f];
-      fit_plane(faces[f], used, std::max(input.sampling.sigma * 2, 0.5 * input.tolerance), 6);
-      faces[f].points = members[f].size();
-      kept.push_back(faces[f]);
-    }
-    faces = kept;
-  }
+  settle(faces, input, reach);
+  if (input.stray_share > 0) drop_superfluous(faces, input, reach);
   std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.points > b.points; });
   std::size_t on = 0;
   for (std::size_t k = 0; k < points.size(); ++k) on += surface[k] && std::abs(convex_distance(faces, points[k])) < 1.5 * reach;
