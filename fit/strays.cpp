@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
@@ -108,6 +109,37 @@ void set_sparse_aside(const std::vector<Vec3>& points, SurfacePoints& result, Co
     if (sq_radius[i] > widest) result.stray[source[i]] = 1, ++result.strays;
 }
 
+/// Marks heaps of points that stand apart from everything else and are dots or threads: too narrow for noise to leave a face.
+void set_dots_aside(const std::vector<Vec3>& points, SurfacePoints& result) {
+  constexpr double apart = 4, widest = 6, narrowest = 2;  // sigmas: to the next point; standard deviations along and across
+  constexpr double large = 0.2;            // share of the points: the part itself
+  std::vector<std::uint32_t> source;
+  std::vector<Vec3> kept;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!result.stray[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
+  if (kept.empty()) return;
+  const KdTree tree(kept);
+  DisjointSets heaps(kept.size());
+  std::vector<Neighbour> near;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    tree.within(kept[i], apart * result.sigma, near);
+    for (const auto& m : near) heaps.unite(static_cast<std::uint32_t>(i), m.index);
+  }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> members;
+  for (std::size_t i = 0; i < kept.size(); ++i) members[heaps.root(static_cast<std::uint32_t>(i))].push_back(static_cast<std::uint32_t>(i));
+  for (const auto& [root, heap] : members) {
+    if (heap.size() < least_neighbours || double(heap.size()) > large * double(kept.size())) continue;
+    Vec3 mean = Vec3::Zero();
+    for (const auto i : heap) mean += kept[i] / double(heap.size());
+    Mat3 scatter = Mat3::Zero();
+    for (const auto i : heap) scatter += (kept[i] - mean) * (kept[i] - mean).transpose() / double(heap.size());
+    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(scatter);
+    const bool dot = std::sqrt(eigen.eigenvalues()[2]) < widest * result.sigma, thread = std::sqrt(eigen.eigenvalues()[1]) < narrowest * result.sigma;
+    if (!dot && !thread) continue;
+    for (const auto i : heap) result.stray[source[i]] = 1, ++result.strays;
+  }
+}
+
 }  // namespace
 
 SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double sigma, Context& context) {
@@ -177,7 +209,7 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
       break;
     }
   }
-  if (double(result.strays) > everywhere * double(n)) set_sparse_aside(points, result, context);
+  if (double(result.strays) > everywhere * double(n)) set_sparse_aside(points, result, context), set_dots_aside(points, result);
   return result;
 }
 
