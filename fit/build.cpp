@@ -31,7 +31,7 @@ struct Judged {
   CandidateEvidence evidence;
   Coverage coverage;
   bool meets = false;
-  bool little_seen = false;  ///< within tolerance, but refused because most of its surface was not seen
+  bool open = false;  ///< within tolerance, but refused for what was not seen of it or noise hides
   std::string reason;
 };
 
@@ -94,12 +94,14 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
                print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
   else if (hardly_bends(j.candidate, input.bounds.diagonal()))
     j.reason = "bends too little to be told from a plane";
-  else if ((j.little_seen = j.coverage.covered < 0.25))
-    j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
+  else if (j.coverage.covered < 0.25)
+    j.open = true, j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
   else if (j.coverage.contradicted > 0.001)
     j.reason = print_number(snapped(100 * j.coverage.contradicted, 0.1)) + " % of its surface lies off the scanned mesh";
+  else if (!j.candidate.unseen.empty())
+    j.open = true, j.reason = j.candidate.unseen;
   else if (j.coverage.thin > 0.3)
-    j.reason = print_number(std::round(100 * j.coverage.thin)) + " % of its walls are thinner than noise can tell";
+    j.open = true, j.reason = print_number(std::round(100 * j.coverage.thin)) + " % of its walls are thinner than noise can tell";
   else
     j.meets = true;
   return j;
@@ -112,7 +114,6 @@ double worth_a_shape(const FitInput& input) {
 }
 
 constexpr double nats_per_stray = 6;     // what a point costs that a shape leaves to chance
-constexpr double strays_everywhere = 0.1;  // share of the points
 
 /// By how many nats a shape must follow its own points better than a simpler one; strays bend what they can.
 double far_more_likely(const FitInput& input) { return 20 + 0.1 * input.stray_share * double(input.cloud.size()); }
@@ -149,7 +150,7 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   if (!by_size.empty()) return by_size;
   const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
   const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
-  const bool everywhere = input.stray_share > strays_everywhere;
+  const bool everywhere = among_strays(input);
   const double left = double(r.unexplained) - double(w.unexplained), strays = input.stray_share * double(input.cloud.size());
   if (r.description < w.description && everywhere && left > 0 && left < 0.1 * strays &&
       r.total() - w.total() - nats_per_stray * left < far_more_likely(input))
@@ -168,7 +169,7 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
 /// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
 std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
   if (rival.reason.empty()) return why_not(winner, rival, input, context);
-  const bool open = rival.little_seen && rival.evidence.total() < winner.evidence.total();
+  const bool open = rival.open && rival.evidence.total() < winner.evidence.total();
   return open ? "the data cannot tell: " + rival.reason : rival.reason;
 }
 
@@ -498,7 +499,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     };
     // A bent sheet is closer to the data than the winner: its numbers are the most that can be said.
     put_first("cylinder", true, bent_sheet(judged[winner].candidate, input));
-    put_first("convex polyhedron", false, open_polyhedron(judged[winner].candidate, input, context));
+    put_first("convex polyhedron", false, open_polyhedron(judged[winner].candidate, judged[winner].evidence.total(), input, context));
   }
   context.report("fitted", 1.0);
   return checked(std::move(model), "the fitted model");

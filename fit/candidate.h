@@ -36,6 +36,9 @@ struct FitInput {
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)
 };
 
+/// More than a tenth of the points were strays: some are left, and any shape explains some.
+inline bool among_strays(const FitInput& input) { return input.stray_share > 0.1; }
+
 /// A length that only the end of the data fixes: no residual speaks about it but those of strays.
 struct HeldParameter {
   std::string name;
@@ -52,6 +55,7 @@ struct Candidate {
   Pose scan_from_part;
   int extra_numbers = 0;              ///< numbers that are no parameters (control points, triangles)
   std::vector<HeldParameter> held;    ///< what a fit must not move
+  std::string unseen;                 ///< what makes the shape what it is and was hardly seen: a rival then, never the model
 };
 
 }  // namespace partscribe

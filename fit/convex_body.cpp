@@ -54,6 +54,16 @@ ConvexFace closing_face(const std::vector<Vec3>& on, const Vec3& normal) {
   return {normal, *at, 0};
 }
 
+double misfit_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
+  const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
+  double sum = 0;
+  for (const Vec3& p : input.cloud.points) {
+    const double u = convex_distance(faces, p) / sigma;
+    sum += 0.5 * std::min(u * u / 2, 12.0);
+  }
+  return sum;
+}
+
 double reach_of(const FitInput& input) { return std::max(3 * input.sampling.sigma, input.tolerance); }
 
 namespace {
@@ -335,7 +345,8 @@ bool close_regularly(std::vector<ConvexFace>& faces, const FitInput& input, doub
 /// Together: every point belongs to the face it is outermost of; faces with few points are dropped.
 void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
   const auto& points = input.cloud.points;
-  for (int round = 0; round < 3; ++round) {
+  const bool strays = among_strays(input);
+  for (int round = 0; round < (strays ? 12 : 3); ++round) {
     std::vector<std::vector<Vec3>> members(faces.size()), inner(faces.size());
     for (const Vec3& p : points) {
       std::size_t f = 0;
@@ -347,25 +358,15 @@ void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach)
     std::vector<ConvexFace> kept;
     for (std::size_t f = 0; f < faces.size(); ++f) {
       if (members[f].size() < std::max<std::size_t>(20, points.size() / 200)) continue;
-      // Real edges are rounded and tilt narrow faces, so the plane is taken from the points away from them.
-      const auto& used = 5 * inner[f].size() > 2 * members[f].size() ? inner[f] : members[f];
-      fit_plane(faces[f], used, std::max(input.sampling.sigma * 2, 0.5 * input.tolerance), 6);
+      // Real edges are rounded and tilt narrow faces, so the plane is taken from the points away from them. Strays tilt it more,
+      // and most where few points are left.
+      const auto& used = !strays && 5 * inner[f].size() > 2 * members[f].size() ? inner[f] : members[f];
+      fit_plane(faces[f], used, strays ? 1.2 * input.sampling.sigma : std::max(input.sampling.sigma * 2, 0.5 * input.tolerance), 6);
       faces[f].points = members[f].size();
       kept.push_back(faces[f]);
     }
     faces = kept;
   }
-}
-
-/// What the points cost, in nats, as the evidence for a candidate counts it.
-double misfit_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
-  const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
-  double sum = 0;
-  for (const Vec3& p : input.cloud.points) {
-    const double u = convex_distance(faces, p) / sigma;
-    sum += 0.5 * std::min(u * u / 2, 12.0);
-  }
-  return sum;
 }
 
 /// Drops faces whose points the others explain nearly as well: bevels that strays beside an edge make, and twins.
@@ -420,7 +421,7 @@ std::vector<ConvexFace> scanned_faces(const FitInput& input, Context& context) {
     if (double(beyond) > allowed * double(surface_points)) faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(i));
   }
   settle(faces, input, reach);
-  if (input.stray_share > 0) drop_superfluous(faces, input, reach);
+  if (among_strays(input)) drop_superfluous(faces, input, reach);
   std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.points > b.points; });
   std::size_t on = 0;
   for (std::size_t k = 0; k < points.size(); ++k) on += surface[k] && std::abs(convex_distance(faces, points[k])) < 1.5 * reach;

@@ -23,6 +23,9 @@ double reach_of(const FitInput& input);
 double convex_distance(const std::vector<ConvexFace>& faces, const Vec3& p, std::size_t* face = nullptr,
                        double* second = nullptr);
 
+/// What the points cost, in nats, as the evidence for a candidate counts it (evidence.h).
+double misfit_of(const std::vector<ConvexFace>& faces, const FitInput& input);
+
 std::vector<Plane3> planes_only(const std::vector<ConvexFace>& faces);
 
 /// Points on scanned faces: only they say where the data end.

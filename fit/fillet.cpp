@@ -156,7 +156,6 @@ std::vector<Mat3> frames_about(const Vec3& axis, const std::vector<Vec3>& faces)
 /// a leg: without its concave side it is a block like any other, without its legs any bent patch. Among many strays only what
 /// slants to both legs counts: along a leg some always lie as its tip would.
 bool shows_itself(const Start& start, const FitInput& input) {
-  constexpr double many_strays = 0.1;  // share of the points
   constexpr std::size_t least_points = 40;  // fewer lie there by chance
   constexpr double facing = 0.8, on_leg = 0.98, slanting = 0.35, outlier = 12;  // cosines; half the square of a residual in sigmas
   const PointCloud& cloud = input.cloud;
@@ -171,7 +170,7 @@ bool shows_itself(const Start& start, const FitInput& input) {
     const Concave side = concave_side(q, size);
     const double into = std::min(q.minCoeff(), (size - q).minCoeff());
     const double cosine = n.head<2>().dot(side.normal);
-    const bool counts = input.stray_share < many_strays || side.normal.minCoeff() > slanting;
+    const bool counts = !among_strays(input) || side.normal.minCoeff() > slanting;
     if (counts && into > std::abs(side.into) && (input.oriented ? cosine : std::abs(cosine)) > facing)
       gain += misfit(into) - misfit(side.into), ++concave;
     if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma)
@@ -292,8 +291,12 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
   if (!(best.cost < most_unexplained)) return {};
   settle_ends(best, input);
   Candidate any = candidate_from(best, false);
-  if (!shows_itself(best, input)) return {};
   std::vector<Candidate> result;
+  if (!shows_itself(best, input)) {
+    any.unseen = "its concave side was hardly seen";
+    if (among_strays(input)) result.push_back(std::move(any));
+    return result;
+  }
   if (std::abs(best.size.x() - best.size.y()) < 0.1 * (best.size.x() + best.size.y()))
     result.push_back(candidate_from(best, true));
   result.push_back(std::move(any));

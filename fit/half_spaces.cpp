@@ -310,7 +310,7 @@ std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context
   }
   if (faces.size() >= 4)
     if (auto any = half_spaces_of(faces)) result.push_back(*any);
-  if (input.stray_share > 0)
+  if (among_strays(input))
     for (Candidate& wedge : propose_wedges(scanned, input, context)) result.push_back(std::move(wedge));
   return result;
 }

@@ -157,7 +157,9 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   RefineReport report;
   std::vector<std::string> fixed = options.fixed;
   for (const auto& h : candidate.held) fixed.push_back(h.name);
-  const Unknowns unknowns(candidate, fixed, input.bounds.center(), std::max(0.5 * input.bounds.diagonal(), 1e-9));
+  // Among strays each plane of a polyhedron was fitted alone; a turn of all would follow strays near faces that nobody saw.
+  const bool moves = !(std::holds_alternative<HalfSpaces>(candidate.shape) && among_strays(input));
+  const Unknowns unknowns(candidate, fixed, input.bounds.center(), std::max(0.5 * input.bounds.diagonal(), 1e-9), moves);
   const double noise = std::max(input.sampling.sigma, 1e-7 * unknowns.size());
   // The last steps take every point; before them a sample finds the way as well.
   constexpr std::size_t enough_to_start = 8000;

@@ -127,10 +127,19 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input) {
   return "the data cannot tell it from " + print_number(degrees) + " degrees of a cylinder of radius " + with_sigma(r, "mm");
 }
 
-std::string open_polyhedron(const Candidate& winner, const FitInput& input, Context& context) {
-  if (!std::holds_alternative<Superellipsoid>(winner.shape) && !std::holds_alternative<Supertoroid>(winner.shape)) return {};
+std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context) {
+  const bool last_resort = std::holds_alternative<Superellipsoid>(winner.shape) || std::holds_alternative<Supertoroid>(winner.shape);
+  const bool flat = std::holds_alternative<Box>(winner.shape) || std::holds_alternative<Wedge>(winner.shape) || std::holds_alternative<Extrude>(winner.shape);
+  if (!last_resort && !(flat && among_strays(input))) return {};
   const auto faces = scanned_faces(input, context);
-  if (faces.size() < 2 || !closed_body(faces, input, context).empty()) return {};
+  if (faces.size() < 2) return {};
+  if (flat) {
+    const double per_face = 4 + 1.5 * std::log(double(input.cloud.size()));  // as in description_length
+    const bool cheaper = misfit_of(faces, input) + per_face * double(faces.size()) < cost;
+    if (faces.size() > 3 || (faces.size() == 3 && !cheaper)) return {};
+  } else if (!closed_body(faces, input, context).empty()) {
+    return {};
+  }
   return "the data cannot tell: " + print_number(double(faces.size())) + " plane faces hold nearly all points, and what closes them was not scanned";
 }
 

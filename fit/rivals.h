@@ -16,8 +16,9 @@ std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInp
 /// faces won although nearly all points lie on one sheet that bends by more than three sigmas; empty otherwise.
 std::string bent_sheet(const Candidate& winner, const FitInput& input);
 
-/// For a superellipsoid or supertoroid, which serve where no procedure of the trade does: what a convex polyhedron would say
-/// whose plane faces hold the points, if only their end was not scanned; else empty.
-std::string open_polyhedron(const Candidate& winner, const FitInput& input, Context& context);
+/// What a convex polyhedron would say whose plane faces hold the points, if their end was not scanned; else empty. For a
+/// superellipsoid or supertoroid, which serve where no procedure of the trade does; among strays also for a winner with plane
+/// faces, of `cost` nats, where there are but two or three and they cost less alone.
+std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context);
 
 }  // namespace partscribe

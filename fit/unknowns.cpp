@@ -76,8 +76,8 @@ Eigen::Matrix<double, 6, 1> motion_row(const Vec3& point, const Vec3& gradient, 
   return row;
 }
 
-Unknowns::Unknowns(const Candidate& candidate, const std::vector<std::string>& fixed, const Vec3& center, double size)
-    : model_(bare_model(candidate)), center_(center), size_(size) {
+Unknowns::Unknowns(const Candidate& candidate, const std::vector<std::string>& fixed, const Vec3& center, double size, bool moves)
+    : model_(bare_model(candidate)), center_(center), size_(size), moves_(moves) {
   const std::set<std::string> kept(fixed.begin(), fixed.end());
   for (std::size_t i = 0; i < candidate.parameters.size(); ++i)
     if (candidate.parameters[i].quantity != Quantity::count && !kept.count(candidate.parameters[i].name))
@@ -173,6 +173,7 @@ Jacobian Unknowns::jacobian(const Candidate& c, const std::vector<Vec3>& points,
       for (int a = 0; a < 3; ++a) gradient[a] = (distance(q + Vec3::Unit(a) * h).distance - at.value[i]) / h;
       j.gradients[i] = c.scan_from_part.rotation * gradient;
       const auto row = static_cast<Eigen::Index>(i);
+      if (!moves_) continue;
       j.rows.block<1, 6>(row, first) = motion_row(points[i], j.gradients[i], center_, size_).transpose();
       if (!floats) j.rows.block<1, 3>(row, first).setZero();
     }

@@ -37,7 +37,8 @@ struct Jacobian {
 /// times `size`, so that all columns are lengths per length. Directions that move nothing give zero columns.
 class Unknowns {
  public:
-  Unknowns(const Candidate& candidate, const std::vector<std::string>& fixed, const Vec3& center, double size);
+  /// `moves`: false for a shape whose frame stands; its shift and turn move nothing.
+  Unknowns(const Candidate& candidate, const std::vector<std::string>& fixed, const Vec3& center, double size, bool moves = true);
 
   std::size_t count() const { return free_.size() + 6; }
   const std::vector<std::size_t>& free_parameters() const { return free_; }
@@ -67,6 +68,7 @@ class Unknowns {
   std::map<std::string, std::pair<double, double>> limits_;
   Vec3 center_;
   double size_;
+  bool moves_;
 };
 
 /// The six columns of a rigid motion in a point's row: a shift and a turn about `center` times `size`.

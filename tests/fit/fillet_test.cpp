@@ -61,3 +61,13 @@ TEST_CASE("fillet: none among the strays around a block, nor on a rod") {
     CHECK(propose_fillets(prepared(scan, 0.6), context).empty());
   }
 }
+
+TEST_CASE("fillet: among many strays a block may be one whose concave side was not seen, and no more than may be") {
+  Scan scan = test::sampled(model_with(Box{30, 20, 40}), {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});
+  Context context;
+  FitInput input = prepared(scan, 0.6);
+  input.stray_share = 0.2;
+  const auto found = propose_fillets(input, context);
+  REQUIRE(found.size() == 1);
+  CHECK_FALSE(found[0].unseen.empty());
+}

@@ -9,6 +9,8 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "fit/convex_body.h"
+#include "fit/rivals.h"
 #include "geometry/convex.h"
 
 using namespace partscribe;
@@ -231,4 +233,59 @@ TEST_CASE("half spaces: no points, or points without normals, give no proposal")
   input = scanned(block(10, 10, 10), 0.01, 0, all, 1, 3);
   input.cloud.normals.clear();
   CHECK(propose_polyhedra(input, context).empty());
+}
+
+TEST_CASE("wedges: among strays a block whose side was not seen may be a wedge; one whose slope was seen has its numbers") {
+  Context context;
+  const auto wedges_of = [&](const FitInput& input) {
+    std::vector<Candidate> wedges = propose_polyhedra(input, context);
+    std::erase_if(wedges, [](const Candidate& c) { return c.procedure != "wedge"; });
+    return wedges;
+  };
+  FitInput hidden = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 3);
+  CHECK(wedges_of(hidden).empty());
+  hidden.stray_share = 0.2;
+  CHECK_FALSE(wedges_of(hidden).empty());
+
+  auto planes = block(40, 25, 30);
+  planes[0] = {Vec3(25, 18, 0).normalized(), 25 * 40 / std::hypot(25.0, 18.0)};  // foot 40, top 22
+  FitInput seen = scanned(planes, 0.3, 0, [](const Vec3& n) { return n.y() > 0.5 || n.x() > 0.5 || n.z() > 0.5; }, 4);
+  seen.stray_share = 0.2;
+  const auto wedges = wedges_of(seen);
+  CHECK(std::any_of(wedges.begin(), wedges.end(), [&](const Candidate& c) {
+    return c.parameters.size() == 4 && std::abs(value(c, "foot_length") - 40) < 1 && std::abs(value(c, "height") - 25) < 1 &&
+           std::abs(value(c, "width") - 30) < 1 && std::abs(value(c, "top_length") - 22) < 1;
+  }));
+}
+
+TEST_CASE("half-spaces: among strays no bevel is made of points beside an edge") {
+  Context context;
+  FitInput input = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 5);
+  input.tolerance = 1;
+  // Points on a narrow plane that cuts the edge of the faces +x and +z by two sigmas.
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  const Vec3 outward = Vec3(1, 0, 1).normalized(), across = Vec3(1, 0, -1).normalized();
+  Random random(7);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p = Vec3(40, random.uniform(0, 25), 30) + random.uniform(-1, 1) * across + (0.05 * random.normal() - 0.7) * outward;
+    input.cloud.points.push_back(pose * p), input.cloud.normals.push_back(pose.rotation * outward), input.cloud.sigma.push_back(0.3f);
+  }
+  CHECK(scanned_faces(input, context).size() == 4);
+  input.stray_share = 0.2;
+  CHECK(scanned_faces(input, context).size() == 3);
+}
+
+TEST_CASE("half-spaces: where two faces hold the points, a block says that their end was not scanned") {
+  Context context;
+  FitInput input = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 6);
+  input.stray_share = 0.2;
+  Candidate box;
+  box.shape = Box{40, 25, 30};
+  CHECK(open_polyhedron(box, 1e9, input, context).find("2 plane faces") != std::string::npos);
+  input.stray_share = 0.05;
+  CHECK(open_polyhedron(box, 1e9, input, context).empty());
+  // Three faces that cost no less than the block speak for it.
+  FitInput corner = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 6);
+  corner.stray_share = 0.2;
+  CHECK(open_polyhedron(box, 0, corner, context).empty());
 }

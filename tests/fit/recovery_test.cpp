@@ -6,6 +6,7 @@
 #include "bench/recovery/parts.h"
 #include "bench/recovery/score.h"
 #include "core/number.h"
+#include "core/random.h"
 #include "fit/build.h"
 #include "fit/rivals.h"
 #include "fit/strays.h"
@@ -228,6 +229,23 @@ TEST_CASE("rivals: a flat body on one bent sheet names the cylinder, on a flat s
   CHECK(bent_sheet(box, sheet(0)).empty());
   box.shape = Sphere{20};
   CHECK(bent_sheet(box, sheet(40)).empty());
+}
+
+TEST_CASE("strays: a dot of points that stands apart is one heap of them") {
+  Random random(11);
+  const double sigma = 1;
+  std::vector<Vec3> points;
+  const auto near = [&](double width) { return Vec3(width * Vec3(random.normal(), random.normal(), random.normal())); };
+  for (int i = 0; i < 2500; ++i) points.push_back(Vec3(random.uniform(-50, 50), random.uniform(-50, 50), sigma * random.normal()));
+  const std::size_t surface = points.size();
+  for (int i = 0; i < 120; ++i) points.push_back(Vec3(0, 0, 40) + near(1.8));
+  const std::size_t dot = points.size();
+  for (int i = 0; i < 700; ++i) points.push_back({random.uniform(-70, 70), random.uniform(-70, 70), random.uniform(-70, 70)});
+  Context context;
+  const SurfacePoints found = surface_points_of(points, {}, sigma, context);
+  const auto strays = [&](std::size_t from, std::size_t to) { return std::count(found.stray.begin() + std::ptrdiff_t(from), found.stray.begin() + std::ptrdiff_t(to), 1); };
+  CHECK(strays(surface, dot) > 110);
+  CHECK(strays(0, surface) < 100);
 }
 
 }  // namespace partscribe
