@@ -128,7 +128,7 @@ std::optional<Start> refined(const Start& start, bool with_top, const FitInput& 
   refine(c, input, quick, context);
   Start result{c.scan_from_part, {c.parameters[0].value, c.parameters[1].value, c.parameters[2].value}, with_top ? c.parameters[3].value : 0};
   if (!(result.size.minCoeff() > 0 && result.top >= 0 && result.top < (1 - least_lean) * result.size.x())) return std::nullopt;
-  if (result.size.maxCoeff() > 1.5 * input.bounds.diagonal()) return std::nullopt;
+  if (result.size.maxCoeff() > input.bounds.diagonal()) return std::nullopt;  // nearly parallel walls that meet far away
   result.cost = cost_of(result, sample, input.oriented, thick);
   return result;
 }
