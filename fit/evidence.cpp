@@ -69,7 +69,6 @@ double description_length(const Candidate& candidate, std::size_t points) {
   };
   if (const auto* s = std::get_if<Revolve>(&candidate.shape)) count_sketch(s->sketch);
   if (const auto* s = std::get_if<Extrude>(&candidate.shape)) count_sketch(s->sketch);
-  if (std::holds_alternative<Wedge>(candidate.shape)) ++pieces;  // a block and the plane that cuts it
   if (const auto* s = std::get_if<HalfSpaces>(&candidate.shape))
     pieces += s->planes.size(), numbers += 2 * s->planes.size();
   if (const auto* s = std::get_if<TriSurface>(&candidate.shape))
@@ -163,6 +162,8 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   }
   result.rms = count > 0 ? std::sqrt(sum / count) : 0;
   result.description = description_length(candidate, n);
+  // A block and the plane that cuts it: of a block and a wedge of as many numbers strays would choose.
+  if (among_strays(input) && std::holds_alternative<Wedge>(candidate.shape)) result.description += 4;
   return result;
 }
 
