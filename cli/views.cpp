@@ -52,7 +52,8 @@ void say(const Registration& registration, const Scan& scan, Session& session) {
                   "), step " + degrees(table->step) + (table->step_observed ? "" : ", as for a full turn: the part is round") + "\n");
 }
 
-Result<Registration> registration_of(const Scan& scan, const PoseArguments& poses, Session& session) {
+Result<Registration> registration_of(const Scan& scan, const std::vector<RangeImage>& images, const PoseArguments& poses,
+                                     Session& session) {
   if (scan.views.size() < 2)
     return usage_error("--poses " + poses.poses + ": expected several views to bring together, found one");
   RegisterOptions options;
@@ -60,7 +61,7 @@ Result<Registration> registration_of(const Scan& scan, const PoseArguments& pose
                         : poses.poses == "turntable" ? Arrangement::turntable
                                                      : Arrangement::guessed;
   options.method = poses.method == "paper" ? PairMethod::paper : PairMethod::symmetric;
-  auto registration = register_views(views_of(scan), options, session.context);
+  auto registration = register_views(views_to_register(scan, images, session.context), options, session.context);
   if (!registration) return registration;
   const auto placed = [](const RegisteredView& v) { return v.status == ViewStatus::registered; };
   if (std::none_of(registration->views.begin(), registration->views.end(), placed)) {
@@ -90,9 +91,8 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
   PlacedViews placed;
   placed.scan = std::move(*read);
   if (poses.poses != "given") {
-    // Registration looks at the points as measured: it weighs their noise itself.
     if (auto ok = session.stage("register"); !ok) return ok.error();
-    auto registration = registration_of(placed.scan, poses, session);
+    auto registration = registration_of(placed.scan, images, poses, session);
     if (!registration) return registration.error();
     say(*registration, placed.scan, session);
     placed.registration = std::move(*registration);

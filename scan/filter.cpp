@@ -76,4 +76,12 @@ FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Co
   return summary;
 }
 
+std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<RangeImage>& images, Context& context) {
+  const bool all_images = std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
+  if (images.empty() || !all_images) return views_of(scan);
+  Scan filtered = scan;
+  filter_views(filtered, images, context);
+  return views_of(filtered);
+}
+
 }  // namespace partscribe

@@ -7,6 +7,7 @@
 #include "core/context.h"
 #include "geometry/point_cloud.h"
 #include "geometry/range_image.h"
+#include "scan/register.h"
 
 namespace partscribe {
 
@@ -20,5 +21,9 @@ struct FilterSummary {
 /// its normal and sigma, or are flagged as rejected. Columns normals and sigma are filled only where every view is a range
 /// image. For registration and merging; fits and verdicts average on their own and take points as measured.
 FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context);
+
+/// The views of a scan as registration wants them: filtered, with normals and sigma, where every view is a range image; as
+/// measured where not. The scan itself stays as it is.
+std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<RangeImage>& images, Context& context);
 
 }  // namespace partscribe

@@ -17,13 +17,15 @@ using Eigen::VectorXd;
 
 constexpr int groups = 10;              // of the jackknife, by place
 constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
+constexpr double same_face = 0.966;      // cosine of 15 degrees
 constexpr double rough_free_limit = 10;  // while partners are wrong, weak directions lead astray
 
 /// What noise in the normals alone explains is 1: from 0.4 to 1.2 where parts are round, from 2 on where something fixes
 /// them. Normals of one window share their noise, so that few matches (of a view) reach more by chance.
-double free_limit(std::size_t matches) {
+/// Nobody else contradicts two views that lie wrong.
+double free_limit(std::size_t matches, std::size_t views) {
   constexpr double window = 20, deviations = 6;
-  return std::max(1.5, 1 + deviations * std::sqrt(2 * window / static_cast<double>(std::max<std::size_t>(matches, 1))));
+  return std::max(views > 2 ? 1.5 : 3.0, 1 + deviations * std::sqrt(2 * window / static_cast<double>(std::max<std::size_t>(matches, 1))));
 }
 
 /// The part of the normal equations that one view against another contributes; the other has the opposite sign.
@@ -43,7 +45,7 @@ struct Round {
   double reach = 0, wide = 0, border_wide = 0;    // mm: across, and the kernels' widths along the normal
   double surface_sigma = 1, contour_sigma = 0.8;    // mm; pixels
   double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
-  bool grouped = false;
+  bool grouped = false, narrow = false;
 };
 
 struct Problem {
@@ -112,14 +114,17 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
     if (nx.dot(ny) < 0.7071) continue;
     const Vec3 n = (nx + ny).normalized(), d = x - to.points[near.index];
     const double e = d.dot(n);
+    // Places beyond the other view's border, and beside a crease that one of the two took for a slope.
+    if (round.narrow && ((d - e * n).norm() > to.spacing || nx.dot(ny) < same_face)) continue;
     const double w = std::exp(-d.squaredNorm() / (2 * round.reach * round.reach) - e * e / (2 * round.wide * round.wide));
     if (w < 1e-3) continue;
+    const double variance = std::max(0.5 * (from.variance[i] + to.variance[near.index]), 0.5);
     // Apart from how the surface bends from place to place the normals differ by two errors, their mean by half as much.
     Vec3 errors = nx - ny;
     if (d.norm() < 2 * from.spacing) errors -= there.rotation * (from.bending[k] * (there.rotation.transpose() * d));
     const Pose& pose = problem.poses[b];
     const Vec3 place = pose * (x - 0.5 * d);
-    add_row(problem, place, pose.rotation * n, e, w / (round.surface_sigma * round.surface_sigma),
+    add_row(problem, place, pose.rotation * n, e, w / (variance * round.surface_sigma * round.surface_sigma),
             square_of(row_of(problem, place, pose.rotation * (0.5 * errors))), round.grouped, sum);
     sum.residual.push_back(e), sum.bend.push_back((nx - ny).squaredNorm());
   }
@@ -396,7 +401,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     learn(sums, contour_sums, least, std::max(0.5, 0.25 * (round.reach - end_reach) / spacing), round);
     const System system = assemble(views.size(), all_sums());
     if (!(system.h.trace() > 0)) break;
-    const double limit = round.reach > end_reach ? rough_free_limit : free_limit(matches_of_view());
+    const double limit = round.reach > end_reach ? rough_free_limit : free_limit(matches_of_view(), views.size());
     const double moved = apply(problem, solve(directions_of(system, limit), system.g), 2 * round.reach);
     if (round.reach > end_reach) {
       if (moved < 0.2 * round.reach) {
@@ -408,7 +413,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     // By steps: what only a few places fix is lost when a narrow kernel sees them off at once.
     if (round.border_wide > 0) {
       round.border_wide *= 0.6;
-      if (round.border_wide < 3 * round.surface_sigma) round.border_wide = 0;
+      if (round.border_wide < 3 * round.surface_sigma) round.border_wide = 0, round.narrow = true;
       continue;
     }
     if (++at_end >= 6 && moved < 0.02 * std::max(sigma, 1e-3 * spacing)) break;
@@ -418,7 +423,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   const std::vector<PairSum> all = all_sums();
   const System system = assemble(views.size(), all);
   if (system.h.trace() > 0) {
-    const Directions directions = directions_of(system, free_limit(matches_of_view()));
+    const Directions directions = directions_of(system, free_limit(matches_of_view(), views.size()));
     const auto covariance = covariance_of(problem, all, system, directions);
     for (std::size_t k = 0; k < views.size(); ++k) result.covariance[views[k]] = covariance[k];
     for (Eigen::Index k = 0; k < directions.first; ++k) {

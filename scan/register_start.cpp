@@ -384,6 +384,8 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   std::vector<PoseCandidate> more = search.from(elsewhere);
   std::erase_if(more, [&](const PoseCandidate& c) { return too_far(c.pose); });
   found.insert(found.end(), more.begin(), more.end());
+  // Searches may drift along free motions, beyond what the guess allows.
+  if (found.empty() && adjusted && !too_far(start)) found.push_back({start, placement.judge(view, start, 1.5, 1000)});
   sort_by_score(found);
   found = distinct(found, surface, 0.03, found.size());
   if (found.empty()) {

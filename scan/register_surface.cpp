@@ -190,6 +190,7 @@ struct Facet {
   bool fitted = false;  // its own side of a crease is clean
   bool smooth = false;  // the whole window is
   bool inlier = true;
+  float variance = 1;   // of the place, relative to that of most
 };
 
 /// The returns of a window relative to its middle, in pixels.
@@ -285,6 +286,45 @@ Facet facet_at(const Grid& grid, int row, int column) {
   return facet;
 }
 
+std::vector<Facet> fitted_facets(Grid& grid, double pitch, int threads) {
+  // A window wide enough that normals are good to about two degrees.
+  grid.half = grid.sigma < 0.12 * pitch ? 2 : grid.sigma < 0.35 * pitch ? 3 : 4;
+  std::vector<Facet> facets(grid.point.size());
+  parallel_for(std::size_t(grid.raster.height), threads, [&](std::size_t begin, std::size_t end) {
+    for (int r = static_cast<int>(begin); r < static_cast<int>(end); ++r)
+      for (int c = 0; c < grid.raster.width; ++c)
+        if (grid.has(r, c)) facets[grid.at(r, c)] = facet_at(grid, r, c);
+  }, 8);
+  return facets;
+}
+
+bool is_filtered(const PointCloud& cloud) { return cloud.normals.size() == cloud.size() && cloud.sigma.size() == cloud.size(); }
+
+double median_sigma(const PointCloud& cloud) {
+  std::vector<double> sigmas;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if ((cloud.rejected.empty() || !cloud.rejected[i]) && cloud.sigma[i] > 0) sigmas.push_back(cloud.sigma[i]);
+  return sigmas.empty() ? 0 : median(std::move(sigmas));
+}
+
+/// Most places are planes through windows of 25 returns.
+double noise_before_filter(const PointCloud& cloud) { return 5 * median_sigma(cloud); }
+
+/// What the filter found: its places follow curved surfaces and stay on their side of an edge.
+std::vector<Facet> filtered_facets(const PointCloud& cloud, const Grid& grid) {
+  std::vector<Facet> facets(grid.point.size());
+  const double usual = median_sigma(cloud), most_sigma = 4 * usual;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
+    Facet& facet = facets[static_cast<std::size_t>(cloud.pixel[i])];
+    facet.place = cloud.points[i], facet.normal = cloud.normals[i];
+    facet.fitted = !facet.normal.isZero();
+    facet.smooth = facet.fitted && cloud.sigma[i] < most_sigma;
+    facet.variance = static_cast<float>(std::pow(cloud.sigma[i] / usual, 2));
+  }
+  return facets;
+}
+
 /// Borders: a fitted, not too slanted return beyond which three pixels are missing or deeper.
 std::vector<ContourPoint> contour_of(const Grid& grid, const std::vector<Facet>& facets) {
   std::vector<ContourPoint> result;
@@ -322,28 +362,23 @@ void add_grid(const RegisterView& view, ViewSurface& surface, int threads) {
   SightRaster& raster = surface.raster;
   Grid grid{raster, {}, {}, {}};
   const std::size_t pixels = std::size_t(raster.width) * std::size_t(raster.height);
-  grid.point.resize(pixels, Vec3::Zero()), grid.kept.resize(pixels, 0);
+  grid.point.resize(pixels, Vec3::Zero()), grid.kept.resize(pixels, 0), grid.returned.resize(pixels, 0);
   const PointCloud& cloud = view.cloud;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
     const auto pixel = static_cast<std::size_t>(cloud.pixel[i]);
+    grid.returned[pixel] = 1;
+    if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
     grid.point[pixel] = cloud.points[i], grid.kept[pixel] = 1;
   }
-  grid.sigma = depth_noise(grid);
   const auto before = static_cast<std::size_t>(std::count(grid.kept.begin(), grid.kept.end(), 1));
-  grid.returned = grid.kept, grid.kept = screened(grid);
+  const bool filtered = is_filtered(cloud);
+  grid.sigma = filtered ? noise_before_filter(cloud) : depth_noise(grid);
+  if (!filtered) grid.kept = screened(grid);
   std::vector<double> pitches;
   for (std::size_t i = 0; i < pixels; ++i)
     if (grid.kept[i]) pitches.push_back(grid.pixel(i));
   const double pitch = median(std::move(pitches));
-  // A window wide enough that normals are good to about two degrees.
-  grid.half = grid.sigma < 0.12 * pitch ? 2 : grid.sigma < 0.35 * pitch ? 3 : 4;
-  std::vector<Facet> facets(pixels);
-  parallel_for(std::size_t(raster.height), threads, [&](std::size_t begin, std::size_t end) {
-    for (int r = static_cast<int>(begin); r < static_cast<int>(end); ++r)
-      for (int c = 0; c < raster.width; ++c)
-        if (grid.has(r, c)) facets[grid.at(r, c)] = facet_at(grid, r, c);
-  }, 8);
+  const std::vector<Facet> facets = filtered ? filtered_facets(cloud, grid) : fitted_facets(grid, pitch, threads);
   raster.depth.assign(pixels, -1.f);
   for (std::size_t i = 0; i < pixels; ++i) {
     if (!grid.kept[i]) continue;
@@ -352,7 +387,7 @@ void add_grid(const RegisterView& view, ViewSurface& surface, int threads) {
     raster.depth[i] = static_cast<float>(grid.point[i].z());
     if (facet.normal.isZero()) continue;
     surface.points.push_back(facet.place), surface.normals.push_back(facet.normal);
-    surface.smooth.push_back(facet.smooth);
+    surface.smooth.push_back(facet.smooth), surface.variance.push_back(facet.variance);
   }
   surface.rejected = before - static_cast<std::size_t>(std::count_if(raster.depth.begin(), raster.depth.end(), [](float z) { return z >= 0; }));
   surface.contour = contour_of(grid, facets);
@@ -459,7 +494,7 @@ void add_unorganised(const RegisterView& view, ViewSurface& surface, Context& co
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (!cloud.rejected[i] && !cloud.normals[i].isZero())
       raw.push_back(cloud.points[i]), surface.normals.push_back(cloud.normals[i]);
-  surface.points = raw, surface.smooth.assign(raw.size(), 0);
+  surface.points = raw, surface.smooth.assign(raw.size(), 0), surface.variance.assign(raw.size(), 1);
   if (raw.empty()) return;
   const KdTree tree(raw);
   const double width = std::max(1.5 * surface.spacing, 3 * surface.sigma);

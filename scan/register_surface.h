@@ -45,6 +45,7 @@ struct ViewSurface {
   std::vector<Vec3> points;           ///< in the view's frame, moved along the normal onto their neighbours' surface
   std::vector<Vec3> normals;          ///< unit, towards the sensor
   std::vector<std::uint8_t> smooth;   ///< 1: inside a smooth piece, so that place and normal are good
+  std::vector<float> variance;        ///< of each place along its normal, relative to that of most
   std::vector<std::uint32_t> samples; ///< smooth points, evenly spread over directions and places
   std::vector<Mat3> bending;          ///< of each sample: the change of the normal with the place, 1/mm
   std::vector<ContourPoint> contour;

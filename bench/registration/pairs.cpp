@@ -8,6 +8,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "scan/filter.h"
 #include "scan/read.h"
 #include "scan/register_pair.h"
 
@@ -41,9 +42,10 @@ std::vector<std::string> scans_in(const Path& folder, std::vector<std::string> n
 
 std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context) {
   std::vector<PairCase> result;
-  const auto scan = read_scan({scan_json}, {}, context);
+  std::vector<RangeImage> images;
+  const auto scan = read_scan({scan_json}, {}, context, &images);
   if (!scan.ok()) return result;
-  const auto views = views_of(*scan);
+  const auto views = views_to_register(*scan, images, context);
   std::vector<Pose> poses;
   for (const auto& view : views) poses.push_back(*view.guess);
   const auto surfaces = view_surfaces(views, 1500, context);

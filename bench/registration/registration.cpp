@@ -20,6 +20,7 @@
 #include "core/statistics.h"
 #include "beside.h"
 #include "pairs.h"
+#include "scan/filter.h"
 #include "scan/read.h"
 #include "scan/register.h"
 #include "scan/register_joint.h"
@@ -124,12 +125,13 @@ void cases(const Path& folder, const std::vector<std::string>& names, bool paper
   for (const auto& name : scans_in(folder, names)) {
     const Path file = folder / name / "scan" / "scan.json";
     const auto exact = read_scan({file}, {}, quiet());
-    const auto guess = read_scan({file}, {{}, true}, quiet());
+    std::vector<RangeImage> images;
+    const auto guess = read_scan({file}, {{}, true}, quiet(), &images);
     if (!exact.ok() || !guess.ok()) { std::printf("| %s | not run |\n", name.c_str()); continue; }
     const double start = seconds();
     RegisterOptions options;
     if (paper) options.method = PairMethod::paper;
-    const auto result = register_views(views_of(*guess), options, quiet());
+    const auto result = register_views(views_to_register(*guess, images, quiet()), options, quiet());
     const double spent = seconds() - start;
     if (!result.ok()) { std::printf("| %s | %s |\n", name.c_str(), result.error().message.c_str()); continue; }
     std::vector<Pose> truth;
@@ -176,9 +178,10 @@ std::string gap_at(const std::vector<RegisterView>& views, const std::vector<Pos
 
 /// Views with published poses, disturbed by so much, or forgotten.
 void published(const Path& file, double degrees_off, double shift, bool forget) {
-  const auto scan = read_scan({file}, {}, quiet());
+  std::vector<RangeImage> images;
+  const auto scan = read_scan({file}, {}, quiet(), &images);
   if (!scan.ok()) { std::printf("not run: %s\n", scan.error().message.c_str()); return; }
-  auto views = views_of(*scan);
+  auto views = views_to_register(*scan, images, quiet());
   std::vector<Pose> truth;
   Random random(5);
   for (RegisterView& view : views) {
