@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/ensure.h"
+#include "scan/npy.h"
 
 namespace partscribe {
 namespace {
@@ -138,10 +139,13 @@ Result<RangeCodes> parse_pgm(std::string_view bytes, const std::string& name) {
 
 }  // namespace
 
+bool is_range_file(std::string_view suffix) { return suffix == ".png" || suffix == ".pgm" || suffix == ".npy"; }
+
 Result<RangeCodes> parse_range_file(std::string_view bytes, const std::string& name) {
   if (bytes.substr(0, 4) == "\x89PNG") return parse_png(bytes, name);
   if (bytes.size() > 3 && (bytes.substr(0, 2) == "P5" || bytes.substr(0, 2) == "P2")) return parse_pgm(bytes, name);
-  return bad_input(name + ": expected a 16-bit grey PNG or PGM image, found something else");
+  if (bytes.substr(0, 6) == "\x93NUMPY") return parse_npy(bytes, name);
+  return bad_input(name + ": expected a 16-bit grey PNG or PGM image or a numpy array, found something else");
 }
 
 std::string write_png(const RangeCodes& image) {

@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "geometry/read_geometry.h"
+#include "scan/range_file.h"
 #include "scan/sources.h"
 
 namespace partscribe {
@@ -150,7 +151,7 @@ std::optional<Error> add_input(const Path& input, const ReadOptions& options, Co
   const auto suffix = lower_case(input.extension().string());
   if (suffix == ".json") return add_scan_json(input, options, context, pieces);
   if (suffix == ".conf") return add_conf(input, context, pieces);
-  if (suffix == ".png" || suffix == ".pgm") return add_image_with_sidecar(input, options, pieces);
+  if (is_range_file(suffix)) return add_image_with_sidecar(input, options, pieces);
   return add_geometry(input, {}, false, "", context, pieces);
 }
 

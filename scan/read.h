@@ -28,12 +28,12 @@ struct ReadOptions {
 };
 
 /// Inputs: files of read_geometry's formats; a scan.json (range images or clouds with poses) or a folder holding
-/// one; a 16-bit PNG or PGM range image with a .json sidecar; a Stanford .conf. Several files are several views in
+/// one; a 16-bit PNG or PGM range image or a numpy depth image with a .json sidecar; a Stanford .conf. Several files are several views in
 /// one common frame, kept in their order. Fails on the first file that cannot be used.
 ///
-/// scan.json: "unit"; "views", each with "png" (or "pgm", "ply", "file") and "camera_to_world" (or "world_from_view"),
+/// scan.json: "unit"; "views", each with "png" (or "pgm", "npy", "ply", "file") and "camera_to_world" (or "world_from_view"),
 /// 4 x 4, row by row. Images need either "K" (3 x 3) or "fx fy cx cy", or "x0 y0 pitch_x pitch_y" (orthographic), and
-/// "z0" and "q" as in RangeImage (or "scale" and "offset": z = offset + scale * code), "invalid_code" (0 unless
+/// (but for depths of numpy) "z0" and "q" as in RangeImage (or "scale" and "offset": z = offset + scale * code), "invalid_code" (0 unless
 /// given); for all views or per view. Height maps state "images" with "pixel_size" and "origin" instead: heights grow
 /// towards the sensor. A sidecar (part.json beside part.png) states the same fields of its one image.
 ///

@@ -98,16 +98,19 @@ std::optional<Error> height_map(const json& view, const json& all, const Place& 
   return {};
 }
 
-/// Fills everything but the codes.
-std::optional<Error> parse_meaning(const json& view, const json& all, const Place& place, RangeImage& image) {
+/// Fills everything but the codes. `depth`: what they mean, if the file holds depths.
+std::optional<Error> parse_meaning(const json& view, const json& all, const Place& place, const std::optional<DepthSteps>& depth,
+                                   RangeImage& image) {
   const auto& invalid = field(view, all, field(view, all, "invalid_code").is_null() ? "invalid" : "invalid_code");
   if (!invalid.is_null()) {
     if (!invalid.is_number_integer() || invalid.get<std::int64_t>() < 0 || invalid.get<std::int64_t>() > 65535)
       return Place{place.where + ".invalid_code"}.expected("a code from 0 to 65535", invalid);
     image.invalid_code = static_cast<std::uint16_t>(invalid.get<int>());
   }
-  if (!field(view, all, "pixel_size").is_null()) return height_map(view, all, place, image);
-  if (const auto& scale = field(view, all, "scale"); !scale.is_null()) {
+  if (!depth && !field(view, all, "pixel_size").is_null()) return height_map(view, all, place, image);
+  if (depth) {
+    image.z0 = depth->z0, image.q = depth->q, image.invalid_code = 0;
+  } else if (const auto& scale = field(view, all, "scale"); !scale.is_null()) {
     double offset = 0, step = 0;
     if (auto error = numbers(view, all, place, {{"scale", &step}})) return error;
     if (!field(view, all, "offset").is_null())
@@ -177,7 +180,7 @@ std::optional<Error> add_image(const Path& path, const json& view, const json& a
   const auto pose = pose_of(view, all, guess, place);
   if (!pose.ok()) return pose.error();
   image.world_from_view = *pose;
-  if (auto error = parse_meaning(view, all, place, image)) return error;
+  if (auto error = parse_meaning(view, all, place, codes->depth, image)) return error;
   image.width = codes->width, image.height = codes->height;
   image.codes = std::move(codes->codes);
   add_range_image(image, path.filename().string(), unit_of(view, all), pieces);
@@ -209,19 +212,19 @@ std::optional<Error> add_scan_json(const Path& path, const ReadOptions& options,
     const Place place{name + ", " + list + "[" + std::to_string(index) + "]"};
     if (!view.is_object()) return place.expected("an object", view);
     std::string image, points;
-    for (const char* key : {"png", "pgm", "ply", "file"}) {
+    for (const char* key : {"png", "pgm", "npy", "ply", "file"}) {
       const auto it = view.find(key);
       if (it == view.end()) continue;
       if (!it->is_string()) return Place{place.where + "." + key}.expected("a file name", *it);
       const auto file = it->get<std::string>();
       const auto suffix = Path(file).extension();
-      (suffix == ".png" || suffix == ".pgm" ? image : points) = file;
+      (is_range_file(suffix.string()) ? image : points) = file;
     }
     if (height_maps && image.empty() && points.empty()) {
       const auto number = view.value("index", json(index));
       image = "range_" + (number.is_number_unsigned() ? std::to_string(number.get<std::uint64_t>()) : std::to_string(index)) + ".png";
     }
-    if (image.empty() && points.empty()) return place.expected("a file (png, pgm, ply or file)", view);
+    if (image.empty() && points.empty()) return place.expected("a file (png, pgm, npy, ply or file)", view);
     context.report("reading " + name, static_cast<double>(index) / static_cast<double>(views->size()));
     ++index;
     if (!image.empty() && (points.empty() || is_file(folder / image))) {
@@ -245,7 +248,7 @@ std::optional<Error> add_image_with_sidecar(const Path& path, const ReadOptions&
     if (!is_file(path)) return bad_input(name + ": expected a file, found none at " + path.string());
     Path hint = path;
     return bad_input(name + ": expected " + hint.replace_extension(".json").filename().string() +
-                     " beside it, which says what its codes mean, found none");
+                     " beside it, which says what camera it is from and what its codes mean, found none");
   }
   const auto bytes = read_source(sidecar, pieces);
   if (!bytes.ok()) return bytes.error();

@@ -2,6 +2,8 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include <array>
+
 #include "core/number.h"
 #include "core/random.h"
 #include "geometry/read_geometry.h"
@@ -224,6 +226,20 @@ TEST_CASE("read_scan: an image with a sidecar, orthographic or pinhole") {
     CHECK((pinhole.cloud.rays[i] - (pinhole.cloud.points[i] - sensor).normalized()).norm() < 1e-15);
 }
 
+TEST_CASE("read_scan: depths of numpy need a camera, and no codes") {
+  Folder folder;
+  std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2), }";
+  header.resize(117, ' ');
+  const std::array<float, 2> depths = {0.5f, 0.25f};
+  const auto npy = folder.put("depth.npy", std::string("\x93NUMPY\1\0\x76\0", 10) + header + "\n" + std::string(reinterpret_cast<const char*>(depths.data()), 8));
+  folder.put("depth.json", R"({"unit": "m", "fx": 100, "fy": 100, "cx": 0, "cy": 0})");
+  const auto scan = scan_of({npy});
+  REQUIRE(scan.cloud.size() == 2);
+  CHECK((scan.cloud.points[0] - Vec3(0, 0, 500)).norm() < 0.01);
+  CHECK((scan.cloud.points[1] - Vec3(2.5, 0, 250)).norm() < 0.01);
+  CHECK(scan.views[0].has_sensor);
+}
+
 TEST_CASE("read_scan: a Stanford .conf joins its views") {
   // The quaternion (i j k w) turns the world into the view, as in the published files.
   Folder folder;
@@ -248,7 +264,7 @@ TEST_CASE("read_scan: bad inputs are refused in one line that names file and pla
       {"{}", "expected a list \"views\" or \"images\", found nothing"},
       {R"({"views": []})", "expected a list \"views\" or \"images\", found []"},
       {R"({"views": [7]})", "views[0]: expected an object, found 7"},
-      {view(""), "views[0]: expected a file (png, pgm, ply or file), found {}"},
+      {view(""), "views[0]: expected a file (png, pgm, npy, ply or file), found {}"},
       {view(R"("ply": 5)"), "views[0].ply: expected a file name, found 5"},
       {view(R"("ply": "lost.ply")"), "lost.ply"},
       {view(R"("ply": "p.xyz", "camera_to_world": [1, 2, 3])"), "camera_to_world: expected a 4 x 4 matrix"},
