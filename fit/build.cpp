@@ -327,7 +327,7 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
 /// or a ring with such, may do better.
 bool is_rough(const Search& search, const FitInput& input) {
   constexpr std::size_t many_faces = 9, some_faces = 7;
-  constexpr double rough = 0.31;  // nats per point; 0.25 where there is only noise
+  constexpr double rough = 0.31, rough_among_strays = 0.4;  // nats per point; 0.25 where there is only noise
   const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
   const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
   if (!search.found) return false;
@@ -336,6 +336,9 @@ bool is_rough(const Search& search, const FitInput& input) {
   const CandidateEvidence& e = search.evidence;
   const double misfit = (e.misfit - nats_per_stray * double(e.unexplained)) / double(input.cloud.size());
   if (body && body->planes.size() >= some_faces && facets == 0 && misfit > rough) return true;
+  // Flat faces among strays cut the corners off a rounded block within the tolerance.
+  const bool flat = body || std::holds_alternative<Box>(shape) || std::holds_alternative<Wedge>(shape);
+  if (flat && among_strays(input) && misfit > rough_among_strays) return true;
   if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
   return body ? body->planes.size() >= many_faces
               : std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) || std::holds_alternative<Ellipsoid>(shape);
