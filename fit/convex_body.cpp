@@ -66,6 +66,16 @@ double misfit_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
 
 double reach_of(const FitInput& input) { return std::max(3 * input.sampling.sigma, input.tolerance); }
 
+Box3 box_along(const Mat3& rotation, const std::vector<Vec3>& points, double left_out) {
+  Box3 box;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> along;
+    for (const Vec3& p : points) along.push_back(rotation.col(k).dot(p));
+    box.low[k] = quantile(along, left_out), box.high[k] = quantile(along, 1 - left_out);
+  }
+  return box;
+}
+
 namespace {
 
 constexpr std::size_t most_faces = 24;

@@ -18,6 +18,9 @@ struct ConvexFace {
 /// mm; points within this of a plane may lie on it.
 double reach_of(const FitInput& input);
 
+/// Along the columns of `rotation`, around all points but the share `left_out` at either end of each axis.
+Box3 box_along(const Mat3& rotation, const std::vector<Vec3>& points, double left_out);
+
 /// Which plane of a convex body a point is nearest to, and how far outside (inside: negative) it is.
 /// `second`: the same for the next nearest plane, which tells how near an edge is.
 double convex_distance(const std::vector<ConvexFace>& faces, const Vec3& p, std::size_t* face = nullptr,

@@ -7,6 +7,8 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/convex_body.h"
+#include "fit/length_parameter.h"
 #include "fit/refine.h"
 
 namespace partscribe {
@@ -120,14 +122,9 @@ double cost_of(const Pose& scan_from_part, const Vec3& size, const Sample& sampl
 /// The fillet whose corner lies low along x and y around all points but `left_out` of them at either end of each axis.
 Start start_in(const Mat3& rotation, const Sample& sample, bool oriented, double left_out, double thick) {
   Start start;
-  Vec3 low, high;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> along;
-    for (const auto& p : sample.points) along.push_back(rotation.col(k).dot(p));
-    low[k] = quantile(along, left_out), high[k] = quantile(along, 1 - left_out);
-  }
-  start.scan_from_part = {rotation, rotation * low};
-  start.size = high - low;
+  const Box3 box = box_along(rotation, sample.points, left_out);
+  start.scan_from_part = {rotation, rotation * box.low};
+  start.size = box.high - box.low;
   if (start.size.minCoeff() > 0) start.cost = cost_of(start.scan_from_part, start.size, sample, oriented, thick);
   return start;
 }
@@ -179,12 +176,6 @@ bool shows_itself(const Start& start, const FitInput& input) {
   return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > n_points / 20;
 }
 
-Parameter length(const char* name, double value, const char* note) {
-  Parameter p;
-  p.name = name, p.value = p.fitted = value, p.note = note;
-  return p;
-}
-
 /// Puts the ends on their faces. An end of which no face was seen stays beyond the points of the sides: that leaves none of them out.
 void settle_ends(Start& start, const FitInput& input) {
   constexpr double same_way = 0.95, on_end = 0.9;
@@ -227,12 +218,12 @@ Candidate candidate_from(const Start& start, bool round) {
   const Vec3& size = start.size;
   if (round) {
     c.shape = Fillet{Expr::of("fillet_radius"), Expr::of("fillet_radius"), Expr::of("length")};
-    c.parameters = {length("fillet_radius", (size.x() + size.y()) / 2, "radius of the concave side, length of both legs"),
-                    length("length", size.z(), "length of the fillet")};
+    c.parameters = {length_parameter("fillet_radius", (size.x() + size.y()) / 2, "radius of the concave side, length of both legs"),
+                    length_parameter("length", size.z(), "length of the fillet")};
   } else {
     c.shape = Fillet{Expr::of("width"), Expr::of("height"), Expr::of("length")};
-    c.parameters = {length("width", size.x(), "first leg"), length("height", size.y(), "second leg"),
-                    length("length", size.z(), "length of the fillet")};
+    c.parameters = {length_parameter("width", size.x(), "first leg"), length_parameter("height", size.y(), "second leg"),
+                    length_parameter("length", size.z(), "length of the fillet")};
   }
   if (start.open_end > 0) c.held = {{"length", start.open_end}};
   return c;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "fit/length_parameter.h"
 #include "fit/plane_chain.h"
 #include "core/statistics.h"
 
@@ -11,12 +12,6 @@ namespace partscribe {
 namespace {
 
 constexpr int draws = 300;
-
-Parameter length(const std::string& name, double value, const std::string& note) {
-  Parameter p;
-  p.name = name, p.value = p.fitted = value, p.note = note;
-  return p;
-}
 
 struct Line {
   Vec2 point = Vec2::Zero(), direction = Vec2(0, 1);
@@ -151,8 +146,8 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
       Candidate rod;
       rod.procedure = "cylinder", rod.object_name = "rod";
       rod.shape = Cylinder{Expr::of("radius"), Expr::of("height")};
-      rod.parameters = {length("radius", quantile(radii, 0.5), "radius of the cylinder"),
-                        length("height", high - low, "height of the cylinder" + open)};
+      rod.parameters = {length_parameter("radius", quantile(radii, 0.5), "radius of the cylinder"),
+                        length_parameter("height", high - low, "height of the cylinder" + open)};
       placed(rod, low, false);
       if (std::abs(at_low - at_high) < 4 * band) result.push_back(rod);
 
@@ -164,8 +159,8 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
         Candidate frustum;
         frustum.procedure = "frustum of a cone", frustum.object_name = "frustum";
         frustum.shape = Cone{Expr::of("bottom_radius"), Expr::of("top_radius"), Expr::of("height")};
-        frustum.parameters = {length("bottom_radius", wide, "radius at the bottom"),
-                              length("top_radius", narrow, "radius at the top"), length("height", high - low, "height" + open)};
+        frustum.parameters = {length_parameter("bottom_radius", wide, "radius at the bottom"),
+                              length_parameter("top_radius", narrow, "radius at the top"), length_parameter("height", high - low, "height" + open)};
         placed(frustum, over ? high : low, over);
         result.push_back(frustum);
       }
@@ -174,8 +169,8 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
         Candidate cone;
         cone.procedure = cone.object_name = "cone";
         cone.shape = Cone{Expr::of("bottom_radius"), Expr(0), Expr::of("height")};
-        cone.parameters = {length("bottom_radius", wide, "radius of the base"),
-                           length("height", wide / slope, "height of the tip above the base")};
+        cone.parameters = {length_parameter("bottom_radius", wide, "radius of the base"),
+                           length_parameter("height", wide / slope, "height of the tip above the base")};
         placed(cone, over ? high : low, over);
         result.push_back(cone);
       }
@@ -186,8 +181,8 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
     Candidate ring;
     ring.procedure = ring.object_name = "torus";
     ring.shape = Torus{Expr::of("major_radius"), Expr::of("minor_radius")};
-    ring.parameters = {length("major_radius", tube.centre.x(), "radius of the ring's centre circle"),
-                       length("minor_radius", tube.radius, "radius of the tube")};
+    ring.parameters = {length_parameter("major_radius", tube.centre.x(), "radius of the ring's centre circle"),
+                       length_parameter("minor_radius", tube.radius, "radius of the tube")};
     placed(ring, tube.centre.y(), false);
     result.push_back(ring);
   }

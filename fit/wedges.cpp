@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/statistics.h"
+#include "fit/length_parameter.h"
 #include "fit/refine.h"
 
 namespace partscribe {
@@ -87,25 +87,15 @@ std::vector<Mat3> frames_of(const std::vector<ConvexFace>& faces) {
 Start start_in(const Mat3& rotation, const Sample& sample, bool oriented, double thick) {
   constexpr double left_out = 0.01;
   Start best;
-  Vec3 low, high;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> along;
-    for (const Vec3& p : sample.points) along.push_back(rotation.col(k).dot(p));
-    low[k] = quantile(along, left_out), high[k] = quantile(along, 1 - left_out);
-  }
-  if (!((high - low).minCoeff() > 0)) return best;
+  const Box3 box = box_along(rotation, sample.points, left_out);
+  const Vec3 size = box.high - box.low;
+  if (!(size.minCoeff() > 0)) return best;
   for (const double top : {0.0, 0.25, 0.5, 0.75}) {
-    Start start{{rotation, rotation * low}, high - low, top * (high.x() - low.x())};
+    Start start{{rotation, rotation * box.low}, size, top * size.x()};
     start.cost = cost_of(start, sample, oriented, thick);
     if (start.cost < best.cost) best = start;
   }
   return best;
-}
-
-Parameter length(const char* name, double value, const char* note) {
-  Parameter p;
-  p.name = name, p.quantity = Quantity::length, p.value = p.fitted = value, p.note = note;
-  return p;
 }
 
 Candidate candidate_from(const Start& start, bool with_top) {
@@ -113,10 +103,10 @@ Candidate candidate_from(const Start& start, bool with_top) {
   c.procedure = "wedge", c.object_name = "wedge_block";
   c.scan_from_part = start.scan_from_part;
   c.shape = Wedge{Expr::of("foot_length"), Expr::of("height"), Expr::of("width"), with_top ? Expr::of("top_length") : Expr(0)};
-  c.parameters = {length("foot_length", start.size.x(), "length of the foot, along x at y = 0"),
-                  length("height", start.size.y(), "height above the foot, along y"),
-                  length("width", start.size.z(), "width between the two parallel cheeks, along z")};
-  if (with_top) c.parameters.push_back(length("top_length", start.top, "length left at the full height"));
+  c.parameters = {length_parameter("foot_length", start.size.x(), "length of the foot, along x at y = 0"),
+                  length_parameter("height", start.size.y(), "height above the foot, along y"),
+                  length_parameter("width", start.size.z(), "width between the two parallel cheeks, along z")};
+  if (with_top) c.parameters.push_back(length_parameter("top_length", start.top, "length left at the full height"));
   return c;
 }
 
