@@ -13,17 +13,17 @@ as_scanned = true;
 
 /* [Turned body] */
 // radius of the fillet [mm]
-fillet_radius = as_designed ? 1.5 : 1.5007;  // fitted 1.5007 +/- 0.0008 from 610 points; nominal 1.5 (multiples of 0.5 mm, z = -0.9)
+fillet_radius = as_designed ? 1.5 : 1.5002;  // fitted 1.5002 +/- 0.0005 from 1,268 points; nominal 1.5 (diameter, multiples of 1 mm, z = -0.4)
 // height of a flat face [mm]
-shoulder_z = as_designed ? 6 : 5.9998;       // fitted 5.9998 +/- 0.0005 from 1,643 points; nominal 6 (multiples of 1 mm, z = 0.5)
+shoulder_z = as_designed ? 6 : 5.9997;       // fitted 5.9997 +/- 0.0002 from 3,299 points; nominal 6 (multiples of 1 mm, z = 1.1)
 // radius of the shank [mm]
-shank_radius = as_designed ? 6 : 5.9999;     // fitted 5.9999 +/- 0.0004 from 13,541 points; nominal 6 (multiples of 1 mm, z = 0.2)
+shank_radius = 6;                            // fitted 6 +/- 0.0002 from 27,153 points; nominal 6 (diameter, multiples of 1 mm, z = 0.1)
 // radius of the head [mm]
-head_radius = 10;                            // fitted 10 +/- 0.0004 from 3,383 points; nominal 10 (multiples of 10 mm, z = 0)
+head_radius = 10;                            // fitted 10 +/- 0.0002 from 6,780 points; nominal 10 (diameter, multiples of 10 mm, z = 0.1)
 // width and height of the 45 degree chamfer [mm]
-chamfer = as_designed ? 1 : 1.0003;          // fitted 1.0003 +/- 0.0006 from 414 points; nominal 1 (multiples of 1 mm, z = -0.6)
+chamfer = as_designed ? 1 : 1.0001;          // fitted 1.0001 +/- 0.0003 from 862 points; nominal 1 (multiples of 1 mm, z = -0.5)
 // length over all [mm]
-total_length = as_designed ? 46 : 45.9999;   // fitted 45.9999 +/- 0.0005 from 1,144 points; nominal 46 (multiples of 1 mm, z = 0.2)
+total_length = as_designed ? 46 : 45.9999;   // fitted 45.9999 +/- 0.0002 from 2,323 points; nominal 46 (multiples of 1 mm, z = 0.4)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]
