@@ -59,6 +59,10 @@ void assign_traits(AllPoints& all, const PointCloud& cloud, const std::vector<En
   all.by_view = numbers.size() >= 2;
   int next = 0;
   for (auto& [view, number] : numbers) number = next++ % most_groups;
+  if (all.by_view) {
+    all.views.resize(std::min(numbers.size(), static_cast<std::size_t>(most_groups)));
+    for (const auto& [view, number] : numbers) all.views[static_cast<std::size_t>(number)].push_back(view);
+  }
   all.group_count = all.by_view ? std::min<int>(static_cast<int>(numbers.size()), most_groups) : 8;
   all.group.resize(n);
   for (std::size_t i = 0; i < n; ++i)

@@ -14,6 +14,7 @@ struct AllPoints {
   std::vector<int> group;         ///< view, or region where views are unknown; the unit of systematic error
   int group_count = 1;
   bool by_view = false;
+  std::vector<std::vector<int>> views;  ///< of each group, where it is made of views
   std::vector<Vec3> rays;         ///< from the sensor, where known
   std::vector<double> cosine;     ///< of the incidence, where rays are known
   std::vector<Vec3> foot;         ///< where rays are known: where they meet the candidate

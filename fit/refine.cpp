@@ -196,7 +196,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     p.fitted = p.value;
     p.sigma_noise = u.noise[k];
     const double floor = p.quantity == Quantity::length ? u.floor : u.floor / unknowns.size();
-    p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.facets[k], u.filter[k]), u.slant[k], std::hypot(strays[k], floor));
+    p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.poses[k], u.facets[k]), std::hypot(u.filter[k], u.slant[k]), std::hypot(strays[k], floor));
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
   for (const auto& h : candidate.held)

@@ -213,6 +213,30 @@ Vector spread_by_groups(const AllPoints& all, const PointSums& whole, const Grou
   return variance.cwiseMax(0).cwiseSqrt();
 }
 
+/// Of the unknowns: what the covariance of registered poses does to a fit. Unlike the disagreement of views it knows of
+/// errors that views share, and of those that no residual shows because every view sees a side of its own.
+Vector spread_by_poses(const AllPoints& all, const PoseCovariance& poses, const GroupSums& groups, const Unknowns& unknowns,
+                       const Matrix& h_inverse) {
+  Vector none = Vector::Zero(h_inverse.rows());
+  if (!all.by_view || poses.matrix.size() == 0) return none;
+  const auto m = static_cast<Eigen::Index>(all.views.size());
+  // A turn about their centre is one about ours and a shift.
+  const Vec3 arm = unknowns.center() - poses.center;
+  Eigen::Matrix<double, 6, 6> motion = Eigen::Matrix<double, 6, 6>::Zero();
+  for (int k = 0; k < 3; ++k) motion.block<3, 1>(0, k) = Vec3::Unit(k).cross(arm), motion(k, 3 + k) = 1, motion(3 + k, k) = unknowns.size();
+  Matrix spread = Matrix::Zero(6 * m, 6 * m);
+  for (Eigen::Index a = 0; a < m; ++a)
+    for (Eigen::Index b = 0; b < m; ++b) {
+      const auto &of_a = all.views[static_cast<std::size_t>(a)], &of_b = all.views[static_cast<std::size_t>(b)];
+      Eigen::Matrix<double, 6, 6> mean = Eigen::Matrix<double, 6, 6>::Zero();  // of pooled views
+      for (const int u : of_a)
+        for (const int v : of_b) mean += poses.matrix.block<6, 6>(6 * u, 6 * v) / double(of_a.size() * of_b.size());
+      spread.block<6, 6>(6 * a, 6 * b) = motion * mean * motion.transpose();
+    }
+  const Matrix answers = h_inverse * groups.coupling.transpose();
+  return (answers * spread * answers.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+}
+
 }  // namespace
 
 Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, const FitInput& input,
@@ -220,7 +244,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   Uncertainty result;
   const std::size_t parameters = unknowns.free_parameters().size();
   result.noise.assign(parameters, 0);
-  result.views = result.facets = result.filter = result.slant = result.noise;
+  result.views = result.poses = result.facets = result.filter = result.slant = result.noise;
 
   const std::vector<char> everywhere(all.nodes.size(), 1);
   const Residuals raw = residuals_of(all, all.at.value, everywhere, kernel, context.threads);
@@ -263,6 +287,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   sums.groups.pull -= sums.groups.coupling * solution.unknowns;
   fill(result.views,
        spread_by_groups(all, whole, sums.groups, unknowns, solution.inverse, h_inverse, noise, context.threads));
+  if (input.scan) fill(result.poses, spread_by_poses(all, input.scan->pose_covariance, whole.groups, unknowns, h_inverse));
   fill(result.slant, effect_of(slant_deviation(candidate, all, distance, context.threads), all, whole.weight, kernel,
                                context.threads));
   if (scan.chance > 0) {

@@ -9,6 +9,7 @@ namespace partscribe {
 struct Uncertainty {
   std::vector<double> noise;    ///< falls with the number of independent points
   std::vector<double> views;    ///< views that disagree: registration, calibration; imagined ones where they are unknown
+  std::vector<double> poses;    ///< where registered views may stand, as registration says
   std::vector<double> facets;   ///< chords of a coarse source mesh
   std::vector<double> filter;   ///< smoothing that flattened what curves, by how likely noise that hangs together was smoothed
   std::vector<double> slant;    ///< noise along rays that nobody knows, on a curved part seen from one side (slant.h)

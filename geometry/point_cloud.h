@@ -33,11 +33,19 @@ struct View {
   int width = 0, height = 0;          ///< pixels, 0 for unorganised points
 };
 
+/// How sure it is where the views of a scan stood.
+struct PoseCovariance {
+  Vec3 center = Vec3::Zero();         ///< the rotations' centre, in the scan's frame
+  /// 6 n x 6 n, view after view: rotation vector (rad), shift (mm), in the scan's axes. Empty: nobody estimated it.
+  Eigen::MatrixXd matrix;
+};
+
 /// What a reader delivers and every later stage starts from: all files of one part in one frame.
 struct Scan {
   PointCloud cloud;                   ///< for a mesh: its vertices
   TriangleMesh mesh;                  ///< empty unless the source is a mesh
   std::vector<View> views;            ///< one per file or image
+  PoseCovariance pose_covariance;     ///< of registered views
   double unit_scale = 1;              ///< what the numbers in the files were multiplied with to give mm
   std::vector<std::string> warnings;  ///< one line each, for the user
   std::vector<std::string> sha256;    ///< of each input file, in the order of `files`

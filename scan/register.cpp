@@ -179,7 +179,7 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
   const double reach = confirm_reach(surfaces);
   for (const std::size_t v : used) {
     RegisteredView& view = result.views[v];
-    view.world_from_view = joint.poses[v], view.covariance = joint.covariance[v];
+    view.world_from_view = joint.poses[v], view.covariance = joint.covariance_of(v);
     Agreement found;
     if (used.size() > 1) {
       found = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
@@ -260,6 +260,7 @@ void place_views(const Registration& registration, Scan& scan) {
     change.push_back(registration.views[v].world_from_view * scan.views[v].world_from_view.inverse());
     scan.views[v].world_from_view = registration.views[v].world_from_view;
   }
+  scan.pose_covariance = {registration.center, registration.covariance};
   PointCloud& cloud = scan.cloud;
   std::size_t kept = 0;
   const auto keep = [&](auto& column, std::size_t i) {
@@ -365,7 +366,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
       result.views[v].status = ViewStatus::refused;
       result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected two thirds where no poses are known";
     }
-  result.center = joint.center;
+  result.center = joint.center, result.covariance = joint.covariance;
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   result.free_motions = free_motions(joint, views.size());
@@ -373,7 +374,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   name_motions(views, result.free_motions);
   // The last view has turned by all the steps together.
   if (result.turntable && result.turntable->step_observed)
-    result.turntable->step_sigma = std::sqrt(joint.covariance[used.back()].topLeftCorner<3, 3>().trace() / 3) / std::max(1.0, double(used.back()));
+    result.turntable->step_sigma = std::sqrt(joint.covariance_of(used.back()).topLeftCorner<3, 3>().trace() / 3) / std::max(1.0, double(used.back()));
   if (result.turntable && !result.turntable->step_observed)
     result.warnings.push_back("the part is round about the axis of the table: the steps cannot be seen and are taken as equal parts of one turn");
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);

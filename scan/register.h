@@ -86,6 +86,8 @@ struct Turntable {
 struct Registration {
   std::vector<RegisteredView> views;
   Vec3 center = Vec3::Zero();      ///< middle of the part in the world frame
+  /// 6 n x 6 n: of all views together, each as in its own `covariance`. Views with one neighbour in common err together.
+  Eigen::MatrixXd covariance;
   double worst_gap = 0;            ///< largest median distance between two overlapping views, mm
   std::vector<FreeMotion> free_motions;
   std::optional<Turntable> turntable;

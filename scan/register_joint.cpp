@@ -19,6 +19,8 @@ constexpr int groups = 10;              // of the jackknife, by place
 constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
 constexpr double same_face = 0.966;      // cosine of 15 degrees
 constexpr double rough_free_limit = 10;  // while partners are wrong, weak directions lead astray
+constexpr double shared_noise = 0.25;    // pixels; see Equations
+constexpr double border_bias = 0.05;     // pixels; 0.00 to 0.05 was found against drawings
 
 /// What noise in the normals alone explains is 1: from 0.4 to 1.2 where parts are round, from 2 on where something fixes
 /// them. Normals of one window share their noise, so that few matches (of a view) reach more by chance.
@@ -33,6 +35,7 @@ struct PairSum {
   std::size_t a = 0, b = 0;  // positions in the list of views
   Mat6 h = Mat6::Zero(), m = Mat6::Zero();
   Vec6 g = Vec6::Zero();
+  Vec6 outward = Vec6::Zero();  // what g changes by if every border lies a pixel farther out
   std::vector<Mat6> group_h;
   std::vector<Vec6> group_g;
   std::vector<double> residual, bend;  // e, |n_x - n_y|^2
@@ -131,7 +134,8 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
   return sum;
 }
 
-constexpr std::size_t most_contour = 600;
+constexpr std::size_t most_contour = 3000, rough_contour = 150;
+constexpr double border_reach = 1.5;  // spacings across
 
 PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
   PairSum sum = empty_sum(a, b, round.grouped);
@@ -141,7 +145,7 @@ PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, con
   // While poses are rough a few borders looked for far and wide are enough.
   const bool wide_search = round.reach > 8 * to.spacing;
   const KdTree& tree = wide_search ? *to.sample_tree : *to.tree;
-  const std::size_t count = std::min(wide_search ? most_contour / 4 : most_contour, from.contour.size());
+  const std::size_t count = std::min(wide_search ? rough_contour : most_contour, from.contour.size());
   for (std::size_t k = 0; k < count; ++k) {
     const ContourPoint& c = from.contour[(2 * k + 1) * from.contour.size() / (2 * count)];
     const Vec3 q = there * c.point, outward = there.rotation * c.outward, na = there.rotation * c.normal;
@@ -153,14 +157,18 @@ PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, con
       const double towards = -n.dot(ray);
       if (!to.smooth[at] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
       const double lever = n.dot(outward);
-      const double e = (q - to.points[at]).dot(n) / c.pixel;  // in pixels
+      const Vec3 d = q - to.points[at];
+      const double e = d.dot(n) / c.pixel;  // in pixels
+      // Farther away a round face has bent off, and a flat one has ended.
+      if (round.narrow && (d - d.dot(n) * n).norm() > border_reach * to.spacing) break;
       const double wide = std::max(2.5 * round.contour_sigma, round.border_wide / c.pixel);
       if (std::abs(e) > 2 * wide) continue;
       const double w = std::exp(-e * e / (2 * wide * wide));
       const double sigma = round.contour_sigma * c.pixel;
       const Vec3 place = problem.poses[b] * q, normal = problem.poses[b].rotation * n;
-      add_row(problem, place, normal, e * c.pixel, contour_trust * w / (sigma * sigma), mixed_in(problem, place, normal, round.normal_variance),
-              round.grouped, sum);
+      const double weight = contour_trust * w / (sigma * sigma);
+      add_row(problem, place, normal, e * c.pixel, weight, mixed_in(problem, place, normal, round.normal_variance), round.grouped, sum);
+      sum.outward += weight * lever * c.pixel * row_of(problem, place, normal);
       sum.residual.push_back(e);
       sum.bias_top += w * e * lever, sum.bias_bottom += w * lever * lever;
       break;
@@ -218,30 +226,36 @@ PairList neighbour_pairs(const Problem& problem, double reach, int neighbours, i
 /// The normal equations of all views but the first.
 struct System {
   MatrixXd h, m;
-  VectorXd g;
+  VectorXd g, outward;
 };
 
-void scatter(const PairSum& sum, const Mat6& h, const Mat6& m, const Vec6& g, System& system) {
+void scatter(const PairSum& sum, const Mat6& h, const Mat6& m, const Vec6& g, const Vec6& outward, System& system) {
   const auto add = [&](std::size_t r, std::size_t c, double sign) {
     if (r == 0 || c == 0) return;
     const auto i = static_cast<Eigen::Index>(6 * (r - 1)), j = static_cast<Eigen::Index>(6 * (c - 1));
     system.h.block<6, 6>(i, j) += sign * h, system.m.block<6, 6>(i, j) += sign * m;
   };
   add(sum.a, sum.a, 1), add(sum.b, sum.b, 1), add(sum.a, sum.b, -1), add(sum.b, sum.a, -1);
-  if (sum.a > 0) system.g.segment<6>(static_cast<Eigen::Index>(6 * (sum.a - 1))) += g;
-  if (sum.b > 0) system.g.segment<6>(static_cast<Eigen::Index>(6 * (sum.b - 1))) -= g;
+  const auto pull = [&](std::size_t k, double sign) {
+    if (k == 0) return;
+    const auto i = static_cast<Eigen::Index>(6 * (k - 1));
+    system.g.segment<6>(i) += sign * g, system.outward.segment<6>(i) += sign * outward;
+  };
+  pull(sum.a, 1), pull(sum.b, -1);
 }
 
 System assemble(std::size_t views, const std::vector<PairSum>& sums, int group = -1) {
   const auto n = static_cast<Eigen::Index>(6 * (views - 1));
-  System system{MatrixXd::Zero(n, n), MatrixXd::Zero(n, n), VectorXd::Zero(n)};
+  System system{MatrixXd::Zero(n, n), MatrixXd::Zero(n, n), VectorXd::Zero(n), VectorXd::Zero(n)};
   for (const PairSum& sum : sums)
     if (group < 0)
-      scatter(sum, sum.h, sum.m, sum.g, system);
+      scatter(sum, sum.h, sum.m, sum.g, sum.outward, system);
     else
-      scatter(sum, sum.group_h[std::size_t(group)], Mat6::Zero(), sum.group_g[std::size_t(group)], system);
+      scatter(sum, sum.group_h[std::size_t(group)], Mat6::Zero(), sum.group_g[std::size_t(group)], Vec6::Zero(), system);
   return system;
 }
+
+System together(const System& a, const System& b) { return {a.h + b.h, a.m + b.m, a.g + b.g, a.outward + b.outward}; }
 
 /// Directions in order of how well they are fixed; columns v with v'Mv = 1, so that v'Hv is the eigenvalue.
 struct Directions {
@@ -260,11 +274,40 @@ Directions directions_of(System system, double limit) {
   return result;
 }
 
-VectorXd solve(const Directions& directions, const VectorXd& g) {
-  VectorXd step = VectorXd::Zero(g.size());
-  for (Eigen::Index k = directions.first; k < g.size(); ++k)
-    step += directions.v.col(k) * (directions.v.col(k).dot(g) / directions.fixed[k]);
-  return step;
+/// What surfaces and borders say. Noise that the place and the normal of one window share makes surfaces pull even where
+/// they fix nothing (found: towards places a quarter of a pixel off, with v'Hv = v'Mv), more than borders hold against:
+/// there only borders are asked.
+struct Equations {
+  System surfaces, borders;
+  Directions directions;      // of both together
+  MatrixXd trusted;           // projects onto what surfaces alone fix
+  Directions by_surfaces;
+
+  MatrixXd fixed() const { return directions.v.rightCols(surfaces.h.rows() - directions.first); }
+  System asked(const System& of_surfaces, const System& of_borders) const {
+    const MatrixXd& p = trusted;
+    return together({p.transpose() * of_surfaces.h * p, p.transpose() * of_surfaces.m * p, p.transpose() * of_surfaces.g, of_surfaces.outward}, of_borders);
+  }
+  System asked() const { return asked(surfaces, borders); }
+};
+
+Equations equations_of(std::size_t views, const std::vector<PairSum>& surfaces, const std::vector<PairSum>& borders, double limit, bool rough) {
+  Equations e{assemble(views, surfaces), assemble(views, borders), {}, {}, {}};
+  e.directions = directions_of(together(e.surfaces, e.borders), limit);
+  e.by_surfaces = directions_of(e.surfaces, limit);
+  const Eigen::Index n = e.surfaces.h.rows(), known = n - e.by_surfaces.first;
+  if (rough || e.borders.h.isZero())
+    e.trusted = MatrixXd::Identity(n, n);
+  else
+    e.trusted = e.by_surfaces.v.rightCols(known) * e.by_surfaces.v.inverse().bottomRows(known);
+  return e;
+}
+
+/// From pulls to steps, within the columns of `basis`.
+MatrixXd answer_of(const MatrixXd& h, const MatrixXd& basis) {
+  MatrixXd within = basis.transpose() * h * basis;
+  within.diagonal() *= 1 + 1e-9;
+  return basis * within.ldlt().solve(basis.transpose());
 }
 
 /// The largest move of any place of the part, mm.
@@ -307,35 +350,37 @@ void learn(const std::vector<PairSum>& surfaces, const std::vector<PairSum>& con
   round.bias = bottom > 0 ? top / bottom : 0;
 }
 
-std::vector<Mat6> covariance_of(const Problem& problem, const std::vector<PairSum>& sums, const System& system,
-                                const Directions& directions) {
-  const std::size_t n = problem.views.size();
-  const Eigen::Index size = system.h.rows();
-  MatrixXd spread = MatrixXd::Zero(size, size);
-  // Of the square of the rows, 1 is what noise in the normals mixes in.
-  for (Eigen::Index k = directions.first; k < size; ++k)
-    spread += directions.v.col(k) * directions.v.col(k).transpose() * (directions.fixed[k] / std::pow(directions.fixed[k] - 1, 2));
-  // Leave out one group of places after the other, within the directions that are fixed.
-  const MatrixXd basis = directions.v.rightCols(size - directions.first);
+/// Of all unknowns, in them.
+MatrixXd covariance_of(const std::vector<PairSum>& surfaces, const std::vector<PairSum>& borders, const Equations& equations,
+                       std::size_t views, double spacing) {
+  const System asked = equations.asked();
+  const MatrixXd basis = equations.fixed();
+  const Eigen::Index size = asked.h.rows();
+  if (basis.cols() == 0) return MatrixXd::Zero(size, size);
+  // Of the squares of the rows, M is what noise in the normals mixes in.
+  const MatrixXd exact = answer_of(asked.h - asked.m, basis);
+  MatrixXd spread = exact * asked.h * exact.transpose();
+  // Leave out one group of places after the other.
   std::vector<VectorXd> steps;
   VectorXd mean = VectorXd::Zero(size);
   for (int group = 0; group < groups; ++group) {
-    const System part = assemble(n, sums, group);
-    const MatrixXd h = basis.transpose() * (system.h - part.h) * basis;
-    const VectorXd g = basis.transpose() * (system.g - part.g);
-    steps.push_back(basis * (h + 1e-6 * h.diagonal().asDiagonal().toDenseMatrix()).ldlt().solve(g));
+    const System part = equations.asked(assemble(views, surfaces, group), assemble(views, borders, group));
+    steps.push_back(answer_of(asked.h - part.h, basis) * (asked.g - part.g));
     mean += steps.back() / groups;
   }
-  for (const VectorXd& step : steps)
-    spread += (groups - 1.0) / groups * (step - mean) * (step - mean).transpose();
-  std::vector<Mat6> result(n, Mat6::Zero());
-  Vec6 unit;
-  unit << Vec3::Constant(1 / problem.size), Vec3::Ones();
-  for (std::size_t k = 1; k < n; ++k) {
-    const auto i = static_cast<Eigen::Index>(6 * (k - 1));
-    result[k] = unit.asDiagonal() * spread.block<6, 6>(i, i) * unit.asDiagonal();
+  for (const VectorXd& step : steps) spread += (groups - 1.0) / groups * (step - mean) * (step - mean).transpose();
+  // What does not average out: borders all too far out, and windows' noise where surfaces fix a direction weakly.
+  const MatrixXd answer = answer_of(asked.h, basis);
+  const VectorXd out = border_bias * answer * asked.outward;
+  spread += out * out.transpose();
+  const MatrixXd pull = answer * equations.trusted.transpose() * equations.surfaces.m * equations.by_surfaces.v;
+  for (Eigen::Index k = equations.by_surfaces.first; k < size; ++k) {
+    double most = 0;  // of one view, mm
+    for (Eigen::Index i = 0; i < size; i += 6) most = std::max(most, equations.by_surfaces.v.col(k).segment<6>(i).norm());
+    const VectorXd step = shared_noise * spacing / std::max(most, 1e-300) * pull.col(k);
+    spread += step * step.transpose();
   }
-  return result;
+  return spread;
 }
 
 }  // namespace
@@ -344,7 +389,8 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
                            const std::vector<std::size_t>& views, const JointOptions& options, Context& context) {
   JointResult result;
   result.poses = poses;
-  result.covariance.assign(poses.size(), Mat6::Zero());
+  const auto unknowns = static_cast<Eigen::Index>(6 * poses.size());
+  result.covariance = MatrixXd::Zero(unknowns, unknowns);
   result.matches.assign(poses.size(), 0);
   result.gap.assign(poses.size(), std::vector<double>(poses.size(), -1));
   Problem problem{surfaces, views, {}, Vec3::Zero(), 1};
@@ -389,21 +435,18 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     for (const PairSum& sum : sums) matches += sum.matches;
     return matches / (views.size() - 1);
   };
-  const auto all_sums = [&] {
-    std::vector<PairSum> all = sums;
-    all.insert(all.end(), contour_sums.begin(), contour_sums.end());
-    return all;
-  };
   int at_end = 0;
   for (int k = 0; k < options.rounds && !context.cancelled; ++k) {
     context.report("adjusting all views", static_cast<double>(k) / options.rounds);
     match();
     learn(sums, contour_sums, least, std::max(0.5, 0.25 * (round.reach - end_reach) / spacing), round);
-    const System system = assemble(views.size(), all_sums());
-    if (!(system.h.trace() > 0)) break;
-    const double limit = round.reach > end_reach ? rough_free_limit : free_limit(matches_of_view(), views.size());
-    const double moved = apply(problem, solve(directions_of(system, limit), system.g), 2 * round.reach);
-    if (round.reach > end_reach) {
+    const bool rough = round.reach > end_reach;
+    const double limit = rough ? rough_free_limit : free_limit(matches_of_view(), views.size());
+    const Equations equations = equations_of(views.size(), sums, contour_sums, limit, rough);
+    const System asked = equations.asked();
+    if (!(asked.h.trace() > 0)) break;
+    const double moved = apply(problem, answer_of(asked.h, equations.fixed()) * asked.g, 2 * round.reach);
+    if (rough) {
       if (moved < 0.2 * round.reach) {
         round.reach = std::max(0.6 * round.reach, end_reach), round.border_wide = round.reach / 2;
         if (round.reach == end_reach) pairs = neighbour_pairs(problem, 3 * round.reach, options.neighbours, context.threads);
@@ -420,16 +463,19 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   }
   round.grouped = true;
   match();
-  const std::vector<PairSum> all = all_sums();
-  const System system = assemble(views.size(), all);
-  if (system.h.trace() > 0) {
-    const Directions directions = directions_of(system, free_limit(matches_of_view(), views.size()));
-    const auto covariance = covariance_of(problem, all, system, directions);
-    for (std::size_t k = 0; k < views.size(); ++k) result.covariance[views[k]] = covariance[k];
-    for (Eigen::Index k = 0; k < directions.first; ++k) {
-      VectorXd direction = VectorXd::Zero(static_cast<Eigen::Index>(6 * poses.size()));
-      for (std::size_t j = 1; j < views.size(); ++j)
-        direction.segment<6>(static_cast<Eigen::Index>(6 * views[j])) = directions.v.col(k).segment<6>(static_cast<Eigen::Index>(6 * (j - 1)));
+  const Equations equations = equations_of(views.size(), sums, contour_sums, free_limit(matches_of_view(), views.size()), false);
+  if (equations.asked().h.trace() > 0) {
+    const MatrixXd spread = covariance_of(sums, contour_sums, equations, views.size(), spacing);
+    Vec6 unit;
+    unit << Vec3::Constant(1 / problem.size), Vec3::Ones();
+    const auto place = [&](std::size_t k) { return static_cast<Eigen::Index>(6 * views[k]); };
+    const auto own = [](std::size_t k) { return static_cast<Eigen::Index>(6 * (k - 1)); };
+    for (std::size_t a = 1; a < views.size(); ++a)
+      for (std::size_t b = 1; b < views.size(); ++b)
+        result.covariance.block<6, 6>(place(a), place(b)) = unit.asDiagonal() * spread.block<6, 6>(own(a), own(b)) * unit.asDiagonal();
+    for (Eigen::Index k = 0; k < equations.directions.first; ++k) {
+      VectorXd direction = VectorXd::Zero(unknowns);
+      for (std::size_t j = 1; j < views.size(); ++j) direction.segment<6>(place(j)) = equations.directions.v.col(k).segment<6>(own(j));
       result.free_directions.push_back(direction.normalized());
     }
   }

@@ -17,7 +17,8 @@ struct JointOptions {
 /// How far each view is fixed, and in which directions not.
 struct JointResult {
   std::vector<Pose> poses;                 ///< world_from_view
-  std::vector<Mat6> covariance;            ///< rotation vector about `center` (rad), shift (mm); free motions left out
+  /// 6 n x 6 n, view after view: rotation vector about `center` (rad), shift (mm); free motions left out.
+  Eigen::MatrixXd covariance;
   Vec3 center = Vec3::Zero();
   double size = 1;                         ///< mm; rms radius of the part, by which rotations are weighed
   /// Unit directions in the 6 n unknowns (rotation times `size`, shift; view after view) that nothing fixes.
@@ -27,6 +28,11 @@ struct JointResult {
   std::size_t surface_matches = 0, contour_matches = 0;
   std::vector<std::size_t> matches;        ///< of surface, of each view with any other
   std::vector<std::vector<double>> gap;    ///< median |distance| of each pair of views, mm; negative without overlap
+
+  Mat6 covariance_of(std::size_t view) const {
+    const auto i = static_cast<Eigen::Index>(6 * view);
+    return covariance.block<6, 6>(i, i);
+  }
 };
 
 /// Gauss-Newton on symmetric point-to-plane distances under Welsch weights, with the occluding contours of each view

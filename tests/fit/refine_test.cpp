@@ -195,6 +195,45 @@ TEST_CASE("refine: sigma holds the truth when poses are disturbed, and does not 
   CHECK(p.worst_ratio < 2);
 }
 
+TEST_CASE("refine: dimensions are no surer than the poses that they hang on") {
+  test::Sampling sampling;
+  sampling.points = 6000, sampling.reach = 20;
+  Model truth = test::model_with(Cylinder{8, 20});
+  Scan scan = test::sampled(truth, sampling);
+  // A view of the top and the wall that stands too high: only the other end, which it never saw, could tell.
+  const double lift = 0.05, unsure = 0.04;
+  for (Vec3& p : scan.cloud.points) {
+    const bool upper = p.z() > 10;
+    scan.cloud.view.push_back(upper);
+    if (upper) p.z() += lift;
+  }
+  scan.views.resize(2);
+  const auto sigma_of = [&](const std::string& name) {
+    const FitInput input = input_of(scan, 0.2);
+    Candidate c = cylinder_start(8, 20, {});
+    Context context;
+    refine(c, input, {}, context);
+    for (const Parameter& p : c.parameters)
+      if (p.name == name) return p.sigma;
+    return -1.0;
+  };
+  const double height = sigma_of("height"), radius = sigma_of("radius");
+  scan.pose_covariance.center = Vec3(50, 0, 0), scan.pose_covariance.matrix = Eigen::MatrixXd::Zero(12, 12);
+  scan.pose_covariance.matrix(11, 11) = unsure * unsure;
+  CHECK(height < 0.01);
+  CHECK(sigma_of("height") == Approx(std::hypot(height, unsure)).epsilon(0.05));
+  CHECK(sigma_of("radius") == Approx(radius).epsilon(0.05));
+  // A turn about a place far away lifts as much.
+  scan.pose_covariance.matrix.setZero();
+  scan.pose_covariance.matrix(7, 7) = std::pow(unsure / 50, 2);
+  CHECK(sigma_of("height") == Approx(std::hypot(height, unsure)).epsilon(0.05));
+  // Both views together: nothing is longer for it.
+  for (const int a : {5, 11})
+    for (const int b : {5, 11}) scan.pose_covariance.matrix(a, b) = 1;
+  scan.pose_covariance.matrix(7, 7) = 0;
+  CHECK(sigma_of("height") == Approx(height).epsilon(0.05));
+}
+
 TEST_CASE("refine: sigma holds the truth when poses are disturbed and nobody knows the views") {
   test::TrialOptions unknown;
   unknown.rays = false;

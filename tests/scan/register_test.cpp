@@ -300,6 +300,42 @@ TEST_CASE("register: views come out truer from filtered images") {
   CHECK(off_truth(filtered, truth).shift < 0.1);
 }
 
+TEST_CASE("register: where surfaces fix nothing they do not pull against the borders") {
+  // Of a plate each view sees one side and some of the rim: what lies between the sides only borders tell.
+  std::vector<Side> sides{{Vec3::UnitZ(), 5}, {-Vec3::UnitZ(), 5}};
+  for (int k = 0; k < 7; ++k) sides.push_back({Vec3(std::cos(0.9 * k + 0.1 * k * k), std::sin(0.9 * k + 0.1 * k * k), 0), 17.0 + k});
+  const Surface plate = convex(sides, 30);
+  Context context;
+  context.threads = 2;
+  double squares = 0, variances = 0, pixel = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SimulateOptions options = small();
+    options.resolution = 100, options.sigma = 0.08, options.seed = seed, options.pose_noise_angle = 0.03, options.pose_noise_shift = 0.5;
+    const SimulatedScan scan = simulate(plate, options, context);
+    std::vector<RangeImage> images;
+    for (const SimulatedView& view : scan.views) images.push_back(view.image);
+    auto views = views_to_register(scan.merged, images, context);
+    for (std::size_t v = 0; v < views.size(); ++v) views[v].guess = scan.views[v].initial_guess;
+    const Registration found = run(views);
+    REQUIRE(count(found, ViewStatus::registered) == 7);
+    // How far the views of one side are from those of the other, on the mean.
+    const Pose back = images[0].world_from_view * found.views[0].world_from_view.inverse();
+    Eigen::VectorXd across = Eigen::VectorXd::Zero(48);
+    double thicker = 0;
+    for (std::size_t v = 0; v < 8; ++v) {
+      const double side = images[v].world_from_view.rotation(2, 2) < 0 ? 0.25 : -0.25;
+      across[static_cast<Eigen::Index>(6 * v + 5)] = side;
+      thicker += side * (back * found.views[v].world_from_view * images[v].world_from_view.inverse() * found.center - found.center).z();
+    }
+    squares += thicker * thicker, variances += across.dot(found.covariance * across);
+    pixel = images[0].pitch_x;
+  }
+  INFO(std::sqrt(squares / 3) << " mm, sigma " << std::sqrt(variances / 3) << ", pixel " << pixel);
+  CHECK(std::sqrt(squares / 3) < 0.04 * pixel);
+  CHECK(squares < 4 * variances);
+  CHECK(variances < 25 * squares);
+}
+
 TEST_CASE("register: rejected returns inside a face are no border") {
   std::vector<RegisterView> views = scan_of(cut_block(), small(), 0, 0).views;
   Context context;
