@@ -296,6 +296,19 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
   return loop;
 }
 
+/// The same without faces at its two ends, where these lie much nearer to each other than to the axis: there is a rim of
+/// which nobody saw enough. Nothing if the profile has no two such ends.
+std::optional<LoopPieces> closed_at_rim(const LoopPieces& loop) {
+  constexpr double near = 0.5;
+  if (!loop.axis_to_axis || loop.segments.size() < 5 || loop.segments.front().supported || loop.segments.back().supported) return {};
+  const Vec2 first = loop.segments.front().end, last = loop.segments.back().start;
+  if ((first - last).norm() > near * std::min(first.x(), last.x())) return {};
+  LoopPieces result = loop;
+  result.segments.erase(result.segments.begin()), result.segments.pop_back();
+  result.axis_to_axis = false;
+  return result;
+}
+
 /// What noise makes of steps and corners made square again: a piece shorter than `blur` mm between two walls becomes a
 /// shoulder; one between a wall and a flat is left out. Nothing if there is none.
 std::optional<LoopPieces> with_square_steps(const LoopPieces& loop, double blur) {
@@ -464,6 +477,7 @@ void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data
         if (arcs) pieces = loop->segments.size();
         else if (loop->segments.size() > pieces + 2) continue;
         propose(*loop);
+        if (const auto rim = closed_at_rim(*loop)) propose(*rim);
         const auto square = nodes.blur > 0 ? with_square_steps(*loop, nodes.blur) : std::nullopt;
         if (square) propose(*square);
       }

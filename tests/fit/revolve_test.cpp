@@ -59,6 +59,30 @@ TEST_CASE("revolve: a stepped pin seen from one side comes with square steps at 
   CHECK(found != candidates.end());
 }
 
+TEST_CASE("revolve: a profile is closed at a rim of which nobody saw enough") {
+  // A cone's shell with a hole on top; nothing was seen of the hole's lower edge.
+  Loop loop;
+  loop.name = "profile";
+  loop.elements = {SketchPoint{40, 0, ""}, SketchPoint{46, 0, ""}, SketchPoint{16, 40, ""}, SketchPoint{16, 32, ""}};
+  Model model;
+  model.objects.push_back({"part", Revolve{{{loop}}}, {}, {}, {}});
+  model.as_scanned = false;
+  Scan scan = test::sampled(model, {.points = 30000, .noise = 0.02, .reach = 50, .seed = 5});
+  std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.head<2>().norm() < 18 && p.z() < 33; });
+  Context context;
+  const auto input = prepare(scan, 0.2, context);
+  REQUIRE(input);
+  auto candidates = propose_revolves(*input, {Vec3::UnitZ()}, context);
+  const bool found = std::any_of(candidates.begin(), candidates.end(), [&](Candidate& c) {
+    const auto* revolve = std::get_if<Revolve>(&c.shape);
+    if (!revolve || revolve->sketch.loops[0].elements.size() != 4) return false;
+    refine(c, *input, {.points = 6000, .uncertainty = false}, context);
+    return std::abs(nearest_value(c, 16) - 16) < 0.02 && std::abs(nearest_value(c, 46) - 46) < 0.02 &&
+           evidence_of(c, *input, context).local_max < 0.1;
+  });
+  CHECK(found);
+}
+
 TEST_CASE("revolve: the axis is settled by the points, beyond what noisy normals say of it") {
   Context context;
   Scan scan;
