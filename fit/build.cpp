@@ -13,6 +13,7 @@
 #include "fit/half_spaces.h"
 #include "fit/prepare.h"
 #include "fit/quadrics.h"
+#include "fit/readmit.h"
 #include "fit/refine.h"
 #include "fit/revolve.h"
 #include "fit/ring.h"
@@ -21,6 +22,7 @@
 #include "fit/superellipsoid.h"
 #include "fit/tidy.h"
 #include "fit/triangulate.h"
+#include "geometry/keep_points.h"
 
 namespace partscribe {
 namespace {
@@ -169,8 +171,9 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
 /// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
 std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
   if (rival.reason.empty()) return why_not(winner, rival, input, context);
-  const bool open = rival.open && rival.evidence.total() < winner.evidence.total();
-  return open ? "the data cannot tell: " + rival.reason : rival.reason;
+  if (rival.open && rival.evidence.total() < winner.evidence.total()) return "the data cannot tell: " + rival.reason;
+  const std::string open = off_where_strays_are(winner.evidence, rival.evidence, input);
+  return open.empty() ? rival.reason : open + ", but " + rival.reason;
 }
 
 bool asked_for(const std::string& force, const Candidate& c) {
@@ -285,6 +288,17 @@ void name_unseen(Candidate& candidate, const FitInput& input) {
   }
 }
 
+/// Where the one that says the same as a refined candidate in fewer numbers, as far as its sigmas tell, stands in the list
+/// behind it; the list's size if none meets the tolerance or if it is far less likely.
+std::size_t simpler_than(const std::vector<Judged>& judged, std::size_t at, const Candidate& refined, const FitInput& input) {
+  const std::string kind = simpler_kind(refined);
+  for (std::size_t i = at + 1; i < judged.size() && !kind.empty(); ++i)
+    if (judged[i].meets && kind_of(judged[i].candidate.shape) == kind &&
+        judged[i].evidence.total() - judged[at].evidence.total() < far_more_likely(input))
+      return i;
+  return judged.size();
+}
+
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
 void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
@@ -293,7 +307,13 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
     Candidate exact = search.judged[i].candidate;
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
-    refine(exact, input, full, context);
+    refine_with_strays_near(exact, input, full, context);
+    if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
+      const auto first = search.judged.begin() + static_cast<std::ptrdiff_t>(i), other = search.judged.begin() + static_cast<std::ptrdiff_t>(simpler);
+      std::rotate(first, other, other + 1);
+      exact = search.judged[i].candidate;
+      refine_with_strays_near(exact, input, full, context);
+    }
     name_unseen(exact, input);
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;
@@ -388,17 +408,14 @@ std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context&
   rejected.resize(scan.cloud.size(), 0);
   for (std::size_t i = 0; i < scan.cloud.size(); ++i)
     if (std::binary_search(strays.begin(), strays.end(), scan.cloud.points[i], before)) rejected[i] = 1;
-  const auto keep = [&](auto& column) {
-    if (column.size() != n) return;
-    std::size_t to = 0;
-    for (std::size_t i = 0; i < n; ++i)
-      if (!found.stray[i]) column[to++] = column[i];
-    column.resize(to);
-  };
-  input.surface_share = found.share;
-  keep(input.surface_share);
+  std::vector<std::uint8_t> surface(n);
+  for (std::size_t i = 0; i < n; ++i) surface[i] = !found.stray[i];
+  input.set_aside = cloud;
+  keep_points(input.set_aside, found.stray);
+  keep_points(cloud, surface);
+  for (std::size_t i = 0; i < n; ++i)
+    if (surface[i]) input.surface_share.push_back(found.share[i]);
   input.stray_share = double(found.strays) / double(n);
-  keep(cloud.normals), keep(cloud.rays), keep(cloud.sigma), keep(cloud.view), keep(cloud.points);
   input.sampling.sigma = std::min(input.sampling.sigma, found.sigma);
   input.sampling.rejected += found.strays;
   input.bounds = cloud.bounds();
@@ -493,8 +510,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     const std::string reason = winner < judged.size() ? reason_of(judged[winner], j, input, context) : j.reason;
     model.rivals.push_back(
         {j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
-    if (model.rivals.size() == 12) break;
   }
+  model.rivals = worth_naming(std::move(model.rivals));
   if (winner < judged.size()) {
     const auto put_first = [&](const char* procedure, bool meets, const std::string& reason) {
       if (!reason.empty())

@@ -31,6 +31,7 @@ struct FitInput {
   const Scan* scan = nullptr;   ///< the whole thing, for procedures that need the mesh or all points
   std::vector<float> surface_share;  ///< of a point's neighbours, how many lie on one plane with it; empty: no strays about
   double stray_share = 0;       ///< of the points that were set aside as strays
+  PointCloud set_aside;         ///< these strays, with all that is known of them
   std::vector<float> facet_depth;  ///< mm: how far a point's facet may lie below the true surface; empty: no coarse mesh
   std::shared_ptr<const Surroundings> surroundings;  ///< of `cloud` (surroundings_of); found anew where it is missing
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "core/number.h"
 #include "core/statistics.h"
@@ -137,32 +138,44 @@ class Seen {
   double end_share_ = 1, wall_share_ = 1;
 };
 
-/// The numbers of an outline and how far a first step moves them.
-std::vector<std::pair<double*, double>> numbers_of(CommonOutline& o, double size) {
+using Change = std::function<void(CommonOutline&, double)>;
+
+/// About its own middle: wherever the part stands, its sides stay beside what they explain.
+void turn(CommonOutline& o, double angle) {
+  const Vec2 middle = 0.5 * (o.low + o.high), shift = turned(turned(middle, o.angle), -(o.angle + angle)) - middle;
+  o.angle += angle, o.low += shift, o.high += shift, o.inner += shift;
+}
+
+/// What may change of an outline, and how far a first step takes it.
+std::vector<std::pair<Change, double>> changes_of(OutlineForm form, double size) {
   const double step = 0.08 * size;
-  std::vector<std::pair<double*, double>> result = {{&o.angle, 0.04}, {&o.low.x(), step}, {&o.high.x(), step}, {&o.low.y(), step}, {&o.high.y(), step}};
-  if (o.form == OutlineForm::rounded) result.emplace_back(&o.round, step);
-  if (o.form == OutlineForm::ell) result.emplace_back(&o.inner.x(), step), result.emplace_back(&o.inner.y(), step);
+  std::vector<std::pair<Change, double>> result = {{turn, 0.04}};
+  for (int k = 0; k < 2; ++k) {
+    result.emplace_back([k](CommonOutline& o, double by) { o.low[k] += by; }, step);
+    result.emplace_back([k](CommonOutline& o, double by) { o.high[k] += by; }, step);
+  }
+  if (form == OutlineForm::rounded) result.emplace_back([](CommonOutline& o, double by) { o.round += by; }, step);
+  for (int k = 0; k < 2 && form == OutlineForm::ell; ++k)
+    result.emplace_back([k](CommonOutline& o, double by) { o.inner[k] += by; }, step);
   return result;
 }
 
-/// Down to the nearest minimum, number by number, in steps that become half as long when none of them helps.
+/// Down to the nearest minimum, change by change, in steps that become half as long when none of them helps.
 void descend(CommonOutline& o, const Seen& seen) {
   constexpr int halvings = 7, most_rounds = 60;
-  const auto numbers = numbers_of(o, seen.size());
+  const auto changes = changes_of(o.form, seen.size());
   double scale = 1;
   o.cost = seen.cost(o);
   for (int round = 0, halved = 0; round < most_rounds && halved < halvings; ++round) {
     bool better = false;
-    for (const auto& [number, step] : numbers)
+    for (const auto& [change, step] : changes)
       for (const double way : {step, -step}) {
-        const double before = *number;
-        *number += scale * way;
-        if (const double now = seen.cost(o); now < o.cost) {
-          o.cost = now, better = true;
-          break;
-        }
-        *number = before;
+        CommonOutline next = o;
+        change(next, scale * way);
+        next.cost = seen.cost(next);
+        if (!(next.cost < o.cost)) continue;
+        o = next, better = true;
+        break;
       }
     if (!better) scale /= 2, ++halved;
   }

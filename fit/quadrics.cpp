@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/number.h"
 #include "core/statistics.h"
 #include "geometry/quadric_distance.h"
 
@@ -253,15 +254,9 @@ std::vector<Candidate> propose_quadrics(const FitInput& input, const Superellips
   return result;
 }
 
-std::vector<Candidate> propose_superellipsoids(const FitInput& input, const SuperellipsoidFit& hypothesis) {
-  const Hypothesis& h = hypothesis.hypothesis;
-  const Scale scale = scale_of(input);
-  if (input.cloud.size() < 50 || !(h.a1 > 0 && h.a2 > 0 && h.a3 > 0) || !(scale.diagonal > 0)) return {};
-  const Pose part_from_scan = hypothesis.scan_from_shape.inverse();
-  const double off = median_distance(even_selection(input.cloud.points), [&](const Vec3& p) {
-    return superellipsoid_distance(part_from_scan * p, h.a1, h.a2, h.a3, h.e1, h.e2, h.taper_x, h.taper_y);
-  });
-  if (!(off < scale.close + 0.005 * scale.diagonal)) return {};
+namespace {
+
+Candidate superellipsoid_of(const Hypothesis& h, const Pose& scan_from_shape) {
   Candidate c;
   c.procedure = "superellipsoid", c.object_name = "superellipsoid_body";
   Superellipsoid s{Expr::of("half_size_1"), Expr::of("half_size_2"), Expr::of("half_size_3"),
@@ -278,8 +273,33 @@ std::vector<Candidate> propose_superellipsoids(const FitInput& input, const Supe
     c.parameters.push_back(parameter("taper_y", Quantity::ratio, h.taper_y, "growth of y from the middle to the top"));
   }
   c.shape = s;
-  c.scan_from_part = hypothesis.scan_from_shape;
-  return {c};
+  c.scan_from_part = scan_from_shape;
+  return c;
+}
+
+/// A section that is nearly a diamond as the rounded square that it nearly is as well, an eighth of a turn on.
+Candidate as_rounded_square(Hypothesis h, Pose scan_from_shape) {
+  h.a1 = h.a2 = std::sqrt(h.a1 * h.a2) * std::pow(2, 0.5 * (1 - h.e2));
+  h.e2 = 2 - h.e2, h.taper_x = h.taper_y = 0;
+  scan_from_shape.rotation = scan_from_shape.rotation * rotation_of(Vec3(0, 0, pi / 4));
+  return superellipsoid_of(h, scan_from_shape);
+}
+
+}  // namespace
+
+std::vector<Candidate> propose_superellipsoids(const FitInput& input, const SuperellipsoidFit& hypothesis) {
+  constexpr double diamond = 1.1, least_exponent = 0.1;
+  const Hypothesis& h = hypothesis.hypothesis;
+  const Scale scale = scale_of(input);
+  if (input.cloud.size() < 50 || !(h.a1 > 0 && h.a2 > 0 && h.a3 > 0) || !(scale.diagonal > 0)) return {};
+  const Pose part_from_scan = hypothesis.scan_from_shape.inverse();
+  const double off = median_distance(even_selection(input.cloud.points), [&](const Vec3& p) {
+    return superellipsoid_distance(part_from_scan * p, h.a1, h.a2, h.a3, h.e1, h.e2, h.taper_x, h.taper_y);
+  });
+  if (!(off < scale.close + 0.005 * scale.diagonal)) return {};
+  std::vector<Candidate> result = {superellipsoid_of(h, hypothesis.scan_from_shape)};
+  if (h.e2 > diamond && h.e2 < 2 - least_exponent) result.push_back(as_rounded_square(h, hypothesis.scan_from_shape));
+  return result;
 }
 
 }  // namespace partscribe

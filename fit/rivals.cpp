@@ -90,6 +90,24 @@ std::optional<Bend> bend_of(const FitInput& input) {
               quantile(along, 0.98) - quantile(along, 0.02)};
 }
 
+/// Of a cone, in degrees. The sizes hang together, and against each other: their sigmas add up at most.
+Measured half_angle(const Candidate& c, const Cone& shape) {
+  const Measured a = measured(c, shape.bottom_radius), b = measured(c, shape.top_radius), h = measured(c, shape.height);
+  if (!(h.value > 0)) return {};
+  const double slope = std::abs(a.value - b.value) / h.value;
+  return {std::atan(slope) * 180 / pi, (a.sigma + b.sigma + slope * h.sigma) / h.value * 180 / pi};
+}
+
+/// The difference between the longest and the shortest half axis.
+Measured half_axes_apart(const Candidate& c, const Ellipsoid& shape) {
+  const std::vector<Measured> radii = {measured(c, shape.radius_x), measured(c, shape.radius_y), measured(c, shape.radius_z)};
+  const auto less = [](const Measured& a, const Measured& b) { return a.value < b.value; };
+  const Measured low = *std::min_element(radii.begin(), radii.end(), less), high = *std::max_element(radii.begin(), radii.end(), less);
+  return {high.value - low.value, low.sigma + high.sigma};
+}
+
+bool may_be_zero(const Measured& m) { return m.sigma > 0 && m.value < undecided * m.sigma; }
+
 }  // namespace
 
 std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInput& input, Context& context) {
@@ -98,22 +116,35 @@ std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInp
   if (!cone && !ellipsoid) return {};
   RefineOptions options;
   refine(rival, input, options, context);
-  // The two sizes hang together, and against each other: their sigmas add up at most.
-  if (cone) {
-    const auto& shape = std::get<Cone>(rival.shape);
-    const Measured a = measured(rival, shape.bottom_radius), b = measured(rival, shape.top_radius), h = measured(rival, shape.height);
-    if (!(h.value > 0) || !(a.sigma > 0)) return {};
-    const Measured angle{std::atan((a.value - b.value) / h.value) * 180 / pi, (a.sigma + b.sigma) / h.value * 180 / pi};
-    if (!(std::abs(angle.value) < undecided * angle.sigma)) return {};
-    return "the data cannot tell it from a cone: half angle " + with_sigma({std::abs(angle.value), angle.sigma}, "degrees");
-  }
-  const auto& shape = std::get<Ellipsoid>(rival.shape);
-  const std::vector<Measured> radii = {measured(rival, shape.radius_x), measured(rival, shape.radius_y), measured(rival, shape.radius_z)};
-  const auto less = [](const Measured& a, const Measured& b) { return a.value < b.value; };
-  const Measured low = *std::min_element(radii.begin(), radii.end(), less), high = *std::max_element(radii.begin(), radii.end(), less);
-  const Measured apart{high.value - low.value, low.sigma + high.sigma};
-  if (!(low.sigma > 0) || !(apart.value < undecided * apart.sigma)) return {};
-  return "the data cannot tell it from an ellipsoid: its half axes differ by " + with_sigma(apart, "mm");
+  const Measured apart = cone ? half_angle(rival, std::get<Cone>(rival.shape)) : half_axes_apart(rival, std::get<Ellipsoid>(rival.shape));
+  if (!may_be_zero(apart)) return {};
+  return cone ? "the data cannot tell it from a cone: half angle " + with_sigma(apart, "degrees")
+              : "the data cannot tell it from an ellipsoid: its half axes differ by " + with_sigma(apart, "mm");
+}
+
+std::string simpler_kind(const Candidate& refined) {
+  if (const auto* cone = std::get_if<Cone>(&refined.shape)) return may_be_zero(half_angle(refined, *cone)) ? "cylinder" : "";
+  if (const auto* ellipsoid = std::get_if<Ellipsoid>(&refined.shape)) return may_be_zero(half_axes_apart(refined, *ellipsoid)) ? "sphere" : "";
+  return {};
+}
+
+std::string off_where_strays_are(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input) {
+  const double less = winner.total() - rival.total();
+  const bool makes_sense = rival.description > 0;
+  if (!among_strays(input) || !makes_sense || !(rival.local_max > input.tolerance) || !(less > 0)) return {};
+  return "the data cannot tell whether what it leaves out are strays: costs " + print_number(std::round(less)) + " nats less in all";
+}
+
+std::vector<Rival> worth_naming(std::vector<Rival> all) {
+  constexpr std::ptrdiff_t most = 12;
+  const auto open = [](const Rival& r) {
+    return r.reason.find("cannot tell") != std::string::npos || r.reason.find("fits as well") != std::string::npos;
+  };
+  std::ptrdiff_t others = most - std::count_if(all.begin(), all.end(), open);
+  std::vector<Rival> result;
+  for (Rival& r : all)
+    if (std::ssize(result) < most && (open(r) || others-- > 0)) result.push_back(std::move(r));
+  return result;
 }
 
 std::string bent_sheet(const Candidate& winner, const FitInput& input) {

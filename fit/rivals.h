@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "fit/candidate.h"
+#include "fit/evidence.h"
 
 namespace partscribe {
 
@@ -11,6 +13,17 @@ namespace partscribe {
 /// rival differs from the winner is zero within two sigmas; empty otherwise. Knows cylinder and cone, sphere and
 /// ellipsoid. The rival is refined on the way.
 std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInput& input, Context& context);
+
+/// The kind that a refined cone or ellipsoid is as far as its sigmas tell, "cylinder" or "sphere": what sets it apart is zero
+/// within two of them. Empty for anything else.
+std::string simpler_kind(const Candidate& refined);
+
+/// For a rival that was refused because it is off by more than the tolerance somewhere, among strays: a crowd of them is off at one
+/// place, and what bends to it costs more everywhere else. Says so where the rival costs less in all; else empty.
+std::string off_where_strays_are(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
+
+/// The first twelve rivals, in their order; those that may be the truth ("cannot tell", "fits as well") before all others.
+std::vector<Rival> worth_naming(std::vector<Rival> all);
 
 /// A sentence such as "the data cannot tell it from 29 degrees of a cylinder of radius 43.1 +- 0.9 mm", where a body of flat
 /// faces won although nearly all points lie on one sheet that bends by more than three sigmas; empty otherwise.

@@ -144,3 +144,15 @@ TEST_CASE("round holes: none where the face goes on") {
   CHECK(hardly_seen_holes(between, plate.data.ends, band, 50).empty());
   CHECK(holes_about({turned({20, 14})}, 12, between, plate.data.ends, band).empty());
 }
+
+TEST_CASE("common outlines: a plate of which no wall was seen is found wherever it stands") {
+  Plate plate;
+  plate.face({0, 0}, {50, 30}, 1500, [](const Vec2& p) { return p.x() + p.y() < 55; });
+  plate.strays({-10, -10}, {60, 40}, 60);
+  const double here = common_outlines(plate.data)[0].cost;
+  OutlineData there = plate.data;
+  const Vec2 far(600, -400);
+  for (auto& w : there.walls) w.position += far;
+  for (auto& e : there.ends) e += far;
+  CHECK(common_outlines(there)[0].cost == Approx(here).epsilon(0.005));
+}

@@ -125,3 +125,24 @@ TEST_CASE("quadrics: a plane, a cylinder and an empty cloud are none") {
   CHECK(find(proposed(cylinder), "sphere") == nullptr);
   CHECK(proposed(FitInput{}).empty());
 }
+
+TEST_CASE("superellipsoids: a section that is nearly a diamond is proposed as a rounded square as well") {
+  const FitInput input = scanned({20, 20, 12}, 0.05, 0, -2, 6);
+  SuperellipsoidFit fit;
+  Hypothesis& h = fit.hypothesis;
+  h.a1 = h.a2 = 21, h.a3 = 12, h.e1 = 1, h.e2 = 1.2, h.taper_x = 0.01;
+  fit.scan_from_shape = {rotation_of({0.5, 0.2, -0.9}), {12, -7, 300}};
+  const auto proposed = propose_superellipsoids(input, fit);
+  REQUIRE(proposed.size() == 2);
+  CHECK(proposed[0].parameters.size() == 7);
+  REQUIRE(proposed[1].parameters.size() == 5);
+  CHECK(proposed[1].parameters[4].value == Approx(0.8));
+  // Along both the axes and the diagonals of its section it reaches as far as the diamond.
+  const double way = proposed[1].parameters[0].value;
+  CHECK(way == Approx(21 * std::sqrt(2) * std::pow(0.5, 0.6)));
+  CHECK(way * std::sqrt(2) * std::pow(0.5, 0.4) == Approx(21));
+  const Mat3 turn = fit.scan_from_shape.rotation.transpose() * proposed[1].scan_from_part.rotation;
+  CHECK((turn * Vec3(1, 0, 0) - Vec3(1, 1, 0).normalized()).norm() < 1e-12);
+  h.e2 = 1.05;
+  CHECK(propose_superellipsoids(input, fit).size() == 1);
+}

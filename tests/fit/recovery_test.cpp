@@ -1,5 +1,6 @@
 /// Hard scans of known parts: what is found is right, or says that it cannot tell.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "bench/recovery/facets.h"
@@ -205,6 +206,51 @@ TEST_CASE("rivals: a cone that the data show is not called undecided") {
   INFO(reasons(**model));
   CHECK(kind_of((*model)->objects.back().shape) == "cone");
   CHECK(reasons(**model).find("cannot tell") == std::string::npos);
+}
+
+TEST_CASE("rivals: a cone with its tip far beyond the data is a cylinder, an ellipsoid of equal axes a ball, as far as sigmas tell") {
+  const auto with = [](Shape shape, std::vector<std::array<double, 2>> sizes) {
+    Candidate c;
+    c.shape = std::move(shape);
+    for (std::size_t k = 0; k < sizes.size(); ++k) {
+      Parameter p;
+      p.name = "size_" + std::to_string(k), p.value = p.fitted = sizes[k][0], p.sigma = sizes[k][1];
+      c.parameters.push_back(p);
+    }
+    return simpler_kind(c);
+  };
+  const Cone tip{Expr::of("size_0"), 0, Expr::of("size_1")};
+  CHECK(with(tip, {{12, 0.4}, {1500, 900}}) == "cylinder");
+  CHECK(with(tip, {{12, 0.4}, {60, 3}}).empty());
+  const Ellipsoid body{Expr::of("size_0"), Expr::of("size_1"), Expr::of("size_2")};
+  CHECK(with(body, {{28.4, 1}, {28.3, 0.5}, {27.2, 1}}) == "sphere");
+  CHECK(with(body, {{28.4, 0.2}, {28.3, 0.1}, {27.2, 0.2}}).empty());
+  CHECK(with(body, {{28.4, 0}, {28.4, 0}, {28.4, 0}}).empty());
+}
+
+TEST_CASE("rivals: what is off at one place among strays, but costs less in all, may be the truth") {
+  FitInput input;
+  input.tolerance = 1, input.stray_share = 0.2;
+  CandidateEvidence winner, rival;
+  winner.misfit = 1000, winner.description = 100, winner.local_max = 0.5;
+  rival.misfit = 900, rival.description = 20, rival.local_max = 4;
+  CHECK(off_where_strays_are(winner, rival, input).find("180 nats less") != std::string::npos);
+  rival.misfit = 1200;
+  CHECK(off_where_strays_are(winner, rival, input).empty());
+  rival.misfit = rival.description = 0;  // one that makes no sense was not measured
+  CHECK(off_where_strays_are(winner, rival, input).empty());
+  rival.misfit = 900, rival.description = 20, input.stray_share = 0.02;
+  CHECK(off_where_strays_are(winner, rival, input).empty());
+}
+
+TEST_CASE("rivals: those that may be the truth are named however many others there are") {
+  std::vector<Rival> all;
+  for (int i = 0; i < 20; ++i) all.push_back({"extrusion " + std::to_string(i), true, 0.1, 100, "describes the part in 8 nats more"});
+  all.push_back({"fillet", false, 0.1, 90, "the data cannot tell: its concave side was hardly seen"});
+  const auto named = worth_naming(all);
+  REQUIRE(named.size() == 12);
+  CHECK(named[10].procedure == "extrusion 10");
+  CHECK(named[11].procedure == "fillet");
 }
 
 TEST_CASE("rivals: a flat body on one bent sheet names the cylinder, on a flat sheet it does not") {

@@ -1,0 +1,80 @@
+#include "fit/readmit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "geometry/keep_points.h"
+#include "model/distance.h"
+
+namespace partscribe {
+namespace {
+
+constexpr double near_sigmas = 5;  // a narrower band cuts off noise at a slant
+constexpr int rounds = 3;
+
+/// Its half axes are told apart by how its slopes fall off.
+bool hangs_on_slopes(const Shape& shape) { return std::holds_alternative<Ellipsoid>(shape) || std::holds_alternative<Superellipsoid>(shape); }
+
+bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); }
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from, std::size_t size) {
+  if (to.size() == size) to.insert(to.end(), from.begin(), from.end());
+}
+
+std::vector<std::uint8_t> near_surface(const Candidate& candidate, const std::vector<Vec3>& points, double reach, Context& context) {
+  const ModelDistance distance(bare_model(candidate));
+  const Pose part_from_scan = candidate.scan_from_part.inverse();
+  std::vector<std::uint8_t> near(points.size());
+  parallel_for(points.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) near[i] = std::abs(distance(part_from_scan * points[i]).distance) < reach;
+  });
+  return near;
+}
+
+FitInput with_back(const FitInput& input, const std::vector<std::uint8_t>& back) {
+  PointCloud more = input.set_aside;
+  keep_points(more, back);
+  FitInput result = input;
+  const std::size_t n = input.cloud.size();
+  PointCloud& cloud = result.cloud;
+  append(cloud.normals, more.normals, n), append(cloud.rays, more.rays, n), append(cloud.sigma, more.sigma, n), append(cloud.view, more.view, n);
+  append(cloud.points, more.points, n);
+  result.surface_share.clear(), result.surroundings.reset();
+  return result;
+}
+
+/// The scan with the points at these places no longer rejected; the places are sorted.
+Scan with_back(const Scan& scan, const std::vector<Vec3>& places) {
+  Scan result = scan;
+  for (std::size_t i = 0; i < result.cloud.rejected.size(); ++i)
+    if (result.cloud.rejected[i] && std::binary_search(places.begin(), places.end(), result.cloud.points[i], before)) result.cloud.rejected[i] = 0;
+  return result;
+}
+
+}  // namespace
+
+RefineReport refine_with_strays_near(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
+  if (input.set_aside.empty() || !hangs_on_slopes(candidate.shape)) return refine(candidate, input, options, context);
+  RefineOptions quick = options;
+  quick.points = std::min<std::size_t>(options.points, 6000), quick.iterations = 25, quick.uncertainty = false;
+  std::vector<std::uint8_t> back;
+  for (int round = 0; round < rounds && !context.cancelled; ++round) {
+    if (round > 0) refine(candidate, with_back(input, back), quick, context);
+    std::vector<std::uint8_t> now = near_surface(candidate, input.set_aside.points, near_sigmas * input.sampling.sigma, context);
+    if (now == back) break;
+    back = std::move(now);
+  }
+  FitInput all = with_back(input, back);
+  if (!input.scan) return refine(candidate, all, options, context);
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < back.size(); ++i)
+    if (back[i]) places.push_back(input.set_aside.points[i]);
+  std::sort(places.begin(), places.end(), before);
+  const Scan scan = with_back(*input.scan, places);
+  all.scan = &scan;
+  return refine(candidate, all, options, context);
+}
+
+}  // namespace partscribe
