@@ -39,12 +39,16 @@ Sample sample_of(const RangeImage& image, const FilteredImage& filtered, std::si
 
 }  // namespace
 
+bool are_range_images(const std::vector<RangeImage>& images) {
+  return !images.empty() && std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
+}
+
 FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context) {
   FilterSummary summary;
   PointCloud& cloud = scan.cloud;
   if (images.size() != scan.views.size() || cloud.pixel.size() != cloud.size() || cloud.view.size() != cloud.size()) return summary;
   cloud.rejected.resize(cloud.size(), 0);
-  const bool all_images = !images.empty() && std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
+  const bool all_images = are_range_images(images);
   if (all_images) cloud.normals.assign(cloud.size(), Vec3::Zero()), cloud.sigma.assign(cloud.size(), 0.0f);
   std::vector<std::vector<std::uint32_t>> points_of(images.size());
   for (std::size_t i = 0; i < cloud.size(); ++i)
@@ -77,8 +81,8 @@ FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Co
 }
 
 std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<RangeImage>& images, Context& context) {
-  const bool all_images = std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
-  if (images.empty() || !all_images) return views_of(scan);
+  const bool filtered_before = scan.cloud.sigma.size() == scan.cloud.size();
+  if (!are_range_images(images) || filtered_before) return views_of(scan);
   Scan filtered = scan;
   filter_views(filtered, images, context);
   return views_of(filtered);

@@ -17,13 +17,16 @@ struct FilterSummary {
   double sigma = 0;                  ///< mm, median over the views of the noise at normal incidence
 };
 
+/// True if every view is a range image; false for none.
+bool are_range_images(const std::vector<RangeImage>& images);
+
 /// Filters the image of each view (see read_scan). The view's points, found by view and pixel, take the filtered depth, with
 /// its normal and sigma, or are flagged as rejected. Columns normals and sigma are filled only where every view is a range
 /// image. For registration and merging; fits and verdicts average on their own and take points as measured.
 FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context);
 
 /// The views of a scan as registration wants them: filtered, with normals and sigma, where every view is a range image; as
-/// measured where not. The scan itself stays as it is.
+/// measured where not. A scan that filter_views has seen is taken as it is; the scan itself stays.
 std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<RangeImage>& images, Context& context);
 
 }  // namespace partscribe

@@ -162,7 +162,7 @@ std::optional<TurntableStart> start_from_turntable(std::vector<ViewSurface>& sur
   }
   std::stable_sort(best.begin(), best.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   if (best.empty() || best[0].score < 0.25) return {};
-  TurntableStart result{{{}, std::vector<std::uint8_t>(n, 1), std::vector<std::string>(n)}, {}};
+  TurntableStart result{{{}, std::vector<std::uint8_t>(n, 1), std::vector<std::string>(n), {}}, {}};
   Turntable& table = result.table;
   FixedLine line = fixed_line(best[0].step, surfaces[0].center);
   table.step = line.angle;
