@@ -84,6 +84,23 @@ std::string name_of(const std::vector<RegisterView>& views, std::size_t v) {
   return views[v].name.empty() ? std::to_string(v) : views[v].name;
 }
 
+/// Along free motions views stay where they were guessed to be, and nobody said how good the guesses are.
+Eigen::MatrixXd with_free_motions(const JointResult& joint) {
+  constexpr double guess_share = 0.02;  // of the part's size
+  Eigen::MatrixXd result = joint.covariance;
+  for (const Eigen::VectorXd& direction : joint.free_directions) {
+    double most = 0;  // of any view
+    Eigen::VectorXd step = direction;
+    for (Eigen::Index i = 0; i < step.size(); i += 6) {
+      most = std::max(most, direction.segment<6>(i).norm());
+      step.segment<3>(i) /= joint.size;
+    }
+    step *= guess_share * joint.size / most;
+    result += step * step.transpose();
+  }
+  return result;
+}
+
 /// One entry for all views that move alike.
 std::vector<FreeMotion> free_motions(const JointResult& joint, std::size_t views) {
   std::vector<FreeMotion> result;
@@ -366,7 +383,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
       result.views[v].status = ViewStatus::refused;
       result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected two thirds where no poses are known";
     }
-  result.center = joint.center, result.covariance = joint.covariance;
+  result.center = joint.center, result.covariance = with_free_motions(joint);
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   result.free_motions = free_motions(joint, views.size());

@@ -86,7 +86,8 @@ struct Turntable {
 struct Registration {
   std::vector<RegisteredView> views;
   Vec3 center = Vec3::Zero();      ///< middle of the part in the world frame
-  /// 6 n x 6 n: of all views together, each as in its own `covariance`. Views with one neighbour in common err together.
+  /// 6 n x 6 n: of all views together, each as in its own `covariance`; views with one neighbour in common err together.
+  /// Along free motions a fiftieth of the part's size.
   Eigen::MatrixXd covariance;
   double worst_gap = 0;            ///< largest median distance between two overlapping views, mm
   std::vector<FreeMotion> free_motions;

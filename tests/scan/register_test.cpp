@@ -265,6 +265,16 @@ TEST_CASE("register: a cylinder turns about its axis, and that is said") {
   // In the frame of the reference view's guess the axis is z within that guess's error.
   CHECK(std::abs(turning->axis.z()) > 0.99);
   CHECK(found.warnings.size() >= 1);
+  // Together the seven may turn by a fiftieth of the part's size; what each is fixed to does not count that.
+  Eigen::VectorXd turn = Eigen::VectorXd::Zero(48);
+  for (const std::size_t v : turning->views) turn.segment<3>(static_cast<Eigen::Index>(6 * v)) = turning->axis / 7;
+  const double sigma = std::sqrt(turn.dot(found.covariance * turn));
+  CHECK(sigma > 0.01);
+  CHECK(sigma < 0.05);
+  for (const std::size_t v : turning->views) {
+    const Mat3 own = found.views[v].covariance.topLeftCorner<3, 3>();
+    CHECK(turning->axis.dot(own * turning->axis) < 0.25 * sigma * sigma);
+  }
 }
 
 TEST_CASE("register: small bumps fix how a drum is turned") {
