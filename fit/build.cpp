@@ -396,22 +396,16 @@ std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context&
   const std::size_t n = cloud.size();
   if (found.strays < least_strays || n - found.strays < 50) return std::nullopt;
   context.say("strays: " + print_number(double(found.strays)) + " of " + print_number(double(n)) + " points set aside");
-  const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
-  std::vector<Vec3> strays;
   for (std::size_t i = 0; i < n; ++i) {
-    if (found.stray[i]) strays.push_back(cloud.points[i]);
     const Vec3& towards = cloud.rays.size() == n ? Vec3(-cloud.rays[i]) : cloud.normals[i];
     cloud.normals[i] = found.normals[i].dot(towards) < 0 ? Vec3(-found.normals[i]) : found.normals[i];
   }
-  std::sort(strays.begin(), strays.end(), before);
-  std::vector<std::uint8_t> rejected = scan.cloud.rejected;
-  rejected.resize(scan.cloud.size(), 0);
-  for (std::size_t i = 0; i < scan.cloud.size(); ++i)
-    if (std::binary_search(strays.begin(), strays.end(), scan.cloud.points[i], before)) rejected[i] = 1;
   std::vector<std::uint8_t> surface(n);
   for (std::size_t i = 0; i < n; ++i) surface[i] = !found.stray[i];
   input.set_aside = cloud;
   keep_points(input.set_aside, found.stray);
+  std::vector<std::uint8_t> rejected = points_at(scan.cloud, input.set_aside.points);
+  for (std::size_t i = 0; i < scan.cloud.rejected.size(); ++i) rejected[i] |= scan.cloud.rejected[i];
   keep_points(cloud, surface);
   for (std::size_t i = 0; i < n; ++i)
     if (surface[i]) input.surface_share.push_back(found.share[i]);

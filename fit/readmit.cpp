@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "geometry/keep_points.h"
@@ -15,8 +16,6 @@ constexpr int rounds = 3;
 
 /// Its half axes are told apart by how its slopes fall off.
 bool hangs_on_slopes(const Shape& shape) { return std::holds_alternative<Ellipsoid>(shape) || std::holds_alternative<Superellipsoid>(shape); }
-
-bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); }
 
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from, std::size_t size) {
@@ -45,11 +44,12 @@ FitInput with_back(const FitInput& input, const std::vector<std::uint8_t>& back)
   return result;
 }
 
-/// The scan with the points at these places no longer rejected; the places are sorted.
-Scan with_back(const Scan& scan, const std::vector<Vec3>& places) {
+/// The scan with the points at these places no longer rejected.
+Scan with_back(const Scan& scan, std::vector<Vec3> places) {
   Scan result = scan;
+  const std::vector<std::uint8_t> back = points_at(scan.cloud, std::move(places));
   for (std::size_t i = 0; i < result.cloud.rejected.size(); ++i)
-    if (result.cloud.rejected[i] && std::binary_search(places.begin(), places.end(), result.cloud.points[i], before)) result.cloud.rejected[i] = 0;
+    if (back[i]) result.cloud.rejected[i] = 0;
   return result;
 }
 
@@ -71,8 +71,7 @@ RefineReport refine_with_strays_near(Candidate& candidate, const FitInput& input
   std::vector<Vec3> places;
   for (std::size_t i = 0; i < back.size(); ++i)
     if (back[i]) places.push_back(input.set_aside.points[i]);
-  std::sort(places.begin(), places.end(), before);
-  const Scan scan = with_back(*input.scan, places);
+  const Scan scan = with_back(*input.scan, std::move(places));
   all.scan = &scan;
   return refine(candidate, all, options, context);
 }

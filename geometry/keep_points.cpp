@@ -1,5 +1,7 @@
 #include "geometry/keep_points.h"
 
+#include <algorithm>
+
 #include "core/ensure.h"
 
 namespace partscribe {
@@ -14,6 +16,14 @@ void keep_points(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
     column.resize(to);
   };
   cut(cloud.points), cut(cloud.normals), cut(cloud.rays), cut(cloud.sigma), cut(cloud.view), cut(cloud.pixel), cut(cloud.rejected);
+}
+
+std::vector<std::uint8_t> points_at(const PointCloud& cloud, std::vector<Vec3> places) {
+  const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
+  std::sort(places.begin(), places.end(), before);
+  std::vector<std::uint8_t> at(cloud.size());
+  for (std::size_t i = 0; i < at.size(); ++i) at[i] = std::binary_search(places.begin(), places.end(), cloud.points[i], before);
+  return at;
 }
 
 }  // namespace partscribe

@@ -89,13 +89,8 @@ Eigen::MatrixXd with_free_motions(const JointResult& joint) {
   constexpr double guess_share = 0.02;  // of the part's size
   Eigen::MatrixXd result = joint.covariance;
   for (const Eigen::VectorXd& direction : joint.free_directions) {
-    double most = 0;  // of any view
-    Eigen::VectorXd step = direction;
-    for (Eigen::Index i = 0; i < step.size(); i += 6) {
-      most = std::max(most, direction.segment<6>(i).norm());
-      step.segment<3>(i) /= joint.size;
-    }
-    step *= guess_share * joint.size / most;
+    Eigen::VectorXd step = guess_share * joint.size / largest_of_a_view(direction) * direction;
+    for (Eigen::Index i = 0; i < step.size(); i += 6) step.segment<3>(i) /= joint.size;
     result += step * step.transpose();
   }
   return result;

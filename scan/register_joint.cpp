@@ -400,15 +400,19 @@ MatrixXd covariance_of(const std::vector<PairSum>& surfaces, const std::vector<P
   const MatrixXd& v = equations.by_surfaces.v;
   const MatrixXd pull = answer * equations.trusted.transpose() * equations.surfaces.m.leftCols(v.rows()) * v;
   for (Eigen::Index k = equations.by_surfaces.first; k < v.cols(); ++k) {
-    double most = 0;  // of one view, mm
-    for (Eigen::Index i = 0; i < v.rows(); i += 6) most = std::max(most, v.col(k).segment<6>(i).norm());
-    const VectorXd step = shared_noise * spacing / std::max(most, 1e-300) * pull.col(k);
+    const VectorXd step = shared_noise * spacing / std::max(largest_of_a_view(v.col(k)), 1e-300) * pull.col(k);
     spread += step * step.transpose();
   }
   return spread;
 }
 
 }  // namespace
+
+double largest_of_a_view(const VectorXd& direction) {
+  double most = 0;
+  for (Eigen::Index i = 0; i < direction.size(); i += 6) most = std::max(most, direction.segment<6>(i).norm());
+  return most;
+}
 
 JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                            const std::vector<std::size_t>& views, const JointOptions& options, Context& context) {

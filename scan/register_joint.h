@@ -35,6 +35,9 @@ struct JointResult {
   }
 };
 
+/// The norm of the largest part of a direction, as in JointResult::free_directions, that any one view has.
+double largest_of_a_view(const Eigen::VectorXd& direction);
+
 /// Gauss-Newton on symmetric point-to-plane distances under Welsch weights, with the occluding contours of each view
 /// against the faces that other views see edge-on to it. `views` are adjusted, the first of them stays.
 /// A direction v counts as free when the distances change along it no more than noise in the normals explains:
