@@ -57,6 +57,13 @@ std::size_t inside_of(const PlaneCircle& c, const std::vector<Vec2>& points, dou
   return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](const Vec2& p) { return (p - c.center).norm() < c.radius - band; }));
 }
 
+/// Points of the end faces per area, on the average of the box around them.
+double density_of(const std::vector<Vec2>& ends) {
+  Vec2 low = ends[0], high = low;
+  for (const Vec2& p : ends) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  return double(ends.size()) / std::max((high - low).prod(), 1e-12);
+}
+
 /// What speaks for a hole: wall on it, and the end faces left out by it; a few strays count little.
 double worth_of(const PlaneCircle& c, const std::vector<Vec2>& between, const std::vector<Vec2>& ends, double density, double band) {
   constexpr double stray = 4.5, inside = 2, free = 0.3;
@@ -123,9 +130,7 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
   constexpr int draws = 400, least_sectors = 5;
   constexpr std::size_t least_points = 10, most_holes = 6;
   if (ends.empty()) return {};
-  Vec2 low = ends[0], high = low;
-  for (const Vec2& p : ends) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const double density = double(ends.size()) / std::max((high - low).prod(), 1e-12);
+  const double density = density_of(ends);
   Random random(1);
   std::vector<PlaneCircle> holes;
   while (holes.size() < most_holes && between.size() >= least_points) {
@@ -158,16 +163,19 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
 std::vector<PlaneCircle> holes_about(const std::vector<Vec2>& centres, double most, const std::vector<Vec2>& between,
                                      const std::vector<Vec2>& ends, double band) {
   constexpr std::size_t least_points = 10;
-  double radius = 0;
-  std::size_t on_it = least_points - 1;
+  if (ends.empty()) return {};
+  const double density = density_of(ends);
+  const auto worth = [&](const Vec2& c, double r) { return worth_of({c, r}, between, ends, density, band); };
+  double radius = 0, best = 0;
   for (double r = 2 * band; r < most - 2 * band; r += 0.25 * band) {
-    std::size_t count = 0;
-    for (const Vec2& c : centres) count += points_of({c, r}, between, band).size();
-    if (count > on_it) on_it = count, radius = r;
+    double sum = 0;
+    std::size_t on = 0;
+    for (const Vec2& c : centres) sum += std::max(worth(c, r), 0.0), on += points_of({c, r}, between, band).size();
+    if (on >= least_points && sum > best) best = sum, radius = r;
   }
   std::vector<PlaneCircle> result;
   for (const Vec2& c : centres)
-    if (radius > 0 && inside_of({c, radius}, ends, 0.2 * radius) <= 2) result.push_back({c, radius});
+    if (radius > 0 && worth(c, radius) > 0) result.push_back({c, radius});
   return result;
 }
 

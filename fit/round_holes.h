@@ -17,8 +17,8 @@ std::vector<PlaneCircle> partly_seen_holes(std::vector<PlanePoint> walls, const 
 /// 50 degrees; what the end faces leave free says how large a hole is where its wall hardly does.
 std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std::vector<Vec2>& ends, double band, double size);
 
-/// Equal holes about known centres: the radius, below `most`, on which most points lie; none where these are few, or end faces
-/// fill the place.
+/// Equal holes about known centres: the radius, below `most`, for which walls and what the end faces leave free speak most; none
+/// where walls are few, or end faces fill the place.
 std::vector<PlaneCircle> holes_about(const std::vector<Vec2>& centres, double most, const std::vector<Vec2>& between,
                                      const std::vector<Vec2>& ends, double band);
 
