@@ -61,7 +61,7 @@ struct Sample {
   std::vector<Vec3> points, normals;
 };
 
-/// Directions along which the fillet may run: square to most normals, or those of plane faces.
+/// Directions along which the fillet may run: square to most normals, those of plane faces, or of the edges where two of these meet.
 std::vector<Vec3> axes_of(const std::vector<Vec3>& normals, const std::vector<Vec3>& faces) {
   constexpr double known = 0.995;
   std::vector<Vec3> axes;
@@ -74,6 +74,9 @@ std::vector<Vec3> axes_of(const std::vector<Vec3>& normals, const std::vector<Ve
   for (int k = 0; k < 3; ++k) add(wall_direction(normals, main.col(k)));
   for (const Vec3& f : faces) add(wall_direction(normals, f.unitOrthogonal()));
   for (const Vec3& f : faces) add(f);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (std::size_t k = i + 1; k < faces.size(); ++k)
+      if (std::abs(faces[i].dot(faces[k])) < square) add(faces[i].cross(faces[k]).normalized());
   return axes;
 }
 
@@ -229,15 +232,22 @@ Candidate candidate_from(const Start& start, bool round) {
   return c;
 }
 
+/// The same legs, in either order. The ends are settled later.
 bool alike(const Start& a, const Start& b) {
-  const Mat3 turn = a.scan_from_part.rotation.transpose() * b.scan_from_part.rotation;
-  return turn.trace() > 1 + 2 * std::cos(0.15) && (a.size - b.size).norm() < 0.1 * a.size.norm();
+  const auto near = [&](const Mat3& rotation, const Vec2& legs) {
+    const Mat3 turn = a.scan_from_part.rotation.transpose() * rotation;
+    return turn.trace() > 1 + 2 * std::cos(0.15) && (a.size.head<2>() - legs).norm() < 0.1 * a.size.norm();
+  };
+  const Mat3& r = b.scan_from_part.rotation;
+  Mat3 exchanged;
+  exchanged << r.col(1), r.col(0), -r.col(2);
+  return near(r, b.size.head<2>()) || near(exchanged, {b.size.y(), b.size.x()});
 }
 
 Vec3 size_of(const Candidate& c) { return {c.parameters[0].value, c.parameters[1].value, c.parameters[2].value}; }
 
-/// The best of many starts, each refined.
-Start best_start(const Sample& sample, const FitInput& input, Context& context) {
+/// The best of many starts, each refined; at most `most` that differ, the best first.
+std::vector<Start> best_starts(const Sample& sample, const FitInput& input, std::size_t most, Context& context) {
   constexpr std::size_t most_refined = 6;
   constexpr double dearer = 0.2;         // share of the points
   constexpr double largest = 1.2, coarse = 0.08;  // of the data's size
@@ -248,8 +258,7 @@ Start best_start(const Sample& sample, const FitInput& input, Context& context) 
     for (const Mat3& frame : frames_about(axis, faces))
       for (const double left_out : {0.01, 0.05}) starts.push_back(start_in(frame, sample, input.oriented, left_out, coarse * size));
   std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
-  std::vector<Start> tried;
-  Start best;
+  std::vector<Start> tried, refined_starts;
   RefineOptions quick;
   quick.points = most_points, quick.iterations = 20, quick.uncertainty = false, quick.fixed = {"length"};
   for (const Start& start : starts) {
@@ -263,8 +272,12 @@ Start best_start(const Sample& sample, const FitInput& input, Context& context) 
     if (!(refined.size.minCoeff() > 0) || refined.size.maxCoeff() > largest * size) continue;
     const double thick = 3 * std::max(input.sampling.sigma, 0.1 * input.tolerance);
     refined.cost = cost_of(refined.scan_from_part, refined.size, sample, input.oriented, thick);
-    if (refined.cost < best.cost) best = refined;
+    refined_starts.push_back(refined);
   }
+  std::stable_sort(refined_starts.begin(), refined_starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
+  std::vector<Start> best;
+  for (const Start& start : refined_starts)
+    if (best.size() < most && std::none_of(best.begin(), best.end(), [&](const Start& b) { return alike(b, start); })) best.push_back(start);
   return best;
 }
 
@@ -277,20 +290,22 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / most_points);
   for (std::size_t i = 0; i < cloud.size(); i += step)
     if (cloud.normals[i].squaredNorm() > 0.5) sample.points.push_back(cloud.points[i]), sample.normals.push_back(cloud.normals[i]);
-  Start best = best_start(sample, input, context);
-  context.report("fillets", 1);
-  if (!(best.cost < most_unexplained)) return {};
-  settle_ends(best, input);
-  Candidate any = candidate_from(best, false);
+  // Where the concave side was hardly seen many fillets explain the rest: which of them best, only all points tell.
+  const std::size_t most = among_strays(input) ? 3 : 1;
   std::vector<Candidate> result;
-  if (!shows_itself(best, input)) {
-    any.unseen = "its concave side was hardly seen";
-    if (among_strays(input)) result.push_back(std::move(any));
-    return result;
+  for (Start& start : best_starts(sample, input, most, context)) {
+    if (!(start.cost < most_unexplained)) continue;
+    settle_ends(start, input);
+    Candidate any = candidate_from(start, false);
+    if (shows_itself(start, input)) {
+      if (std::abs(start.size.x() - start.size.y()) < 0.1 * (start.size.x() + start.size.y())) result.push_back(candidate_from(start, true));
+      result.push_back(std::move(any));
+    } else if (among_strays(input)) {
+      any.unseen = "its concave side was hardly seen";
+      result.push_back(std::move(any));
+    }
   }
-  if (std::abs(best.size.x() - best.size.y()) < 0.1 * (best.size.x() + best.size.y()))
-    result.push_back(candidate_from(best, true));
-  result.push_back(std::move(any));
+  context.report("fillets", 1);
   return result;
 }
 
