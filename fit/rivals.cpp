@@ -163,7 +163,7 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
   const bool flat = std::holds_alternative<Box>(winner.shape) || std::holds_alternative<Wedge>(winner.shape) || std::holds_alternative<Extrude>(winner.shape);
   if (!last_resort && !(flat && among_strays(input))) return {};
   const auto faces = scanned_faces(input, context);
-  if (faces.size() < 2) return {};
+  if (faces.size() < (flat ? 1 : 2)) return {};
   if (flat) {
     const double per_face = 4 + 1.5 * std::log(double(input.cloud.size()));  // as in description_length
     const bool cheaper = misfit_of(faces, input) + per_face * double(faces.size()) < cost;
@@ -171,7 +171,9 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
   } else if (!closed_body(faces, input, context).empty()) {
     return {};
   }
-  return "the data cannot tell: " + print_number(double(faces.size())) + " plane faces hold nearly all points, and what closes them was not scanned";
+  const std::string number = faces.size() == 1 ? "one plane face holds" : print_number(double(faces.size())) + " plane faces hold";
+  const std::string others = flat ? "; a wedge, an extrusion or a fillet may have them too" : "";
+  return "the data cannot tell: " + number + " nearly all points, and what closes the body was not scanned" + others;
 }
 
 }  // namespace partscribe
