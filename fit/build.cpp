@@ -57,6 +57,10 @@ bool hardly_bends(const Candidate& c, double size) {
          });
 }
 
+/// Welsch constants among strays, of the search and of the last steps: strays beside the surface draw less, and at 1.5 the
+/// error that noise alone makes grows by 8 % only. A search as narrow as that would stay where it starts.
+constexpr double narrow = 2, narrow_last = 1.5;
+
 Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   Judged j;
   auto senseless = [&] {
@@ -81,6 +85,8 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   quick.points = is_slow(candidate) ? 1500 : 6000;
   quick.iterations = 25;
   quick.uncertainty = false;
+  if (among_strays(input)) quick.welsch = narrow;
+  quick.near = among_strays(input) && !is_slow(candidate) && evidence_of(candidate, input, context).local_max <= input.tolerance;
   refine(candidate, input, quick, context);
   if (senseless()) {
     j.candidate = std::move(candidate);
@@ -117,21 +123,25 @@ double worth_a_shape(const FitInput& input) {
 
 constexpr double nats_per_stray = 6;     // what a point costs that a shape leaves to chance
 
-/// By how many nats a shape must follow its own points better than a simpler one; strays bend what they can.
-double far_more_likely(const FitInput& input) { return 20 + 0.1 * input.stray_share * double(input.cloud.size()); }
+constexpr double more_likely = 20;       // nats by which a longer description must follow its own points better
+
+/// The same where it is of another procedure: a body of another kind bends to strays in all its places.
+double far_more_likely(const FitInput& input) { return more_likely + 0.1 * input.stray_share * double(input.cloud.size()); }
 
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
 /// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
-bool pays(const CandidateEvidence& longer, const CandidateEvidence& shorter, const FitInput& input) {
+bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double clearly = 0.7;
+  const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
   const double gain = shorter.total() - longer.total();
   if (!(gain > 0)) return false;
   if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
   const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
-  return only_noise && gain - nats_per_stray * std::max(explained, 0.0) > far_more_likely(input);
+  const double enough = a.candidate.procedure == b.candidate.procedure ? more_likely : far_more_likely(input);
+  return only_noise && gain - nats_per_stray * std::max(explained, 0.0) > enough;
 }
 
 /// The shortest description that meets the tolerance comes first, unless a longer one pays. `judged` is sorted by
@@ -139,7 +149,7 @@ bool pays(const CandidateEvidence& longer, const CandidateEvidence& shorter, con
 void put_best_first(std::vector<Judged>& judged, const FitInput& input) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i)
-    if (pays(judged[i].evidence, judged[best].evidence, input)) best = i;
+    if (pays(judged[i], judged[best], input)) best = i;
   if (best > 0)
     std::rotate(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(best),
                 judged.begin() + static_cast<std::ptrdiff_t>(best) + 1);
@@ -148,13 +158,14 @@ void put_best_first(std::vector<Judged>& judged, const FitInput& input) {
 /// Why a rival that meets the tolerance is not the model.
 std::string why_not(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
   constexpr double told_apart = 6;  // nats of misfit, odds of 400
+  constexpr double most_left_out = 0.2;  // times the strays that were set aside: 95 % of true shapes leave fewer others unexplained
   const std::string by_size = told_apart_by(winner.candidate, rival.candidate, input, context);
   if (!by_size.empty()) return by_size;
   const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
   const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
   const bool everywhere = among_strays(input);
   const double left = double(r.unexplained) - double(w.unexplained), strays = input.stray_share * double(input.cloud.size());
-  if (r.description < w.description && everywhere && left > 0 && left < 0.1 * strays &&
+  if (r.description < w.description && everywhere && left > 0 && left < most_left_out * strays &&
       r.total() - w.total() - nats_per_stray * left < far_more_likely(input))
     return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are strays";
   if (r.description < w.description)
@@ -171,7 +182,8 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
 /// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
 std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
   if (rival.reason.empty()) return why_not(winner, rival, input, context);
-  if (rival.open && rival.evidence.total() < winner.evidence.total()) return "the data cannot tell: " + rival.reason;
+  const double margin = among_strays(input) ? far_more_likely(input) : 0;
+  if (rival.open && rival.evidence.total() < winner.evidence.total() + margin) return "the data cannot tell: " + rival.reason;
   const std::string open = off_where_strays_are(winner.evidence, rival.evidence, input);
   return open.empty() ? rival.reason : open + ", but " + rival.reason;
 }
@@ -307,6 +319,8 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
     Candidate exact = search.judged[i].candidate;
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
+    full.near = among_strays(input);
+    if (full.near) full.welsch = narrow_last;
     refine_with_strays_near(exact, input, full, context);
     if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
       const auto first = search.judged.begin() + static_cast<std::ptrdiff_t>(i), other = search.judged.begin() + static_cast<std::ptrdiff_t>(simpler);
@@ -323,6 +337,7 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
       Candidate settled = tidy;
       RefineOptions rest;
       rest.points = 6000, rest.iterations = 8, rest.uncertainty = false;
+      rest.near = full.near, rest.welsch = full.welsch;
       for (const auto& p : tidy.parameters) rest.fixed.push_back(p.name);
       refine(settled, input, rest, context);
       tidy.scan_from_part = settled.scan_from_part;

@@ -44,7 +44,7 @@ std::vector<double> scales_of(const Distances& d, double scale, bool by_face) {
 /// Levenberg-Marquardt from wherever the candidate stands.
 void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<Vec3>& points, double noise,
              const RefineOptions& options, RefineReport& report, Context& context) {
-  constexpr int rounds_by_face = 5;
+  const int rounds_by_face = options.near ? 0 : 5;
   const Welsch kernel{options.welsch};
   const double size = unknowns.size();
   auto cost = [&](const std::vector<double>& d, const std::vector<double>& scales) {
@@ -174,7 +174,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   constexpr int rounds_on_rays = 4;
   constexpr double settled = 0.5;  // of the log likelihood: less than a sigma
   AllPointsOptions everything;
-  everything.kernel.c = std::max(options.welsch, 3.0);
+  everything.kernel.c = options.welsch < RefineOptions{}.welsch ? options.welsch : std::max(options.welsch, 3.0);
   // A distance found by Newton's method in three unknowns costs as much as a hundred others.
   if (std::holds_alternative<Superellipsoid>(candidate.shape)) everything.nodes = 4000, everything.points = 40000;
   const double least = std::max(0.3 * input.sampling.sigma, 1e-7 * unknowns.size());

@@ -10,7 +10,8 @@ namespace partscribe {
 struct RefineOptions {
   std::size_t points = 20000;    ///< of the search, at most; the last steps take all points of the scan
   int iterations = 40;
-  double welsch = 2.5;           ///< residuals beyond some 2 * welsch sigmas lose their say
+  double welsch = 2.5;           ///< residuals beyond some 2 * welsch sigmas lose their say; the last steps take 3 unless it is narrower
+  bool near = false;             ///< every face starts in its place; else those far out of it are caught, and strays by faces hardly seen
   bool uncertainty = true;       ///< false: skip the last steps on all points, and sigma
   std::vector<std::string> fixed;  ///< parameters that keep their value
 };
