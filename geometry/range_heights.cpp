@@ -65,6 +65,24 @@ double RangeHeights::incidence(int row, int column, double h, double slope_x, do
   return sq_length * (x * x + y * y + 1);  // gradient . (x, y, 1) = -1
 }
 
+Tilt RangeHeights::tilt(int row, int column, double h, double slope_x, double slope_y) const {
+  const Vec3 g = gradient(row, column, h, slope_x, slope_y);
+  // g . ray = -1 for the ray with a unit component along the axis.
+  const Vec3 ray = pinhole ? Vec3((column - cx_) / fx_, (row - cy_) / fy_, 1) : Vec3(0, 0, 1);
+  const double sq_length = ray.squaredNorm();
+  const Vec3 across = g + ray / sq_length;
+  const double in_image = across.head<2>().norm();
+  if (!(in_image > 1e-9)) return {};
+  const double sq_tangent = across.squaredNorm() * sq_length;
+  return {static_cast<float>(across.x() / in_image), static_cast<float>(across.y() / in_image),
+          static_cast<float>(std::sqrt(sq_tangent)), static_cast<float>(std::sqrt(1 + sq_tangent))};
+}
+
+double RangeHeights::pixels_per_height(double h) const {
+  const double pixel = pinhole ? depth(h) / std::sqrt(fx_ * fy_) : std::sqrt(pitch_x_ * pitch_y_);
+  return mm_per_height(h) / pixel;
+}
+
 Vec3 RangeHeights::normal(int row, int column, double h, double slope_x, double slope_y) const {
   return gradient(row, column, h, slope_x, slope_y).normalized();
 }

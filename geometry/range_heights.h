@@ -1,6 +1,7 @@
 /// The codes of a range image as heights in which a plane of the part is a plane of the image.
 #pragma once
 
+#include "geometry/bent_surface.h"
 #include "geometry/padded_grid.h"
 #include "geometry/range_image.h"
 
@@ -16,6 +17,9 @@ struct RangeHeights {
   double mm_per_height(double height) const;  ///< derivative of the depth
   /// 1 / cos^2 of the angle between ray and normal for a slope in heights per pixel.
   double incidence(int row, int column, double height, double slope_x, double slope_y) const;
+  /// The same slope against the ray itself.
+  Tilt tilt(int row, int column, double height, double slope_x, double slope_y) const;
+  double pixels_per_height(double height) const;  ///< along the optical axis, in widths of a pixel there
   /// The unit normal against the ray, in the sensor's frame.
   Vec3 normal(int row, int column, double height, double slope_x, double slope_y) const;
 

@@ -6,6 +6,7 @@
 
 #include "core/ensure.h"
 #include "core/parallel.h"
+#include "geometry/curvature_map.h"
 #include "geometry/range_heights.h"
 #include "geometry/range_noise.h"
 #include "geometry/trimmed_window.h"
@@ -162,68 +163,37 @@ Fitness fitness(const Planes& p, int r, int c, float sigma) {
   if (count < 25) return Fitness::broken;
   const float xx = p.bend_xx.row(r)[c], yy = p.bend_yy.row(r)[c], xy = p.bend_xy.row(r)[c];
   const float gain = (70 * (xx * xx + yy * yy) + 100 * (xy * xy)) * inverse;
-  return gain > 16.3F && chi2 - gain <= chi2_limit(count - 6) ? Fitness::quadric : Fitness::broken;
+  return gain > significant_bend && chi2 - gain <= chi2_limit(count - 6) ? Fitness::quadric : Fitness::broken;
 }
 
-/// Sums of the x^2, y^2 and xy coefficients of the smooth windows around each pixel: from up to 9x9 samples, a bend
-/// shows that hides in the noise of 5x5.
-struct Bends {
-  Bends(int width, int height) : xx(width, height, 0), yy(xx), xy(xx), count(xx) {}
-  Grid xx, yy, xy, count;
-};
-
-void add_shifted(Grid& to, const Grid& from, int width, int height, bool down) {
-  for (int r = 0; r < height; ++r) {
-    float* out = to.row(r);
-    const float* in[5];
-    for (int k = -2; k <= 2; ++k) in[k + 2] = down ? from.row(r + k) : from.row(r) + k;
-    for (int c = 0; c < width; ++c) out[c] = ((in[0][c] + in[4][c]) + (in[1][c] + in[3][c])) + in[2][c];
-  }
-}
-
-Bends smooth_bends(const RangeHeights& h, const Planes& planes, const PaddedGrid<Fitness>& fit) {
-  Bends one(h.width, h.height_px);
-  Grid rows(h.width, h.height_px, 0);
+/// The bend of every smooth window as the curvature of a surface.
+CurvatureGrids window_curvatures(const RangeHeights& h, const Planes& p, const PaddedGrid<Fitness>& fit,
+                                 const Grid& sigma) {
+  CurvatureGrids one(h.width, h.height_px);
   for (int r = 0; r < h.height_px; ++r)
     for (int c = 0; c < h.width; ++c) {
-      if (planes.count.row(r)[c] < 25 || (fit.row(r)[c] != Fitness::plane && fit.row(r)[c] != Fitness::quadric))
-        continue;
-      one.xx.row(r)[c] = planes.bend_xx.row(r)[c], one.yy.row(r)[c] = planes.bend_yy.row(r)[c];
-      one.xy.row(r)[c] = planes.bend_xy.row(r)[c], one.count.row(r)[c] = 1;
+      if (p.count.row(r)[c] < 25 || (fit.row(r)[c] != Fitness::plane && fit.row(r)[c] != Fitness::quadric)) continue;
+      const float height = h.grid.row(r)[c];
+      const Tilt tilt = h.tilt(r, c, height, p.slope_x.row(r)[c], p.slope_y.row(r)[c]);
+      const Bend bend{p.bend_xx.row(r)[c], p.bend_yy.row(r)[c], p.bend_xy.row(r)[c]};
+      const Bend k = curvature_of(bend, tilt);
+      const float frontal = 1 / (tilt.secant * tilt.secant), s = sigma.row(r)[c];
+      one.xx.row(r)[c] = k.xx, one.yy.row(r)[c] = k.yy, one.xy.row(r)[c] = k.xy;
+      one.variance.row(r)[c] = s * s * frontal * frontal * frontal, one.count.row(r)[c] = 1;
     }
-  for (const auto member : {&Bends::xx, &Bends::yy, &Bends::xy, &Bends::count}) {
-    add_shifted(rows, one.*member, h.width, h.height_px, false);
-    add_shifted(one.*member, rows, h.width, h.height_px, true);
-  }
   return one;
 }
 
-/// A bend of the surface around a pixel, in heights per pixel^2; all zero if none shows.
-struct Bend {
-  float xx = 0, yy = 0, xy = 0, windows = 0;
-  float at(int x, int y) const {
-    return xx * static_cast<float>(x * x) + yy * static_cast<float>(y * y) + xy * static_cast<float>(x * y);
-  }
-};
-
-Bend bend_at(const Bends& bends, int r, int c, float sigma) {
-  const float n = bends.count.row(r)[c];
-  if (n == 0) return {};
-  const Bend b{bends.xx.row(r)[c] / n, bends.yy.row(r)[c] / n, bends.xy.row(r)[c] / n, n};
-  // The variance of a mean over n overlapping windows is near that of one over n.
-  const float chi2 = n * (70 * (b.xx * b.xx + b.yy * b.yy) + 100 * (b.xy * b.xy));
-  return chi2 > 16.3F * sigma * sigma ? b : Bend{};
-}
-
 /// Kept samples above the middle one less slope and bend, in noise levels.
-void gather(const Grid& heights, const Grid& kept, int r, int c, float slope_x, float slope_y, const Bend& bend,
+void gather(const Grid& heights, const Grid& kept, int r, int c, float slope_x, float slope_y, const BentSurface& shape,
             float sigma, Window& u, Window& w) {
   constexpr float reach = 50;  // beyond it a sample is on another surface however far
   const float middle = heights.row(r)[c], inverse = 1 / sigma;
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x) {
       const auto k = static_cast<std::size_t>((y + 2) * 5 + x + 2);
-      const float trend = slope_x * static_cast<float>(x) + slope_y * static_cast<float>(y) + bend.at(x, y);
+      const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
+      const float trend = slope_x * fx + slope_y * fy + shape.at(fx, fy);
       u[k] = std::clamp((heights.row(r + y)[c + x] - middle - trend) * inverse, -reach, reach);
       w[k] = kept.row(r + y)[c + x];
     }
@@ -231,37 +201,80 @@ void gather(const Grid& heights, const Grid& kept, int r, int c, float slope_x, 
 
 constexpr float steepest = 52;  // 1 / cos^2 of 82 degrees
 
-/// The value in a window that a plane or a quadric explains.
-WindowFacet smooth_facet(const Grid& heights, const Grid& kept, const Planes& p, const Bend& bend, int r, int c,
-                         float sigma) {
-  WindowFacet f{p.value.row(r)[c], p.slope_x.row(r)[c], p.slope_y.row(r)[c], p.variance.row(r)[c], RltsModel::plane};
-  if (bend.windows == 0) return f;
-  f.model = RltsModel::quadric;
-  if (p.count.row(r)[c] == 25) {
-    f.value -= 2 * (bend.xx + bend.yy);
-  } else {
-    Window u, w;
-    gather(heights, kept, r, c, f.slope_x, f.slope_y, bend, sigma, u, w);
-    const WindowFacet rest = plane_fit(u, w).facet;
-    f.value = rest.value * sigma;
-    f.slope_x += rest.slope_x * sigma, f.slope_y += rest.slope_y * sigma;
-  }
-  // Twice the variance of two coefficients, and their covariance with the plane's value.
-  f.variance += 8 / (70 * bend.windows) + 0.0208F * (1 - 1 / bend.windows);
-  return f;
+/// The bend at a pixel; next to an edge, that of the surface to which it belongs.
+KnownBend bend_at(const CurvatureMap& curvatures, const Slopes& slopes, int r, int c, const Tilt& tilt) {
+  if (curvatures.known(r, c)) return curvatures.at(r, c, tilt);
+  return curvatures.at(r + slopes.down.row(r)[c], c + slopes.right.row(r)[c], tilt);
 }
 
-/// The facet of a window that needs the long way.
-WindowFacet broken_facet(const Grid& heights, const Grid& kept, const Slopes& slopes, const Bend& bend, int r, int c,
-                         float sigma) {
-  const float sx = slopes.x.row(r)[c], sy = slopes.y.row(r)[c];
-  Window u, w;
-  gather(heights, kept, r, c, sx, sy, bend, sigma, u, w);
-  WindowFacet f = window_facet(u, w);
-  f.value *= sigma;
-  f.slope_x = f.slope_x * sigma + sx, f.slope_y = f.slope_y * sigma + sy;
-  return f;
-}
+/// The value of one pixel from its window.
+struct Fitter {
+  const RangeHeights& h;
+  const Grid &heights, &kept;
+  const Planes& planes;
+  const Slopes& slopes;
+  const CurvatureMap& curvatures;
+
+  /// Of a window that a plane or a quadric explains.
+  WindowFacet smooth(int r, int c, float sigma) const {
+    WindowFacet f{planes.value.row(r)[c],    planes.slope_x.row(r)[c], planes.slope_y.row(r)[c],
+                  planes.variance.row(r)[c], RltsModel::plane,         planes.sse.row(r)[c] / (sigma * sigma)};
+    const Tilt tilt = h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y);
+    const KnownBend bend = bend_at(curvatures, slopes, r, c, tilt);
+    if (bend.shape.flat()) return f;
+    if (planes.count.row(r)[c] < 25 || bend.far_steeper) return better(f, bent(f, r, c, sigma), bend.far_steeper);
+    f.value -= bend.shape.mean();
+    f.slope_x -= bend.shape.steepening() * tilt.x, f.slope_y -= bend.shape.steepening() * tilt.y;
+    f.variance += bend.variance, f.model = RltsModel::quadric;
+    return f;
+  }
+
+  /// Of a window that needs the long way.
+  WindowFacet broken(int r, int c, float sigma) const {
+    const float sx = slopes.x.row(r)[c], sy = slopes.y.row(r)[c], height = h.grid.row(r)[c];
+    const KnownBend there = bend_at(curvatures, slopes, r, c, h.tilt(r, c, height, sx, sy));
+    if (there.shape.flat()) return facet(r, c, sx, sy, {}, sigma);
+    // From the middle of the window that tells the slope to here.
+    const auto [turn_x, turn_y] =
+        there.shape.slope(static_cast<float>(-slopes.right.row(r)[c]), static_cast<float>(-slopes.down.row(r)[c]));
+    const KnownBend here = bend_at(curvatures, slopes, r, c, h.tilt(r, c, height, sx + turn_x, sy + turn_y));
+    const WindowFacet f = facet(r, c, sx + turn_x, sy + turn_y, here.shape, sigma);
+    if (!there.far_steeper && !here.far_steeper) return f;
+    return better(facet(r, c, sx, sy, {}, sigma), f, true);
+  }
+
+ private:
+  /// A plane through part of a window, less the bend of its surroundings.
+  WindowFacet bent(WindowFacet f, int r, int c, float sigma) const {
+    // The slope hangs on the bend, and so does the bend on the slope.
+    for (int round = 0; round < 2; ++round) {
+      const Tilt tilt = h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y);
+      const KnownBend bend = bend_at(curvatures, slopes, r, c, tilt);
+      Window u, w;
+      gather(heights, kept, r, c, f.slope_x, f.slope_y, bend.shape, sigma, u, w);
+      const WindowFit rest = plane_fit(u, w);
+      f.value = rest.facet.value * sigma, f.cost = rest.sse;
+      f.slope_x += rest.facet.slope_x * sigma, f.slope_y += rest.facet.slope_y * sigma;
+      f.variance = planes.variance.row(r)[c] + bend.variance;
+    }
+    f.model = RltsModel::quadric;
+    return f;
+  }
+
+  WindowFacet facet(int r, int c, float slope_x, float slope_y, const BentSurface& shape, float sigma) const {
+    Window u, w;
+    gather(heights, kept, r, c, slope_x, slope_y, shape, sigma, u, w);
+    WindowFacet f = window_facet(u, w);
+    f.value *= sigma;
+    f.slope_x = f.slope_x * sigma + slope_x, f.slope_y = f.slope_y * sigma + slope_y;
+    return f;
+  }
+
+  /// A bend from less steep places beside may be that of another face: then the samples have to ask for it.
+  static WindowFacet better(const WindowFacet& flat, const WindowFacet& bent, bool doubtful) {
+    return doubtful && (bent.model == RltsModel::raw || bent.cost + significant_bend > flat.cost) ? flat : bent;
+  }
+};
 
 FilteredImage empty_result(const RangeImage& image) {
   FilteredImage result;
@@ -342,19 +355,16 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
     for (int c = 0; c < h.width; ++c)
       if (!std::isnan(h.grid.row(r)[c])) fit.row(r)[c] = fitness(planes, r, c, sigma.row(r)[c]);
   });
-  const Bends bends = smooth_bends(h, planes, fit);
+  const CurvatureMap curvatures(h, window_curvatures(h, planes, fit, sigma), sigma);
+  const Fitter fitter{h, heights, kept, planes, slopes, curvatures};
   each_row(h, context, [&](int r) {
     for (int c = 0; c < h.width; ++c) {
       if (std::isnan(h.grid.row(r)[c])) continue;
       const float s = sigma.row(r)[c];
       WindowFacet facet = rejected_facet;
       if (kept.row(r)[c] != 0) {
-        Bend bend = bend_at(bends, r, c, s);
-        if (bends.count.row(r)[c] == 0)  // next to an edge; the bend of the surface that the pixel belongs to
-          bend = bend_at(bends, r + slopes.down.row(r)[c], c + slopes.right.row(r)[c], s);
         const bool smooth = fit.row(r)[c] == Fitness::plane || fit.row(r)[c] == Fitness::quadric;
-        facet = smooth ? smooth_facet(heights, kept, planes, bend, r, c, s)
-                       : broken_facet(heights, kept, slopes, bend, r, c, s);
+        facet = smooth ? fitter.smooth(r, c, s) : fitter.broken(r, c, s);
         // A sample that agrees with no surface around it has only met three others in a line.
         const bool alone = facet.model == RltsModel::raw && planes.count.row(r)[c] > 6;
         // Nor does anything return from a surface so steep: it bridges a step.

@@ -50,6 +50,7 @@ WindowFacet window_facet(const Window& heights, const Window& weights) {
     if (fit.facet.model == RltsModel::raw || fit.sse + price >= cost) return;
     cost = fit.sse + price;
     best = fit.good ? fit.facet : WindowFacet{0, 0, 0, 1, RltsModel::raw};
+    best.cost = cost;
   };
   consider(trimmed(plane_fit, heights, weights), 0);
   if (cost < count + 10) return best;  // nothing dearer can be better
@@ -61,13 +62,15 @@ WindowFacet window_facet(const Window& heights, const Window& weights) {
   if (std::min(cost, split_cost) > three_terms + 0.5F * count)
     consider(trimmed(quadric_fit, heights, weights), three_terms);
   if (split_cost >= cost) return best;
-  best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side};
+  best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side, split_cost};
   if (sides.near_count[s] < 9 || sides.near_sse[s] <= three_terms + 0.5F * sides.near_count[s]) return best;
   Window near = weights;
   for (int k = 0; k < 25; ++k)
     if (!on_side(side, k % 5 - 2, k / 5 - 2)) near[static_cast<std::size_t>(k)] = 0;
   const WindowFit bent = quadric_fit(heights, near);
-  if (bent.good && bent.sse + three_terms < sides.near_sse[s]) best = bent.facet, best.model = RltsModel::side;
+  if (!bent.good || bent.sse + three_terms >= sides.near_sse[s]) return best;
+  best = bent.facet, best.model = RltsModel::side;
+  best.cost = split_cost - sides.near_sse[s] + bent.sse + three_terms;
   return best;
 }
 

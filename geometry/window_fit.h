@@ -15,6 +15,7 @@ struct WindowFacet {
   float value = 0, slope_x = 0, slope_y = 0;
   float variance = 0;  ///< of the value
   RltsModel model = RltsModel::raw;
+  float cost = 0;  ///< chi^2 of the window, and what more terms cost
 };
 
 struct WindowFit {

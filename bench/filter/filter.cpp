@@ -202,9 +202,10 @@ void surface_table(const std::vector<SceneOptions>& scenes) {
 
 }  // namespace
 
-int main() {
+/// `bench_filter [METHOD]`: only the methods whose names begin so.
+int main(int argc, char** argv) {
   profile_table();
-  const std::vector<Method> methods = {
+  std::vector<Method> methods = {
       {"raw", [](const RangeImage& i, double) { return raw(i); }},
       {"median 5x5", [](const RangeImage& i, double) { return median_filter(i); }},
       {"bilateral 5x5", [](const RangeImage& i, double s) { return bilateral_filter(i, s); }},
@@ -214,6 +215,7 @@ int main() {
       {"RLTS profile", [](const RangeImage& i, double) { return rlts(i, RltsForm::profile); }},
       {"RLTS facet 5x5", [](const RangeImage& i, double) { return rlts(i, RltsForm::facet); }, true},
       {"RLTS quadric 5x5", [](const RangeImage& i, double) { return rlts(i, RltsForm::quadric); }, true}};
+  if (argc > 1) std::erase_if(methods, [&](const Method& m) { return !std::string(m.name).starts_with(argv[1]); });
   std::vector<SceneOptions> scenes;
   for (const char* part : {"bracket", "dome"}) {
     for (const auto& [bits, sigma] : {std::pair{12, 0.2}, std::pair{16, 0.01}})

@@ -87,6 +87,34 @@ TEST_CASE("rlts filter: creases and round surfaces are not flattened") {
   CHECK(std::count(g.model.begin(), g.model.end(), RltsModel::quadric) > 4000);
 }
 
+TEST_CASE("rlts filter: a round surface stays where it is, however little it bends within the noise") {
+  // In pixels of 1 mm the bend within a window is a tenth to a fortieth of the noise.
+  for (const double radius : {45.0, 100.0}) {
+    const double middle = radius + 3.3, sigma = 0.15;
+    const auto rod = range_scene({.width = static_cast<int>(2 * radius) + 6, .height = 120, .sigma = sigma},
+                                 [&](double x, double y) {
+                                   const double along = 0.98 * (x - middle) + 0.199 * (y - 60);
+                                   const double sq = radius * radius - along * along;
+                                   return sq > 0.04 * radius * radius ? radius + 5 - std::sqrt(sq) : NAN;
+                                 });
+    const auto f = filtered(rod.image);
+    CHECK(kept_share(rod, f) > 0.99);
+    double sum = 0, squares = 0, pull = 0, count = 0, limb = 0, limb_count = 0;
+    for (std::size_t i = 0; i < f.kept.size(); ++i) {
+      if (!f.kept[i]) continue;
+      const double off = (f.depth[i] - rod.truth[i]) / sigma, height = (radius + 5 - rod.truth[i]) / radius;
+      if (height < 0.4)
+        limb += off, ++limb_count;
+      else if (height > 0.6)
+        sum += off, squares += off * off, pull += std::pow(off * sigma / static_cast<double>(f.sigma[i]), 2), ++count;
+    }
+    CHECK(std::abs(sum / count) < 0.04);
+    CHECK(std::sqrt(squares / count) < 0.23);
+    CHECK(std::sqrt(pull / count) == Approx(1).epsilon(0.1));
+    CHECK(std::abs(limb / limb_count) < 0.12);
+  }
+}
+
 TEST_CASE("rlts filter: figure 2 of the paper, a profile of 12 bits with noise 5 and bit errors 0.015") {
   // Codes are millimetres. Sine, step and roof of 200 samples each, 100 draws.
   const auto profile = [](double x) {
