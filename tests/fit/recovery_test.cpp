@@ -53,7 +53,7 @@ TEST_CASE("recovery: of thirty hard scans with a third unseen at least 28 give t
 }
 
 TEST_CASE("recovery: among 30 % strays, two thirds hidden, plates keep their holes and rounded bodies their axes") {
-  for (const auto& [kind, seed] : {std::pair{"extrude", 1}, std::pair{"extrude", 12}, std::pair{"superellipsoid", 3}, std::pair{"superellipsoid", 8}}) {
+  for (const auto& [kind, seed] : {std::pair{"extrude", 12}, std::pair{"extrude", 28}, std::pair{"extrude", 49}, std::pair{"superellipsoid", 3}, std::pair{"superellipsoid", 8}}) {
     const Case c = make_case(kind, hardest_conditions(), static_cast<std::uint64_t>(seed));
     Context context;
     const Score score = recovered(c, context);

@@ -321,3 +321,24 @@ TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   CHECK(by_strays(2) > 0.15 * std::abs(wary[2].fitted - height));
   CHECK(by_strays(0) < 0.2 * by_strays(2));  // its faces are clean
 }
+
+TEST_CASE("refine: a side that only strays speak of stays where it starts, unless it may be far out of place") {
+  test::Sampling s;
+  s.points = 2000, s.noise = 0.1, s.reach = 45, s.seen_from = {1, 0.8, 0.5};
+  Scan scan = test::sampled(test::model_with(Box{30, 20, 40}), s);
+  FitInput input = input_of(scan, 0.5);
+  Random random(3);
+  for (int k = 0; k < 30; ++k) input.cloud.points.emplace_back(random.uniform(3, 27), random.uniform(3, 17), -2 + 0.1 * random.normal());
+  for (const bool near : {true, false}) {
+    Candidate c;
+    c.object_name = "block";
+    c.shape = Box{Expr::of("x"), Expr::of("y"), Expr::of("z")};
+    c.parameters = {test::length("x", 30), test::length("y", 20), test::length("z", 40)};
+    RefineOptions options;
+    options.uncertainty = false, options.near = near;
+    Context context;
+    refine(c, input, options, context);
+    INFO("near " << near);
+    CHECK(c.parameters[2].value == Approx(near ? 40 : 42).margin(0.5));
+  }
+}
