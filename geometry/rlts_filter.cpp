@@ -222,7 +222,8 @@ struct Fitter {
     const Tilt tilt = h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y);
     const KnownBend bend = bend_at(curvatures, slopes, r, c, tilt);
     if (bend.shape.flat()) return f;
-    if (planes.count.row(r)[c] < 25 || bend.far_steeper) return better(f, bent(f, r, c, sigma), bend.far_steeper);
+    if (planes.count.row(r)[c] < 25 || bend.far_steeper)
+      return better(f, bent(f, r, c, sigma), bend.far_steeper, sigma);
     f.value -= bend.shape.mean();
     f.slope_x -= bend.shape.steepening() * tilt.x, f.slope_y -= bend.shape.steepening() * tilt.y;
     f.variance += bend.variance, f.model = RltsModel::quadric;
@@ -240,7 +241,7 @@ struct Fitter {
     const KnownBend here = bend_at(curvatures, slopes, r, c, h.tilt(r, c, height, sx + turn_x, sy + turn_y));
     const WindowFacet f = facet(r, c, sx + turn_x, sy + turn_y, here.shape, sigma);
     if (!there.far_steeper && !here.far_steeper) return f;
-    return better(facet(r, c, sx, sy, {}, sigma), f, true);
+    return better(facet(r, c, sx, sy, {}, sigma), f, true, sigma);
   }
 
  private:
@@ -270,9 +271,17 @@ struct Fitter {
     return f;
   }
 
-  /// A bend from less steep places beside may be that of another face: then the samples have to ask for it.
-  static WindowFacet better(const WindowFacet& flat, const WindowFacet& bent, bool doubtful) {
-    return doubtful && (bent.model == RltsModel::raw || bent.cost + significant_bend > flat.cost) ? flat : bent;
+  /// A bend from less steep places beside may be that of another face: then the samples have to ask for it. What they
+  /// do not tell makes the value uncertain.
+  static WindowFacet better(const WindowFacet& flat, const WindowFacet& bent, bool doubtful, float sigma) {
+    if (!doubtful) return bent;
+    const float gain = flat.cost - bent.cost;
+    if (bent.model == RltsModel::raw || gain < -significant_bend) return flat;
+    if (gain > significant_bend) return bent;
+    WindowFacet either = flat;
+    const float off = (flat.value - bent.value) / sigma;
+    either.variance += 0.25F * off * off;
+    return either;
   }
 };
 
