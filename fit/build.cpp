@@ -157,7 +157,7 @@ void put_best_first(std::vector<Judged>& judged, const FitInput& input) {
 
 /// Why a rival that meets the tolerance is not the model.
 std::string why_not(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
-  constexpr double told_apart = 6;  // nats of misfit, odds of 400
+  const double told_apart = among_strays(input) ? more_likely : 6;  // nats of misfit; odds of 400 where strays do not bend both
   constexpr double most_left_out = 0.2;  // times the strays that were set aside: 95 % of true shapes leave fewer others unexplained
   const std::string by_size = told_apart_by(winner.candidate, rival.candidate, input, context);
   if (!by_size.empty()) return by_size;
