@@ -462,6 +462,20 @@ void add_common_outlines(const FitInput& input, const Section& s, double band, s
   }
 }
 
+bool starts_alike(const Candidate& a, const Candidate& b) {
+  const auto same = [](const Parameter& p, const Parameter& q) { return p.name == q.name && p.value == q.value; };
+  return a.procedure == b.procedure && std::equal(a.parameters.begin(), a.parameters.end(), b.parameters.begin(), b.parameters.end(), same) &&
+         a.scan_from_part.translation == b.scan_from_part.translation && a.scan_from_part.rotation == b.scan_from_part.rotation;
+}
+
+/// Rims that change nothing give the same outline again.
+std::vector<Candidate> each_once(std::vector<Candidate> all) {
+  std::vector<Candidate> result;
+  for (Candidate& c : all)
+    if (std::none_of(result.begin(), result.end(), [&](const Candidate& r) { return starts_alike(r, c); })) result.push_back(std::move(c));
+  return result;
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
@@ -493,7 +507,7 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
       for (const double cell : {std::max(s.fine, 3 * input.thin_spacing), std::max({s.fine, wide, 5 * input.thin_spacing})})
         add_outlines(input, s.sweep, s.frame, rings_of_parts(s.walls, s.ends, with_rims, s.noise, cell, band, s.size), s.outline, candidates);
   }
-  return candidates;
+  return each_once(std::move(candidates));
 }
 
 }  // namespace partscribe
