@@ -61,6 +61,10 @@ bool hardly_bends(const Candidate& c, double size) {
 /// error that noise alone makes grows by 8 % only. A search as narrow as that would stay where it starts.
 constexpr double narrow = 2, narrow_last = 1.5;
 
+double kernel_for(const Candidate& c, double among, const FitInput& input) {
+  return among_strays(input) && !hangs_on_slopes(c.shape) ? among : RefineOptions{}.welsch;
+}
+
 Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   Judged j;
   auto senseless = [&] {
@@ -85,7 +89,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   quick.points = is_slow(candidate) ? 1500 : 6000;
   quick.iterations = 25;
   quick.uncertainty = false;
-  if (among_strays(input)) quick.welsch = narrow;
+  quick.welsch = kernel_for(candidate, narrow, input);
   quick.near = among_strays(input) && !is_slow(candidate) && evidence_of(candidate, input, context).local_max <= input.tolerance;
   refine(candidate, input, quick, context);
   if (senseless()) {
@@ -320,12 +324,13 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
     full.near = among_strays(input);
-    if (full.near) full.welsch = narrow_last;
+    full.welsch = kernel_for(exact, narrow_last, input);
     refine_with_strays_near(exact, input, full, context);
     if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
       const auto first = search.judged.begin() + static_cast<std::ptrdiff_t>(i), other = search.judged.begin() + static_cast<std::ptrdiff_t>(simpler);
       std::rotate(first, other, other + 1);
       exact = search.judged[i].candidate;
+      full.welsch = kernel_for(exact, narrow_last, input);
       refine_with_strays_near(exact, input, full, context);
     }
     name_unseen(exact, input);

@@ -14,9 +14,6 @@ namespace {
 constexpr double near_sigmas = 5;  // a narrower band cuts off noise at a slant
 constexpr int rounds = 3;
 
-/// Its half axes are told apart by how its slopes fall off.
-bool hangs_on_slopes(const Shape& shape) { return std::holds_alternative<Ellipsoid>(shape) || std::holds_alternative<Superellipsoid>(shape); }
-
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from, std::size_t size) {
   if (to.size() == size) to.insert(to.end(), from.begin(), from.end());
@@ -54,6 +51,8 @@ Scan with_back(const Scan& scan, std::vector<Vec3> places) {
 }
 
 }  // namespace
+
+bool hangs_on_slopes(const Shape& shape) { return std::holds_alternative<Ellipsoid>(shape) || std::holds_alternative<Superellipsoid>(shape); }
 
 RefineReport refine_with_strays_near(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
   if (input.set_aside.empty() || !hangs_on_slopes(candidate.shape)) return refine(candidate, input, options, context);

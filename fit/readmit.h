@@ -6,6 +6,9 @@
 
 namespace partscribe {
 
+/// Its half axes are told apart by how its slopes fall off; a narrow kernel cuts off noise at a slant.
+bool hangs_on_slopes(const Shape& shape);
+
 /// Strays are told from surfaces by local planes. That costs sparse, steep and strongly bent places a part of their points,
 /// those farther out first, and draws a fit to the others inwards. An ellipsoid or superellipsoid has its half axes from such
 /// slopes: the strays of `input` within five sigmas of it come back, in turns with a quick refinement; then all numbers are
