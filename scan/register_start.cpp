@@ -316,10 +316,12 @@ std::string degrees_text(double angle) { return print_number(std::round(angle * 
 std::string percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
 /// Whether the evidence tells a worse pose from the better. More overlap is little evidence, for a face lies on any other
-/// face: what is not contradicted and overlaps half as much is as possible.
-bool clearly_better(const Agreement& a, const Agreement& b) {
+/// face: what is not contradicted and overlaps half as much is as possible; a fifth, where there is one other view only, which
+/// looked at little of what it could contradict.
+bool clearly_better(const Agreement& a, const Agreement& b, std::size_t other_views) {
   if (b.contradiction() > 1.5 * a.contradiction() + 0.02) return true;
-  return b.overlap() < 0.5 * a.overlap() && a.contradiction() < 1.5 * b.contradiction() + 0.02;
+  const double little = other_views == 1 ? 0.2 : 0.5;
+  return b.overlap() < little * a.overlap() && a.contradiction() < 1.5 * b.contradiction() + 0.02;
 }
 
 }  // namespace
@@ -395,9 +397,10 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   // Of a free motion the pose nearest to the start that shows most of what can be shown.
   PoseCandidate chosen = found.front();
   std::vector<Pose> joined;
+  const std::size_t witnesses = guessed ? others.size() : 2;  // features have compared all views already
   reason.clear();
   for (std::size_t k = 1; k < found.size(); ++k) {
-    if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement)) continue;
+    if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, witnesses)) continue;
     if (!connected(placement, view, found[0], found[k])) {
       if (reason.empty()) reason = "fits in two places that are " + apart(distance(surface, found[0].pose, found[k].pose));
       continue;
@@ -409,7 +412,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   result.joined[view] = std::move(joined);
   if (adjusted) {
     const PoseCandidate kept{start, placement.judge(view, start, 1.5, 1000)};
-    if (!clearly_better(chosen.agreement, kept.agreement) && connected(placement, view, kept, chosen)) chosen = kept;
+    if (!clearly_better(chosen.agreement, kept.agreement, witnesses) && connected(placement, view, kept, chosen)) chosen = kept;
   }
   result.poses[view] = chosen.pose;
   if (!reason.empty()) return false;
