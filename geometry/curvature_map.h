@@ -35,6 +35,7 @@ class CurvatureMap {
   /// `heights` it has to outlive the map.
   CurvatureMap(const RangeHeights& heights, const CurvatureGrids& windows, const PaddedGrid<float>& sigma);
 
+  /// Whether the pixel lies in a smooth window; then it has a height.
   bool known(int row, int column) const { return scales_[0].count.row(row)[column] > 0; }
 
   /// The bend, seen at `tilt`, of the surface around a pixel: from the widest neighbourhood that says the same as every
