@@ -20,6 +20,9 @@ struct Bend {
   float evidence() const { return 70 * (xx * xx + yy * yy) + 100 * (xy * xy); }
 };
 
+/// chi^2 of a bend's three terms that noise exceeds once in a thousand.
+constexpr float significant_bend = 16.3F;
+
 inline Bend operator-(const Bend& a, const Bend& b) { return {a.xx - b.xx, a.yy - b.yy, a.xy - b.xy}; }
 
 /// A round surface has one curvature wherever it is seen, while its bend grows with 1 / cos^3 of the incidence.

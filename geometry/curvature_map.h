@@ -9,9 +9,6 @@
 
 namespace partscribe {
 
-/// chi^2 of a bend's three terms that noise exceeds once in a thousand.
-constexpr float significant_bend = 16.3F;
-
 /// Curvatures found in 5x5 windows, in heights per pixel^2, or sums of them over neighbours.
 struct CurvatureGrids {
   CurvatureGrids(int width, int height) : xx(width, height, 0), yy(xx), xy(xx), variance(xx), count(xx) {}

@@ -54,23 +54,25 @@ Vec3 RangeHeights::gradient(int row, int column, double h, double slope_x, doubl
   if (!pinhole) return {slope_x * q_ / pitch_x_, slope_y * q_ / pitch_y_, -1};
   const double per_height = -q_ / (reference_ * reference_);  // of the inverse depth
   const double a = per_height * slope_x * fx_, b = per_height * slope_y * fy_, inverse = 1 / depth(h);
-  const double x = (column - cx_) / fx_, y = (row - cy_) / fy_;
-  return -Vec3(a, b, inverse - a * x - b * y) / inverse;
+  const Vec3 v = ray(row, column);
+  return -Vec3(a, b, inverse - a * v.x() - b * v.y()) / inverse;
+}
+
+Vec3 RangeHeights::ray(int row, int column) const {
+  return pinhole ? Vec3((column - cx_) / fx_, (row - cy_) / fy_, 1) : Vec3(0, 0, 1);
 }
 
 double RangeHeights::incidence(int row, int column, double h, double slope_x, double slope_y) const {
   const double sq_length = gradient(row, column, h, slope_x, slope_y).squaredNorm();
-  if (!pinhole) return sq_length;
-  const double x = (column - cx_) / fx_, y = (row - cy_) / fy_;
-  return sq_length * (x * x + y * y + 1);  // gradient . (x, y, 1) = -1
+  const Vec3 v = ray(row, column);
+  return sq_length * (v.x() * v.x() + v.y() * v.y() + 1);  // gradient . ray = -1
 }
 
 Tilt RangeHeights::tilt(int row, int column, double h, double slope_x, double slope_y) const {
   const Vec3 g = gradient(row, column, h, slope_x, slope_y);
-  // g . ray = -1 for the ray with a unit component along the axis.
-  const Vec3 ray = pinhole ? Vec3((column - cx_) / fx_, (row - cy_) / fy_, 1) : Vec3(0, 0, 1);
-  const double sq_length = ray.squaredNorm();
-  const Vec3 across = g + ray / sq_length;
+  const Vec3 v = ray(row, column);
+  const double sq_length = v.squaredNorm();
+  const Vec3 across = g + v / sq_length;  // gradient . ray = -1
   const double in_image = across.head<2>().norm();
   if (!(in_image > 1e-9)) return {};
   const double sq_tangent = across.squaredNorm() * sq_length;

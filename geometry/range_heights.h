@@ -29,6 +29,8 @@ struct RangeHeights {
   PaddedGrid<float> grid;
 
  private:
+  /// Through a pixel, with a unit component along the axis.
+  Vec3 ray(int row, int column) const;
   /// Normal times depth (pinhole), or with a unit component along the axis; not normalised, against the ray.
   Vec3 gradient(int row, int column, double height, double slope_x, double slope_y) const;
 

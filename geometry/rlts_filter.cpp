@@ -76,6 +76,7 @@ struct Planes {
         bend_xx(value),
         bend_yy(value),
         bend_xy(value) {}
+  Bend bend(int r, int c) const { return {bend_xx.row(r)[c], bend_yy.row(r)[c], bend_xy.row(r)[c]}; }
   FacetRow out(int r) {
     return {value.row(r), slope_x.row(r), slope_y.row(r), variance.row(r), count.row(r),
             sse.row(r),   largest.row(r), bend_xx.row(r), bend_yy.row(r),  bend_xy.row(r)};
@@ -161,8 +162,7 @@ Fitness fitness(const Planes& p, int r, int c, float sigma) {
   if (!(p.variance.row(r)[c] > 0)) return Fitness::none;
   if (chi2 <= chi2_limit(count - 3) && p.largest.row(r)[c] <= acceptance * sigma) return Fitness::plane;
   if (count < 25) return Fitness::broken;
-  const float xx = p.bend_xx.row(r)[c], yy = p.bend_yy.row(r)[c], xy = p.bend_xy.row(r)[c];
-  const float gain = (70 * (xx * xx + yy * yy) + 100 * (xy * xy)) * inverse;
+  const float gain = p.bend(r, c).evidence() * inverse;
   return gain > significant_bend && chi2 - gain <= chi2_limit(count - 6) ? Fitness::quadric : Fitness::broken;
 }
 
@@ -175,8 +175,7 @@ CurvatureGrids window_curvatures(const RangeHeights& h, const Planes& p, const P
       if (p.count.row(r)[c] < 25 || (fit.row(r)[c] != Fitness::plane && fit.row(r)[c] != Fitness::quadric)) continue;
       const float height = h.grid.row(r)[c];
       const Tilt tilt = h.tilt(r, c, height, p.slope_x.row(r)[c], p.slope_y.row(r)[c]);
-      const Bend bend{p.bend_xx.row(r)[c], p.bend_yy.row(r)[c], p.bend_xy.row(r)[c]};
-      const Bend k = curvature_of(bend, tilt);
+      const Bend k = curvature_of(p.bend(r, c), tilt);
       const float frontal = 1 / (tilt.secant * tilt.secant), s = sigma.row(r)[c];
       one.xx.row(r)[c] = k.xx, one.yy.row(r)[c] = k.yy, one.xy.row(r)[c] = k.xy;
       one.variance.row(r)[c] = s * s * frontal * frontal * frontal, one.count.row(r)[c] = 1;
@@ -223,7 +222,7 @@ struct Fitter {
     const KnownBend bend = bend_at(curvatures, slopes, r, c, tilt);
     if (bend.shape.flat()) return f;
     if (planes.count.row(r)[c] < 25 || bend.far_steeper)
-      return better(f, bent(f, r, c, sigma), bend.far_steeper, sigma);
+      return better(f, bent(f, bend, r, c, sigma), bend.far_steeper, sigma);
     f.value -= bend.shape.mean();
     f.slope_x -= bend.shape.steepening() * tilt.x, f.slope_y -= bend.shape.steepening() * tilt.y;
     f.variance += bend.variance, f.model = RltsModel::quadric;
@@ -246,11 +245,10 @@ struct Fitter {
 
  private:
   /// A plane through part of a window, less the bend of its surroundings.
-  WindowFacet bent(WindowFacet f, int r, int c, float sigma) const {
+  WindowFacet bent(WindowFacet f, KnownBend bend, int r, int c, float sigma) const {
     // The slope hangs on the bend, and so does the bend on the slope.
     for (int round = 0; round < 2; ++round) {
-      const Tilt tilt = h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y);
-      const KnownBend bend = bend_at(curvatures, slopes, r, c, tilt);
+      if (round > 0) bend = bend_at(curvatures, slopes, r, c, h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y));
       Window u, w;
       gather(heights, kept, r, c, f.slope_x, f.slope_y, bend.shape, sigma, u, w);
       const WindowFit rest = plane_fit(u, w);

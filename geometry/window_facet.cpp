@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "geometry/bent_surface.h"
 #include "geometry/window_kernels.h"
 
 namespace partscribe {
 namespace {
 
-constexpr float three_terms = 16.3F;    // chi^2 with 3 degrees of freedom, 99.9 %
 constexpr float choice_of_side = 6.4F;  // 2 ln 24
 
 /// Reweighted: samples beyond three deviations are left out, at the price of as many deviations; at most a fifth.
@@ -58,19 +58,19 @@ WindowFacet window_facet(const Window& heights, const Window& weights) {
   split_window(heights, weights, sides);
   const auto side = static_cast<int>(std::min_element(sides.cost.begin(), sides.cost.end()) - sides.cost.begin());
   const auto s = static_cast<std::size_t>(side);
-  const float split_cost = sides.cost[s] + three_terms + choice_of_side;
-  if (std::min(cost, split_cost) > three_terms + 0.5F * count)
-    consider(trimmed(quadric_fit, heights, weights), three_terms);
+  const float split_cost = sides.cost[s] + significant_bend + choice_of_side;
+  if (std::min(cost, split_cost) > significant_bend + 0.5F * count)
+    consider(trimmed(quadric_fit, heights, weights), significant_bend);
   if (split_cost >= cost) return best;
   best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side, split_cost};
-  if (sides.near_count[s] < 9 || sides.near_sse[s] <= three_terms + 0.5F * sides.near_count[s]) return best;
+  if (sides.near_count[s] < 9 || sides.near_sse[s] <= significant_bend + 0.5F * sides.near_count[s]) return best;
   Window near = weights;
   for (int k = 0; k < 25; ++k)
     if (!on_side(side, k % 5 - 2, k / 5 - 2)) near[static_cast<std::size_t>(k)] = 0;
   const WindowFit bent = quadric_fit(heights, near);
-  if (!bent.good || bent.sse + three_terms >= sides.near_sse[s]) return best;
+  if (!bent.good || bent.sse + significant_bend >= sides.near_sse[s]) return best;
   best = bent.facet, best.model = RltsModel::side;
-  best.cost = split_cost - sides.near_sse[s] + bent.sse + three_terms;
+  best.cost = split_cost - sides.near_sse[s] + bent.sse + significant_bend;
   return best;
 }
 
