@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <thread>
 
@@ -154,6 +155,8 @@ void Chromium::note(const Json& event) {
     if (!address.starts_with("data:")) requests_.push_back(address);
   }
 }
+
+Json Chromium::call(const std::string& method) { return call(method, Json::object()); }
 
 Json Chromium::call(const std::string& method, Json parameters) {
   Json message = {{"id", ++last_id_}, {"method", method}, {"params", std::move(parameters)}};

@@ -3,7 +3,7 @@
 
 #include <sys/types.h>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -33,7 +33,8 @@ class Chromium {
 
   void open(const Path& page, int width, int height);
   /// Calls a method of the debugging protocol for this page.
-  Json call(const std::string& method, Json parameters = Json::object());
+  Json call(const std::string& method);
+  Json call(const std::string& method, Json parameters);
   /// The value of an expression in the page; promises are awaited.
   Json evaluate(const std::string& expression);
   /// Waits until the expression is true; false after `seconds`.
