@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "core/ensure.h"
 #include "core/parallel.h"
@@ -59,6 +61,35 @@ Surfels averaged(const PointCloud& cloud, double edge) {
     surfels.normals.push_back(normal.normalized());
     surfels.weights.push_back(count);
   }
+  return surfels;
+}
+
+/// Without those that no others continue: strays that the filter left, each of which would put up a wall of its own.
+Surfels continued(Surfels surfels, double cell, double sigma, Context& context) {
+  constexpr double reach = 2, bent = 0.3;  // cells; height over distance
+  constexpr std::size_t least = 4;
+  const KdTree tree(surfels.points);
+  std::vector<std::uint8_t> keep(surfels.points.size());
+  parallel_for(keep.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      tree.within(surfels.points[i], reach * cell, near);
+      std::size_t support = 0;
+      for (const Neighbour& m : near) {
+        if (m.index == i || surfels.normals[i].dot(surfels.normals[m.index]) < bent) continue;
+        const double height = surfels.normals[i].dot(surfels.points[m.index] - surfels.points[i]);
+        support += std::abs(height) < bent * std::sqrt(m.sq_distance) + 2 * sigma;
+      }
+      keep[i] = support >= least;
+    }
+  });
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) {
+      surfels.points[at] = surfels.points[i], surfels.normals[at] = surfels.normals[i];
+      surfels.weights[at++] = surfels.weights[i];
+    }
+  surfels.points.resize(at), surfels.normals.resize(at), surfels.weights.resize(at);
   return surfels;
 }
 
@@ -149,8 +180,11 @@ void continue_field(Field& f) {
 
 class Contour {
  public:
-  Contour(const PointCloud& cloud, double cell, Context& context)
-      : context_(context), surfels_(averaged(cloud, 0.6 * cell)), tree_(surfels_.points) {
+  Contour(const PointCloud& cloud, double cell, double sigma, Context& context)
+      : context_(context),
+        cloud_(cloud),
+        surfels_(continued(averaged(cloud, 0.6 * cell), cell, sigma, context)),
+        tree_(surfels_.points) {
     Box3 box;
     for (const Vec3& p : surfels_.points) box.add(p);
     grid_.cell = cell;
@@ -231,6 +265,7 @@ class Contour {
           }
         },
         2);
+    carve();
     for (int z = 0; z < grid_.n[2]; ++z)
       for (int y = 0; y < grid_.n[1]; ++y)
         for (int x = 0; x < grid_.n[0]; ++x)
@@ -239,6 +274,59 @@ class Contour {
             field_.value[grid_.index(x, y, z)] = 2;
           }
     continue_field(field_);
+  }
+
+  /// Negative outside the grid.
+  std::array<int, 3> nearest_node(const Vec3& p) const {
+    const Vec3 at = (p - grid_.origin) / grid_.cell;
+    std::array<int, 3> c;
+    for (int k = 0; k < 3; ++k) {
+      if (!(at[k] >= 0 && at[k] < grid_.n[k] - 1)) return {-1, -1, -1};
+      c[k] = static_cast<int>(at[k] + 0.5);
+    }
+    return c;
+  }
+
+  /// What the sensors looked through is outside [Curless & Levoy 1996], where no points are and where points next to it
+  /// say otherwise by less than a cell. A ray that would have to pass deep through the part belongs to a stray.
+  void carve() {
+    if (cloud_.rays.size() != cloud_.size()) return;
+    constexpr double start = 2, step = 0.45, touched = 0.35;  // cells
+    constexpr float deep = -0.9F, just_outside = 0.2F;
+    constexpr std::uint8_t believed = 1, contradiction = 2, enough = 100;  // rays
+    std::vector<std::uint8_t> looked_through(grid_.size(), 0);
+    parallel_for(cloud_.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::size_t> passed;
+      for (std::size_t i = begin; i < end; ++i) {
+        if ((!cloud_.rejected.empty() && cloud_.rejected[i]) || !cloud_.points[i].allFinite()) continue;
+        passed.clear();
+        bool possible = true;
+        for (double t = start; possible; t += step) {
+          const Vec3 at = cloud_.points[i] - cloud_.rays[i] * (t * grid_.cell);
+          const std::array<int, 3> c = nearest_node(at);
+          if (c[0] < 0) break;
+          const std::size_t node = grid_.index(c[0], c[1], c[2]);
+          if (!passed.empty() && passed.back() == node) continue;
+          if (field_.known[node]) {
+            possible = field_.value[node] > deep;
+            if ((at - grid_.at(c[0], c[1], c[2])).norm() > touched * grid_.cell) continue;
+          }
+          passed.push_back(node);
+        }
+        if (!possible) continue;
+        for (const std::size_t node : passed) {
+          const std::atomic_ref<std::uint8_t> count(looked_through[node]);
+          if (count.load(std::memory_order_relaxed) < enough) count.fetch_add(1, std::memory_order_relaxed);
+        }
+      }
+    });
+    for (std::size_t node = 0; node < looked_through.size(); ++node) {
+      if (field_.known[node]) {
+        if (field_.value[node] < 0 && looked_through[node] >= contradiction) field_.value[node] = just_outside;
+      } else if (looked_through[node] >= believed) {
+        field_.known[node] = 1, field_.value[node] = 2;
+      }
+    }
   }
 
   bool inside(std::size_t i) const { return field_.value[i] < 0; }
@@ -413,6 +501,7 @@ class Contour {
   }
 
   Context& context_;
+  const PointCloud& cloud_;
   Surfels surfels_;
   KdTree tree_;
   Grid grid_;
@@ -421,6 +510,28 @@ class Contour {
   std::vector<Vec3> means_;  // of the crossings of each vertex's cell
   TriangleMesh mesh_;
 };
+
+/// How thick the thinnest walls are that are seen from both sides: a low quantile of the distances between points that
+/// look away from each other. `reach`, mm: nothing thicker matters. Infinite without such walls.
+double thinnest_walls(const Surfels& surfels, double reach, Context& context) {
+  constexpr double facing_away = -0.7, least = 0.005;  // cosine; share of the points
+  const KdTree tree(surfels.points);
+  std::vector<double> thickness(surfels.points.size(), std::numeric_limits<double>::infinity());
+  parallel_for(thickness.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      tree.within(surfels.points[i], reach, near);
+      for (const Neighbour& m : near) {
+        if (surfels.normals[m.index].dot(surfels.normals[i]) > facing_away) continue;
+        const double depth = surfels.normals[i].dot(surfels.points[i] - surfels.points[m.index]);
+        if (depth > 0.7 * std::sqrt(m.sq_distance)) thickness[i] = std::min(thickness[i], depth);
+      }
+    }
+  });
+  const auto at = static_cast<std::ptrdiff_t>(least * static_cast<double>(thickness.size()));
+  std::nth_element(thickness.begin(), thickness.begin() + at, thickness.end());
+  return thickness[static_cast<std::size_t>(at)];
+}
 
 /// Where triangles still cross (touching walls, filled holes), their vertices go to the mean of their neighbours.
 void smooth_crossings(TriangleMesh& mesh) {
@@ -455,11 +566,16 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
     if ((cloud.rejected.empty() || !cloud.rejected[i]) && cloud.points[i].allFinite()) box.add(cloud.points[i]);
   if (box.empty() || !(box.diagonal() > 0)) return result;
   double cell = options.cell;
-  if (cell <= 0) cell = std::max({2.5 * sampling.spacing, 3 * sampling.sigma, box.diagonal() / 220});
+  if (cell <= 0) {
+    cell = std::max({2.5 * sampling.spacing, 3 * sampling.sigma, box.diagonal() / 220});
+    // A wall shows if a node lies inside it.
+    const double wall = thinnest_walls(averaged(cloud, 0.5 * cell), 2 * cell, context);
+    cell = std::max(std::min(cell, wall / 1.8), std::max(1.2 * sampling.spacing, 3 * sampling.sigma));
+  }
   auto nodes = [&](double h) { return (box.size() / h + Vec3::Constant(10)).prod(); };
   while (nodes(cell) > static_cast<double>(options.max_nodes)) cell *= 1.1;
   result.cell = cell;
-  Contour contour(cloud, cell, context);
+  Contour contour(cloud, cell, sampling.sigma, context);
   if (!contour.usable()) return result;
   TriangleMesh mesh = contour.run();
   if (mesh.empty()) return result;
@@ -485,7 +601,9 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
       ++result.dropped_pieces;
   }
   result.unseen_share = all > 0 ? 1 - all_seen / all : 0;
-  const bool sheet = result.unseen_share > options.unseen_share;
+  // Rays tell a hollow part from a sheet.
+  const double most_unseen = cloud.rays.size() == cloud.size() ? options.unseen_share_with_rays : options.unseen_share;
+  const bool sheet = result.unseen_share > most_unseen;
   // A sheet ends where its data end: the continuation must not curl round its border.
   if (sheet) has_data = contour.supported(mesh, 1.25, 0.3);
   std::size_t at = 0;

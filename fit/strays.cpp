@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
@@ -27,16 +28,25 @@ struct LocalPlane {
   Vec3 normal = Vec3::UnitZ();
   Vec3 middle = Vec3::Zero();
   double radius = 0;    // of the neighbourhood
-  double share = 0;     // of the neighbours within the band
+  double share = 0;     // of the neighbours within the band, but those of a face that looks the other way
+  std::size_t asked = 0;  // neighbours that count
   double residual = 0;  // median distance of those from it
 };
 
 /// Half the thickness of what counts as on a plane at a distance: noise, and a surface that bends.
 double band(double sigma, double distance) { return 2.5 * sigma + 0.06 * distance; }
 
-LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Neighbour>& near, std::size_t self, double sigma) {
+/// Whether a sample was seen from behind a plane that another was seen to face: the far side of a thin wall.
+bool sees_other_side(const Vec3& normal, const Vec3& own_ray, const Vec3& ray) {
+  const double own = normal.dot(own_ray), other = normal.dot(ray);
+  return own * other < 0 && std::min(std::abs(own), std::abs(other)) > edge_on;
+}
+
+/// `rays`: of each point, or none.
+LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, std::span<const Neighbour> near, std::size_t self, double sigma) {
   LocalPlane plane;
   const Vec3& p = points[self];
+  const auto counts = [&](const Vec3& normal, std::uint32_t i) { return rays.empty() || !sees_other_side(normal, rays[self], rays[i]); };
   plane.middle = p;
   plane.radius = std::sqrt(near.back().sq_distance);
   const double apart = std::max(0.4 * plane.radius, 2 * sigma);
@@ -53,7 +63,7 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Neighbo
     if (!(length > 0.4 * a.norm() * b.norm())) continue;
     n /= length;
     std::size_t count = 0;
-    for (const auto& m : near) count += std::abs(n.dot(points[m.index] - p)) < band(sigma, std::sqrt(m.sq_distance));
+    for (const auto& m : near) count += std::abs(n.dot(points[m.index] - p)) < band(sigma, std::sqrt(m.sq_distance)) && counts(n, m.index);
     if (count > best) best = count, plane.normal = n;
   }
   if (best == 0) return plane;
@@ -62,7 +72,7 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Neighbo
     Vec3 mean = Vec3::Zero();
     std::vector<std::uint32_t> on;
     for (const auto& m : near)
-      if (std::abs(plane.normal.dot(points[m.index] - plane.middle)) < band(sigma, std::sqrt(m.sq_distance)))
+      if (std::abs(plane.normal.dot(points[m.index] - plane.middle)) < band(sigma, std::sqrt(m.sq_distance)) && counts(plane.normal, m.index))
         on.push_back(m.index), mean += points[m.index];
     if (on.size() < 5) break;
     mean /= double(on.size());
@@ -74,14 +84,13 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Neighbo
     plane.middle = mean;
   }
   std::vector<double> off;
-  std::size_t asked = 0;
   for (const auto& m : near) {
-    if (m.index == self) continue;
-    ++asked;
+    if (m.index == self || !counts(plane.normal, m.index)) continue;
+    ++plane.asked;
     const double d = std::abs(plane.normal.dot(points[m.index] - plane.middle));
     if (d < band(sigma, std::sqrt(m.sq_distance))) off.push_back(d);
   }
-  plane.share = asked == 0 ? 0 : double(off.size()) / double(asked);
+  plane.share = plane.asked == 0 ? 0 : double(off.size()) / double(plane.asked);
   // A small dense dot is thin in every direction.
   if (across < 0.15 * plane.radius) plane.share = 0;
   plane.residual = median(std::move(off));
@@ -149,9 +158,12 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
   constexpr int last_pass = 3;
   for (int pass = 0; pass <= last_pass && !context.cancelled; ++pass) {
     std::vector<std::uint32_t> source;
-    std::vector<Vec3> kept;
+    std::vector<Vec3> kept, kept_rays;
     for (std::size_t i = 0; i < n; ++i)
-      if (!result.stray[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
+      if (!result.stray[i]) {
+        source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
+        if (rays.size() == n) kept_rays.push_back(rays[i]);
+      }
     if (kept.size() < 3 * least_neighbours) break;
     const KdTree tree(kept);
     const std::size_t count = kept.size();
@@ -164,9 +176,13 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
         tree.nearest(kept[i], most_neighbours, near);
         std::size_t used = std::min(least_neighbours, near.size());
         while (used < near.size() && near[used].sq_distance < reach * reach) ++used;
+        planes[i] = plane_near(kept, kept_rays, {near.data(), used}, i, result.sigma);
+        while (planes[i].asked < least_neighbours - 1 && used < near.size()) {  // too few of its own side
+          used = std::min(used + least_neighbours / 2, near.size());
+          planes[i] = plane_near(kept, kept_rays, {near.data(), used}, i, result.sigma);
+        }
         near.resize(used);
-        planes[i] = plane_near(kept, near, i, result.sigma);
-        if (rays.size() == n && std::abs(planes[i].normal.dot(rays[source[i]])) < edge_on) planes[i].share = 0;
+        if (!kept_rays.empty() && std::abs(planes[i].normal.dot(kept_rays[i])) < edge_on) planes[i].share = 0;
         neighbours[i] = near;
       }
     });
