@@ -1,6 +1,7 @@
 #include "verify/passages.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -34,9 +35,10 @@ class Finder {
     if (!hit) return {};
     const double cosine = -normals_[hit->triangle].dot(sight->ray);
     if (cosine < flattest_sight || (sight->length - hit->distance) * cosine <= margin_) return {};
+    // An edge within the tolerance of its place hides nothing.
     const Vec3 side = sight->ray.unitOrthogonal(), up = sight->ray.cross(side);
     for (const Vec3& d : {side, Vec3(-side), up, Vec3(-up)})
-      if (!first_hit(*sight, sight->pixel * d)) return {};
+      if (!first_hit(*sight, std::max(sight->pixel, margin_) * d)) return {};
     return hit;
   }
 

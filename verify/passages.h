@@ -10,7 +10,8 @@
 namespace partscribe {
 
 /// Where rays enter the evaluated surface more than the tolerance before they reach their point. Rays that pass its
-/// outline by less than a pixel are left out: mixed pixels and small errors of the poses end behind it.
+/// outline by less than the tolerance or a pixel are left out: an edge may be so far off, and mixed pixels and small
+/// errors of the poses end behind it.
 struct Passages {
   std::vector<Vec3> places;                ///< on the surface
   std::vector<std::uint32_t> triangles;
