@@ -1,8 +1,10 @@
 #include "geometry/curvature_map.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace partscribe {
 namespace {
@@ -11,39 +13,57 @@ using Grid = PaddedGrid<float>;
 
 constexpr float like = 1.5F;  // a variance so little larger that it matters not
 
-/// Sums over (2 reach + 1)^2 cells.
-Grid sums_around(const Grid& values, int width, int height, int reach) {
-  const auto stride = static_cast<std::ptrdiff_t>(width);
-  std::vector<float> rows(static_cast<std::size_t>(stride * (height + 2 * reach)), 0);
-  std::vector<float> line(static_cast<std::size_t>(width + 2 * reach), 0);
-  for (int r = 0; r < height; ++r) {
-    std::copy_n(values.row(r), width, line.data() + reach);
-    float* out = rows.data() + (r + reach) * stride;
-    for (int k = 0; k <= 2 * reach; ++k) {
-      const float* in = line.data() + k;
-      for (int c = 0; c < width; ++c) out[c] += in[c];
+using Line = Eigen::ArrayXf;
+
+/// A line and its sums over 2, 4, 8 and 16 neighbours, each from the one before.
+struct DoubledSums {
+  explicit DoubledSums(Line values) {
+    sums[0] = std::move(values);
+    for (std::size_t k = 1; k < sums.size(); ++k) {
+      const Eigen::Index width = Eigen::Index{1} << (k - 1), size = sums[k - 1].size() - width;
+      sums[k] = sums[k - 1].head(size) + sums[k - 1].tail(size);
     }
   }
-  Grid sums(width, height, 0);
+  std::array<Line, 5> sums;
+};
+
+constexpr std::array<int, 3> reaches = {2, 4, 8};  // windows are one wider than a power of two
+
+/// Sums over (2 reach + 1)^2 cells for each reach.
+std::array<Grid, reaches.size()> window_sums(const Grid& values, int width, int height) {
+  constexpr int widest = reaches.back();
+  std::array<std::vector<Line>, reaches.size()> rows;  // sums along rows, with empty rows above and below
+  for (std::size_t k = 0; k < reaches.size(); ++k)
+    rows[k].assign(static_cast<std::size_t>(height + 2 * reaches[k]), Line::Zero(width));
   for (int r = 0; r < height; ++r) {
-    float* out = sums.row(r);
-    for (int k = 0; k <= 2 * reach; ++k) {
-      const float* in = rows.data() + (r + k) * stride;
-      for (int c = 0; c < width; ++c) out[c] += in[c];
-    }
+    Line line = Line::Zero(width + 2 * widest);
+    line.segment(widest, width) = Eigen::Map<const Line>(values.row(r), width);
+    const DoubledSums doubled(std::move(line));
+    for (std::size_t k = 0; k < reaches.size(); ++k)
+      rows[k][static_cast<std::size_t>(r + reaches[k])] =
+          doubled.sums[k + 2].segment(widest - reaches[k], width) + doubled.sums[0].segment(widest + reaches[k], width);
   }
-  return sums;
+  std::array<Grid, reaches.size()> result = {Grid(width, height, 0), Grid(width, height, 0), Grid(width, height, 0)};
+  for (std::size_t k = 0; k < reaches.size(); ++k) {
+    std::vector<Line> sums = rows[k];
+    for (std::size_t doubled = 1; doubled <= static_cast<std::size_t>(reaches[k]); doubled *= 2)
+      for (std::size_t r = 0; r + doubled < sums.size(); ++r) sums[r] += sums[r + doubled];
+    for (int r = 0; r < height; ++r)
+      Eigen::Map<Line>(result[k].row(r), width) =
+          sums[static_cast<std::size_t>(r)] + rows[k][static_cast<std::size_t>(r + 2 * reaches[k])];
+  }
+  return result;
 }
 
 }  // namespace
 
 CurvatureMap::CurvatureMap(const RangeHeights& heights, const CurvatureGrids& windows, const Grid& sigma)
     : heights_(heights), sigma_(sigma) {
-  for (const int reach : {2, 4, 8}) {
-    CurvatureGrids& sums = scales_.emplace_back(heights.width, heights.height_px);
-    for (const auto member : {&CurvatureGrids::xx, &CurvatureGrids::yy, &CurvatureGrids::xy, &CurvatureGrids::variance,
-                              &CurvatureGrids::count})
-      sums.*member = sums_around(windows.*member, heights.width, heights.height_px, reach);
+  scales_.assign(reaches.size(), CurvatureGrids(heights.width, heights.height_px));
+  for (const auto member : {&CurvatureGrids::xx, &CurvatureGrids::yy, &CurvatureGrids::xy, &CurvatureGrids::variance,
+                            &CurvatureGrids::count}) {
+    auto sums = window_sums(windows.*member, heights.width, heights.height_px);
+    for (std::size_t k = 0; k < sums.size(); ++k) scales_[k].*member = std::move(sums[k]);
   }
 }
 
@@ -60,7 +80,7 @@ CurvatureMap::Estimate CurvatureMap::estimate(const CurvatureGrids& sums, int ro
 KnownBend CurvatureMap::at(int row, int column, const Tilt& tilt) const {
   if (!known(row, column)) return {};
   const float sigma = sigma_.row(row)[column], limit = significant_bend * sigma * sigma;
-  std::array<Estimate, 3> found;
+  std::array<Estimate, reaches.size()> found;
   std::size_t chosen = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
     found[k] = estimate(scales_[k], row, column, tilt, sigma);
