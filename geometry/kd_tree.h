@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "geometry/vec.h"
@@ -14,7 +16,8 @@ struct Neighbour {
   double sq_distance;  ///< mm^2
 };
 
-/// Built once over points that the caller keeps alive; queries may run on many threads.
+/// Built once over points that the caller keeps alive; queries may run on many threads. Points that are not finite are
+/// nobody's neighbours.
 class KdTree {
  public:
   explicit KdTree(const std::vector<Vec3>& points);
@@ -23,6 +26,10 @@ class KdTree {
 
   /// The `count` nearest points (fewer if there are fewer), nearest first.
   void nearest(const Vec3& query, std::size_t count, std::vector<Neighbour>& result) const;
+  /// The same for every point of the set, itself among its neighbours, in half the time of as many single questions:
+  /// points side by side are asked together. `use(i, neighbours)` is called once for every finite point, on any thread.
+  void nearest_of_each(std::size_t count, int threads,
+                       const std::function<void(std::uint32_t, std::span<const Neighbour>)>& use) const;
   /// All points within `radius`, nearest first.
   void within(const Vec3& query, double radius, std::vector<Neighbour>& result) const;
   /// Index of the nearest point; the set must not be empty.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "core/ensure.h"
 #include "core/number.h"
@@ -200,16 +201,12 @@ void weighted_normals(Nodes& nodes, std::size_t cap, double sigma, int rounds, i
   const KdTree tree(nodes.points);
   std::vector<std::uint32_t> links(n * cap), counts(n);
   std::vector<double> reach(n), spread(n, 0);
-  parallel_for(n, threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
-    for (std::size_t i = begin; i < end; ++i) {
-      tree.nearest(nodes.points[i], cap, near);
-      while (nodes.radius > 0 && near.size() > 14 && near.back().sq_distance > nodes.radius * nodes.radius)
-        near.pop_back();
-      counts[i] = static_cast<std::uint32_t>(near.size());
-      reach[i] = std::sqrt(near.back().sq_distance);
-      for (std::size_t k = 0; k < near.size(); ++k) links[i * cap + k] = near[k].index;
-    }
+  tree.nearest_of_each(cap, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
+    std::size_t count = near.size();
+    while (nodes.radius > 0 && count > 14 && near[count - 1].sq_distance > nodes.radius * nodes.radius) --count;
+    counts[i] = static_cast<std::uint32_t>(count);
+    reach[i] = std::sqrt(near[count - 1].sq_distance);
+    for (std::size_t k = 0; k < count; ++k) links[i * cap + k] = near[k].index;
   });
   const bool signed_normals = !nodes.rays.empty();
   nodes.normals.assign(n, Vec3::Zero());
@@ -304,17 +301,13 @@ std::vector<std::uint8_t> outliers(const Ordered& in, const KdTree& tree, const 
   // Isolation is judged against the neighbours' own distances: sparse regions are no outliers.
   std::vector<float> third(n);
   std::vector<std::uint32_t> links(n * looked_at);
-  parallel_for(n, threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
-    for (std::size_t i = begin; i < end; ++i) {
-      tree.nearest(in.points[i], looked_at + 1, near);
-      std::size_t at = 0;
-      for (const Neighbour& m : near)
-        if (m.index != i && at < looked_at) {
-          if (at == 2) third[i] = static_cast<float>(std::sqrt(m.sq_distance));
-          links[i * looked_at + at++] = m.index;
-        }
-    }
+  tree.nearest_of_each(looked_at + 1, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
+    std::size_t at = 0;
+    for (const Neighbour& m : near)
+      if (m.index != i && at < looked_at) {
+        if (at == 2) third[i] = static_cast<float>(std::sqrt(m.sq_distance));
+        links[i * looked_at + at++] = m.index;
+      }
   });
   parallel_for(n, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<float> around(looked_at);

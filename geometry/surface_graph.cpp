@@ -97,14 +97,12 @@ SurfaceGraph surface_graph(const PointCloud& cloud, const SurfaceGraphOptions& o
   }
   const KdTree tree(used);
   std::vector<std::vector<std::uint32_t>> near(n);
-  parallel_for(used.size(), context.threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> found;
-    for (std::size_t k = begin; k < end; ++k) {
-      tree.nearest(used[k], static_cast<std::size_t>(options.neighbours) + 1, found);
-      for (const Neighbour& f : found)
-        if (f.index != k && smooth(g, source[k], source[f.index], options)) near[source[k]].push_back(source[f.index]);
-    }
-  });
+  tree.nearest_of_each(static_cast<std::size_t>(options.neighbours) + 1, context.threads,
+                       [&](std::uint32_t k, std::span<const Neighbour> found) {
+                         for (const Neighbour& f : found)
+                           if (f.index != k && smooth(g, source[k], source[f.index], options))
+                             near[source[k]].push_back(source[f.index]);
+                       });
   std::vector<std::vector<std::uint32_t>> both = near;
   for (std::size_t i = 0; i < n; ++i)
     for (const std::uint32_t j : near[i]) both[j].push_back(static_cast<std::uint32_t>(i));

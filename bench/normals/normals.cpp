@@ -144,9 +144,7 @@ std::vector<Score> measure_all(const std::vector<Method>& methods, int rounds, c
 std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
   const KdTree tree(points);
   std::vector<Vec3> result(points.size());
-  std::vector<Neighbour> near;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    tree.nearest(points[i], std::size_t(count), near);
+  tree.nearest_of_each(std::size_t(count), 1, [&](std::uint32_t i, std::span<const Neighbour> near) {
     Vec3 sum = Vec3::Zero();
     Mat3 squares = Mat3::Zero();
     for (const Neighbour& n : near) {
@@ -157,7 +155,7 @@ std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
     Eigen::SelfAdjointEigenSolver<Mat3> eigen;
     eigen.computeDirect(squares / found - sum * sum.transpose() / (found * found));
     result[i] = eigen.eigenvectors().col(0);
-  }
+  });
   return result;
 }
 

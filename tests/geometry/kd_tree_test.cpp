@@ -1,0 +1,76 @@
+#include "geometry/kd_tree.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <limits>
+#include <string>
+
+#include "core/random.h"
+
+using namespace partscribe;
+
+namespace {
+
+/// All points by distance, ties by index; those that are not finite left out.
+std::vector<Neighbour> by_hand(const std::vector<Vec3>& points, const Vec3& query) {
+  std::vector<Neighbour> all;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const double x = query.x() - points[i].x(), y = query.y() - points[i].y(), z = query.z() - points[i].z();
+    if (points[i].allFinite()) all.push_back({i, x * x + y * y + z * z});
+  }
+  std::sort(all.begin(), all.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.sq_distance != b.sq_distance ? a.sq_distance < b.sq_distance : a.index < b.index;
+  });
+  return all;
+}
+
+template <class A, class B>
+bool same(const A& a, const B& b, std::size_t count) {
+  return a.size() == std::min(count, b.size()) && std::equal(a.begin(), a.end(), b.begin(), [](const Neighbour& m, const Neighbour& n) {
+           return m.index == n.index && m.sq_distance == n.sq_distance;
+         });
+}
+
+/// Anywhere, on a plane, or on a coarse lattice with many equal distances and points twice; some are not finite.
+std::vector<Vec3> cloud(int kind, std::size_t size) {
+  Random random(kind + 10);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto place = [&] { return kind == 2 ? double(random.below(7)) : 2 * random.uniform() - 1; };
+    const double x = place(), y = place(), z = place();
+    points.emplace_back(x, y, kind == 1 ? 0 : z);
+    if (kind == 0 && i % 17 == 3) points.back().y() = std::numeric_limits<double>::quiet_NaN();
+  }
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("kd tree: every answer is what comparing with all points gives, in the last bit and among equals") {
+  for (const int kind : {0, 1, 2})
+    for (const std::size_t size : {std::size_t(1), std::size_t(15), std::size_t(16), std::size_t(17), std::size_t(500)}) {
+      INFO("kind " + std::to_string(kind) + ", " + std::to_string(size) + " points");
+      const std::vector<Vec3> points = cloud(kind, size);
+      const KdTree tree(points);
+      std::vector<Neighbour> near;
+      for (const Vec3& place : cloud(kind == 1 ? 1 : 2, 20)) {
+        const auto truth = by_hand(points, place);
+        for (const std::size_t count : {1, 10, 72}) {
+          tree.nearest(place, count, near);
+          CHECK(same(near, truth, count));
+        }
+        CHECK(tree.nearest_one(place).index == truth.front().index);
+        tree.within(place, 1.0, near);
+        CHECK(same(near, truth, std::size_t(std::count_if(truth.begin(), truth.end(), [](const Neighbour& n) { return n.sq_distance <= 1; }))));
+      }
+      for (const std::size_t count : {1, 10, 30, 450}) {
+        std::vector<int> asked(size, 0), wrong(size, 0);
+        tree.nearest_of_each(count, 2, [&](std::uint32_t i, std::span<const Neighbour> found) {
+          ++asked[i];
+          wrong[i] = !same(found, by_hand(points, points[i]), count);
+        });
+        CHECK(std::count(wrong.begin(), wrong.end(), 1) == 0);
+        for (std::size_t i = 0; i < size; ++i) CHECK(asked[i] == int(points[i].allFinite()));
+      }
+    }
+}
