@@ -34,6 +34,20 @@ Json rows_of(const Mat6& m) {
   return rows;
 }
 
+/// The lower triangle, seven digits of each number.
+Json triangle_of(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (Eigen::Index r = 0; r < m.rows(); ++r) {
+    Json row = Json::array();
+    for (Eigen::Index c = 0; c <= r; ++c) {
+      const double size = std::abs(m(r, c));
+      row.push_back(size > 0 ? snapped(m(r, c), 1e-6 * power_of_ten_below(size)) : 0.0);
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 std::string degrees(double angle) { return print_number(snapped(angle * 180 / pi, 1e-3)) + " degrees"; }
 
 void say(const Registration& registration, const Scan& scan, Session& session) {
@@ -133,6 +147,8 @@ std::string poses_json(const PlacedViews& placed) {
   }
   if (const auto& r = placed.registration) {
     json["center"] = numbers(r->center);
+    json["cloud"] = "cloud.ply";
+    json["covariance_between_views"] = triangle_of(r->covariance);
     json["worst_gap"] = r->worst_gap;
     json["free_motions"] = Json::array();
     for (const auto& free : r->free_motions) json["free_motions"].push_back(free.words);

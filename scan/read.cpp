@@ -125,6 +125,8 @@ Result<Scan> joined(Pieces&& source, const ReadOptions& options, std::vector<Ran
     if (piece.cloud.view.empty()) piece.cloud.view.assign(count, 0);
     for (const auto v : piece.cloud.view) cloud.view.push_back(v < 0 ? -1 : first_view + v);
     scan.views.insert(scan.views.end(), static_cast<std::size_t>(last) + 1, piece.view);
+    if (source.pieces.size() == 1 && factor == 1 && piece.pose_covariance.matrix.rows() >= 6 * (last + 1))
+      scan.pose_covariance = std::move(piece.pose_covariance);
     if (images) {
       images->resize(scan.views.size());
       if (last == 0) images->back() = std::move(piece.image);
@@ -152,7 +154,9 @@ std::optional<Error> add_input(const Path& input, const ReadOptions& options, Co
   if (suffix == ".json") return add_scan_json(input, options, context, pieces);
   if (suffix == ".conf") return add_conf(input, context, pieces);
   if (is_range_file(suffix)) return add_image_with_sidecar(input, options, pieces);
-  return add_geometry(input, {}, false, "", context, pieces);
+  if (auto error = add_geometry(input, {}, false, "", context, pieces)) return error;
+  add_pose_covariance(input, pieces);
+  return {};
 }
 
 }  // namespace

@@ -194,6 +194,42 @@ bool is_file(const Path& path) {
 
 }  // namespace
 
+void add_pose_covariance(const Path& cloud, Pieces& pieces) {
+  const Path path = cloud.parent_path() / "poses.json";
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(path, failure)) return;
+  const auto text = read_file(path);
+  if (!text.ok()) return;
+  const json poses = json::parse(*text, nullptr, false);
+  if (!poses.is_object() || poses.value("cloud", json()) != cloud.filename().string()) return;
+  const json rows = poses.value("covariance_between_views", json()), center = poses.value("center", json());
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  bool good = rows.is_array() && size > 0 && size % 6 == 0 && center.is_array() && center.size() == 3;
+  for (std::size_t r = 0; good && r < rows.size(); ++r) good = rows[r].is_array() && rows[r].size() == r + 1;
+  PoseCovariance found;
+  found.matrix.setZero(good ? size : 0, good ? size : 0);
+  for (Eigen::Index k = 0; good && k < 3; ++k) {
+    good = usable_number(center[static_cast<std::size_t>(k)]);
+    if (good) found.center[k] = center[static_cast<std::size_t>(k)].get<double>();
+  }
+  for (Eigen::Index r = 0; good && r < size; ++r) {
+    for (Eigen::Index c = 0; good && c <= r; ++c) {
+      const json& number = rows[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
+      good = usable_number(number) && (r != c || number.get<double>() >= 0);
+      if (good) found.matrix(r, c) = found.matrix(c, r) = number.get<double>();
+    }
+  }
+  if (!good) {
+    pieces.warnings.push_back(path.string() +
+                              ": expected a center and the lower triangle of a covariance of six numbers for each view, found "
+                              "something else; sigma does without what the poses add");
+    return;
+  }
+  pieces.files.push_back(path.filename().string());
+  pieces.sha256.push_back(sha256(*text));
+  pieces.pieces.back().pose_covariance = std::move(found);
+}
+
 std::optional<Error> add_scan_json(const Path& path, const ReadOptions& options, Context& context, Pieces& pieces) {
   const auto bytes = read_source(path, pieces);
   if (!bytes.ok()) return bytes.error();

@@ -18,6 +18,7 @@ struct Piece {
   View view;
   RangeImage image;  ///< without pixels if it is none
   std::string unit;  ///< stated by the file or its sidecar; empty if nobody says
+  PoseCovariance pose_covariance;  ///< in mm, of a cloud that was registered before
 };
 
 /// All pieces of the inputs, with the files they came from.
@@ -47,6 +48,10 @@ std::optional<Error> add_scan_json(const Path& path, const ReadOptions& options,
 
 /// A PNG or PGM with its .json sidecar.
 std::optional<Error> add_image_with_sidecar(const Path& path, const ReadOptions& options, Pieces& pieces);
+
+/// The covariance of the views that poses.json beside a cloud holds, if it speaks of this cloud: for the last piece. One
+/// that cannot be used is only a warning.
+void add_pose_covariance(const Path& cloud, Pieces& pieces);
 
 /// A Stanford .conf with the meshes it names.
 std::optional<Error> add_conf(const Path& path, Context& context, Pieces& pieces);

@@ -38,6 +38,9 @@ TEST_CASE("views: from rough poses to one cloud without a point twice") {
     else ++placed;
   }
   CHECK(placed >= 6);
+  REQUIRE(poses.at("covariance_between_views").size() == 48);
+  CHECK(poses.at("covariance_between_views").back().size() == 48);
+  CHECK(poses.at("cloud") == "cloud.ply");
 }
 
 TEST_CASE("views: what is built from rough poses is verified") {

@@ -206,6 +206,45 @@ TEST_CASE("read_scan: a height map grows towards its sensor, and no return is no
   CHECK(!scan.views[0].has_sensor);
 }
 
+TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if it speaks of this cloud") {
+  const Folder folder;
+  PointCloud cloud;
+  for (int i = 0; i < 20; ++i) cloud.points.emplace_back(i, i * i, 1), cloud.view.push_back(i % 2);
+  const Path path = folder.put("cloud.ply", write_cloud_ply(cloud));
+  CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
+  const auto poses = [](const std::string& of, const std::string& last) {
+    std::string rows;
+    for (int r = 0; r < 12; ++r) {
+      rows += r == 0 ? "[" : ", [";
+      for (int c = 0; c <= r; ++c) rows += (c == 0 ? "" : ", ") + (r == 11 && c == 11 ? last : std::to_string(r == c ? 2 + r : c));
+      rows += "]";
+    }
+    return R"({"center": [1, 2, 3], "cloud": ")" + of + R"(", "covariance_between_views": [)" + rows + "]}";
+  };
+  folder.put("poses.json", poses("cloud.ply", "13"));
+  const Scan scan = scan_of({path});
+  CHECK(scan.files == std::vector<std::string>{"cloud.ply", "poses.json"});
+  CHECK(scan.pose_covariance.center == Vec3(1, 2, 3));
+  REQUIRE(scan.pose_covariance.matrix.rows() == 12);
+  CHECK(scan.pose_covariance.matrix(11, 11) == 13);
+  CHECK(scan.pose_covariance.matrix(7, 3) == 3);
+  CHECK(scan.pose_covariance.matrix(3, 7) == 3);
+
+  folder.put("poses.json", poses("other.ply", "13"));
+  CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
+  for (const std::string wrong : {"-1", "\"much\"", "1, 2"}) {
+    folder.put("poses.json", poses("cloud.ply", wrong));
+    const Scan without = scan_of({path});
+    CHECK(without.pose_covariance.matrix.size() == 0);
+    REQUIRE(without.warnings.size() == 1);
+    CHECK(without.warnings[0].find("poses.json: expected a center and the lower triangle") != std::string::npos);
+  }
+  ReadOptions inches;
+  inches.unit = parse_unit("inch");
+  folder.put("poses.json", poses("cloud.ply", "13"));
+  CHECK(scan_of({path}, inches).pose_covariance.matrix.size() == 0);
+}
+
 TEST_CASE("read_scan: an image with a sidecar, orthographic or pinhole") {
   Folder folder;
   const auto png = folder.put("part.png", write_png({2, 2, {9, 1, 3, 9}}));
