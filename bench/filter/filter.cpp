@@ -205,16 +205,15 @@ void surface_table(const std::vector<SceneOptions>& scenes) {
 /// `bench_filter [METHOD]`: only the methods whose names begin so.
 int main(int argc, char** argv) {
   profile_table();
-  std::vector<Method> methods = {
-      {"raw", [](const RangeImage& i, double) { return raw(i); }},
-      {"median 5x5", [](const RangeImage& i, double) { return median_filter(i); }},
-      {"bilateral 5x5", [](const RangeImage& i, double s) { return bilateral_filter(i, s); }},
-      {"statistical removal", [](const RangeImage& i, double) { return statistical_removal(i); }},
-      {"statistical removal + MLS", [](const RangeImage& i, double) { return removal_and_mls(i); }},
+  std::vector<Method> methods = {{"raw", [](const RangeImage& i, double) { return raw(i); }}};
+  for (const Peer& peer : pcl_filters()) methods.push_back({peer.name, peer.run});
+  if (methods.size() == 1) methods.push_back({"PCL: not run", {}});
+  const std::vector<Method> ours = {
       {"RLTS combined", [](const RangeImage& i, double) { return rlts(i, RltsForm::combined); }},
       {"RLTS profile", [](const RangeImage& i, double) { return rlts(i, RltsForm::profile); }},
       {"RLTS facet 5x5", [](const RangeImage& i, double) { return rlts(i, RltsForm::facet); }, true},
       {"RLTS quadric 5x5", [](const RangeImage& i, double) { return rlts(i, RltsForm::quadric); }, true}};
+  methods.insert(methods.end(), ours.begin(), ours.end());
   if (argc > 1) std::erase_if(methods, [&](const Method& m) { return !std::string(m.name).starts_with(argv[1]); });
   std::vector<SceneOptions> scenes;
   for (const char* part : {"bracket", "dome"}) {
@@ -235,6 +234,10 @@ int main(int argc, char** argv) {
         "| method | interior / sigma | edge / sigma | off by > 5 sigma | kept | ms | 320x240 images/s |\n"
         "|---|---|---|---|---|---|---|\n");
     for (const Method& method : methods) {
+      if (!method.run) {
+        std::printf("| %s | | | | | | |\n", method.name);
+        continue;
+      }
       const Score s = score(scene, method.run(scene.image, options.sigma));
       const double ms = milliseconds(method, scene.image, options.sigma);
       const double rate = 1000 / std::max(milliseconds(method, large, options.sigma), 1e-3);

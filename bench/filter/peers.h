@@ -1,4 +1,4 @@
-/// What else is done to range images: plain forms of the usual filters.
+/// What else is done to range images: filters of the Point Cloud Library.
 #pragma once
 
 #include <vector>
@@ -14,13 +14,13 @@ struct Filtered {
 };
 
 Filtered raw(const RangeImage& image);
-/// Of the valid depths in 5x5.
-Filtered median_filter(const RangeImage& image);
-/// Gaussian over 5x5 (sigma 2 pixels) and over depth differences (three times the noise).
-Filtered bilateral_filter(const RangeImage& image, double sigma);
-/// Statistical outlier removal: mean distance to 20 neighbours beyond mean + 0.2 deviations of all.
-Filtered statistical_removal(const RangeImage& image);
-/// Statistical removal, then each point moved to a second-order moving least squares surface of radius 1.6 mm.
-Filtered removal_and_mls(const RangeImage& image);
+/// A filter of another program, told the noise at normal incidence, mm.
+struct Peer {
+  const char* name;
+  Filtered (*run)(const RangeImage& image, double sigma);
+};
+
+/// Empty where PCL was not found when the benchmark was built.
+std::vector<Peer> pcl_filters();
 
 }  // namespace partscribe::filter_bench
