@@ -1,9 +1,10 @@
-/// Integration of views at true poses beside a truncated signed distance field: Markdown tables, `bench_integration MODEL.json...`.
+/// Integration of pinhole views at true poses beside Open3D's: Markdown tables, `bench_integration MODEL.json...`.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 
+#include "bench/integration/peers.h"
 #include "core/files.h"
 #include "core/statistics.h"
 #include "geometry/kd_tree.h"
@@ -29,6 +30,7 @@ Scene scene_of(const Model& model, int bits, double sigma, double bit_error) {
   Context context;
   const Surface surface = surface_of(model);
   SimulateOptions options;
+  options.projection = Projection::pinhole;
   options.views = "cube", options.bits = bits, options.sigma = sigma, options.bit_error = bit_error;
   Scene scene{simulate(surface, options, context), {}, {}};
   std::size_t k = 0;
@@ -38,67 +40,13 @@ Scene scene_of(const Model& model, int bits, double sigma, double bit_error) {
     for (int row = 0; row < image.height; ++row)
       for (int column = 0; column < image.width; ++column) {
         if (!view_point(image, row, column) || ++k % 20 != 0) continue;
-        const Vec3 from = image.world_from_view * Vec3(image.x0 + column * image.pitch_x, image.y0 + row * image.pitch_y, 0);
-        const Vec3 direction = image.world_from_view.rotation.col(2);
+        const Vec3 from = image.world_from_view.translation;
+        const Vec3 direction = image.world_from_view.rotation * Vec3((column - image.cx) / image.fx, (row - image.cy) / image.fy, 1).normalized();
         if (const auto hit = surface.first_hit(from, direction)) scene.seen.push_back(from + hit->distance * direction);
       }
   }
   return scene;
 }
-
-/// A voxel grid of averaged, truncated depths (Curless & Levoy 1996, all weights 1); its zeros on the edges of the grid.
-class DistanceField {
- public:
-  DistanceField(const std::vector<RangeImage>& images, const std::vector<std::vector<double>>& depths, const Box3& bounds, double voxel)
-      : voxel_(voxel), low_(bounds.low - Vec3::Constant(4 * voxel)) {
-    for (int k = 0; k < 3; ++k) count_[k] = static_cast<int>((bounds.size()[k] + 8 * voxel) / voxel) + 1;
-    value_.assign(std::size_t(count_[0]) * std::size_t(count_[1]) * std::size_t(count_[2]), 0.0f);
-    weight_.assign(value_.size(), 0);
-    for (std::size_t v = 0; v < images.size(); ++v) add(images[v], depths[v]);
-  }
-
-  std::vector<Vec3> zeros() const {
-    std::vector<Vec3> result;
-    for (int z = 0; z < count_[2]; ++z)
-      for (int y = 0; y < count_[1]; ++y)
-        for (int x = 0; x < count_[0]; ++x)
-          for (int axis = 0; axis < 3; ++axis) {
-            const int nx = x + (axis == 0), ny = y + (axis == 1), nz = z + (axis == 2);
-            if (nx >= count_[0] || ny >= count_[1] || nz >= count_[2]) continue;
-            const std::size_t i = at(x, y, z), j = at(nx, ny, nz);
-            if (!weight_[i] || !weight_[j]) continue;
-            const double a = value_[i] / weight_[i], b = value_[j] / weight_[j];
-            if ((a < 0) == (b < 0) || std::abs(a) > 0.98 || std::abs(b) > 0.98) continue;
-            result.push_back(place(x, y, z) + Vec3::Unit(axis) * (voxel_ * a / (a - b)));
-          }
-    return result;
-  }
-
- private:
-  std::size_t at(int x, int y, int z) const { return (std::size_t(z) * std::size_t(count_[1]) + std::size_t(y)) * std::size_t(count_[0]) + std::size_t(x); }
-  Vec3 place(int x, int y, int z) const { return low_ + voxel_ * Vec3(x, y, z); }
-
-  void add(const RangeImage& image, const std::vector<double>& depth) {
-    const Pose view_from_world = image.world_from_view.inverse();
-    const double reach = 4 * voxel_;
-    for (int z = 0; z < count_[2]; ++z)
-      for (int y = 0; y < count_[1]; ++y)
-        for (int x = 0; x < count_[0]; ++x) {
-          const Vec3 p = view_from_world * place(x, y, z);
-          const int column = static_cast<int>(std::lround((p.x() - image.x0) / image.pitch_x)), row = static_cast<int>(std::lround((p.y() - image.y0) / image.pitch_y));
-          if (column < 0 || row < 0 || column >= image.width || row >= image.height) continue;
-          const double measured = depth[std::size_t(row) * std::size_t(image.width) + std::size_t(column)];
-          if (!(measured - p.z() > -reach)) continue;
-          value_[at(x, y, z)] += static_cast<float>(std::min(1.0, (measured - p.z()) / reach)), ++weight_[at(x, y, z)];
-        }
-  }
-
-  double voxel_;
-  Vec3 low_;
-  std::array<int, 3> count_{};
-  std::vector<float> value_;
-  std::vector<std::uint16_t> weight_;
-};
 
 void row(const char* name, const std::vector<Vec3>& points, const ModelDistance& truth, const Scene& scene, double sigma, double spent) {
   std::vector<double> off, away;
@@ -118,17 +66,17 @@ std::vector<Vec3> kept_points(const PointCloud& cloud) {
   return points;
 }
 
-/// The filtered depth of every pixel; not a number where none is kept.
-std::vector<std::vector<double>> depths_of(const Scan& scan, const std::vector<RangeImage>& images) {
-  std::vector<std::vector<double>> result;
+std::vector<peers::DepthView> depth_views(const Scan& scan, const std::vector<RangeImage>& images) {
+  std::vector<peers::DepthView> result;
   std::vector<Pose> view_from_world;
   for (const RangeImage& image : images) {
-    result.emplace_back(std::size_t(image.width) * std::size_t(image.height), std::nan(""));
+    result.push_back({image.width, image.height, image.fx, image.fy, image.cx, image.cy, image.world_from_view, {}});
+    result.back().depth.assign(std::size_t(image.width) * std::size_t(image.height), 0.0f);
     view_from_world.push_back(image.world_from_view.inverse());
   }
   for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
     const auto v = std::size_t(scan.cloud.view[i]);
-    if (!scan.cloud.rejected[i]) result[v][std::size_t(scan.cloud.pixel[i])] = (view_from_world[v] * scan.cloud.points[i]).z();
+    if (!scan.cloud.rejected[i]) result[v].depth[std::size_t(scan.cloud.pixel[i])] = float((view_from_world[v] * scan.cloud.points[i]).z());
   }
   return result;
 }
@@ -147,16 +95,27 @@ void compare(const Model& model, int bits, double sigma, double bit_error) {
   row("filtered", kept_points(filtered.cloud), truth, scene, sigma, filter_time);
   start = seconds();
   const MergedCloud merged = merge_views(filtered.cloud, {}, context);
-  row("filtered, merged", merged.cloud.points, truth, scene, sigma, filter_time + seconds() - start);
-  const auto depths = depths_of(filtered, scene.images);
-  const Box3 bounds = surface_of(model).bounds;
-  for (const double share : {150.0, 75.0}) {
-    const double voxel = bounds.diagonal() / share;
+  const double merge_time = filter_time + seconds() - start;
+  row("filtered, merged", merged.cloud.points, truth, scene, sigma, merge_time);
+  if (!peers::has_open3d()) {
+    std::printf("| Open3D: not run | | | | | | | | |\n");
+    return;
+  }
+  const auto views = depth_views(filtered, scene.images);
+  for (const double voxel : {0.625, 1.25})
+    for (const bool scalable : {true, false}) {
+      start = seconds();
+      const auto zeros = peers::open3d_distance_field(views, voxel, scalable);
+      const double spent = seconds() - start;
+      char name[80];
+      std::snprintf(name, sizeof name, "filtered, Open3D %s distance field, voxel %g mm", scalable ? "scalable" : "uniform", voxel);
+      row(name, zeros, truth, scene, sigma, filter_time + spent);
+    }
+  for (const int depth : {8, 9}) {
     start = seconds();
-    const auto zeros = DistanceField(scene.images, depths, bounds, voxel).zeros();
-    char name[80];
-    std::snprintf(name, sizeof name, "filtered, distance field, voxel %.2f mm", voxel);
-    row(name, zeros, truth, scene, sigma, filter_time + seconds() - start);
+    const auto vertices = peers::open3d_poisson(merged.cloud.points, merged.cloud.normals, depth);
+    const double spent = seconds() - start;
+    row(("filtered, merged, Open3D Poisson, depth " + std::to_string(depth)).c_str(), vertices, truth, scene, sigma, merge_time + spent);
   }
 }
 
