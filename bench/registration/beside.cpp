@@ -32,7 +32,8 @@ void count(const PairCase& pair, const Pose& world_from_second, const std::vecto
 
 void beside(const Path& folder, const std::vector<std::string>& names) {
   Context context;
-  const auto methods = peers::small_gicp_methods();
+  auto methods = peers::small_gicp_methods();
+  for (const auto& more : {peers::pcl_methods(), peers::open3d_methods()}) methods.insert(methods.end(), more.begin(), more.end());
   std::vector<Row> rows(methods.size() + 1);
   for (const auto& name : scans_in(folder, names))
     for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, context)) {

@@ -17,7 +17,9 @@ struct Method {
                             const partscribe::Pose& guess, double spacing, double gate);
 };
 
-/// Empty when the benchmark was built without the peer's headers.
+/// Empty when the benchmark was built without the peer.
 std::vector<Method> small_gicp_methods();
+std::vector<Method> pcl_methods();
+std::vector<Method> open3d_methods();
 
 }  // namespace peers
