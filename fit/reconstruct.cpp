@@ -21,6 +21,8 @@ namespace {
 
 constexpr std::uint32_t none = ~0u;
 
+bool has_rays(const PointCloud& cloud) { return cloud.rays.size() == cloud.size(); }
+
 /// Points of one small cube and of one direction, averaged: noise falls, edges stay.
 struct Surfels {
   std::vector<Vec3> points, normals;
@@ -65,9 +67,9 @@ Surfels averaged(const PointCloud& cloud, double edge) {
 }
 
 /// Without those that no others continue: strays that the filter left, each of which would put up a wall of its own.
-Surfels continued(Surfels surfels, double cell, double sigma, Context& context) {
+Surfels continued(Surfels surfels, double cell, double sigma, bool rays, Context& context) {
   constexpr double reach = 2, bent = 0.3;  // cells; height over distance
-  constexpr std::size_t least = 4;
+  const std::size_t least = rays ? 4 : 2;  // fewer where turned normals may be wrong
   const KdTree tree(surfels.points);
   std::vector<std::uint8_t> keep(surfels.points.size());
   parallel_for(keep.size(), context.threads, [&](std::size_t begin, std::size_t end) {
@@ -183,7 +185,7 @@ class Contour {
   Contour(const PointCloud& cloud, double cell, double sigma, Context& context)
       : context_(context),
         cloud_(cloud),
-        surfels_(continued(averaged(cloud, 0.6 * cell), cell, sigma, context)),
+        surfels_(continued(averaged(cloud, 0.6 * cell), cell, sigma, has_rays(cloud), context)),
         tree_(surfels_.points) {
     Box3 box;
     for (const Vec3& p : surfels_.points) box.add(p);
@@ -290,7 +292,7 @@ class Contour {
   /// What the sensors looked through is outside [Curless & Levoy 1996], where no points are and where points next to it
   /// say otherwise by less than a cell. A ray that would have to pass deep through the part belongs to a stray.
   void carve() {
-    if (cloud_.rays.size() != cloud_.size()) return;
+    if (!has_rays(cloud_)) return;
     constexpr double start = 2, step = 0.45, touched = 0.35;  // cells
     constexpr float deep = -0.9F, just_outside = 0.2F;
     constexpr std::uint8_t believed = 1, contradiction = 2, enough = 100;  // rays
@@ -568,9 +570,11 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   double cell = options.cell;
   if (cell <= 0) {
     cell = std::max({2.5 * sampling.spacing, 3 * sampling.sigma, box.diagonal() / 220});
-    // A wall shows if a node lies inside it.
-    const double wall = thinnest_walls(averaged(cloud, 0.5 * cell), 2 * cell, context);
-    cell = std::max(std::min(cell, wall / 1.8), std::max(1.2 * sampling.spacing, 3 * sampling.sigma));
+    // A wall shows if a node lies inside it. Without rays turned normals may be wrong, and look like walls.
+    if (has_rays(cloud)) {
+      const double wall = thinnest_walls(averaged(cloud, 0.5 * cell), 2 * cell, context);
+      cell = std::max(std::min(cell, wall / 1.8), std::max(1.2 * sampling.spacing, 3 * sampling.sigma));
+    }
   }
   auto nodes = [&](double h) { return (box.size() / h + Vec3::Constant(10)).prod(); };
   while (nodes(cell) > static_cast<double>(options.max_nodes)) cell *= 1.1;
@@ -602,7 +606,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   }
   result.unseen_share = all > 0 ? 1 - all_seen / all : 0;
   // Rays tell a hollow part from a sheet.
-  const double most_unseen = cloud.rays.size() == cloud.size() ? options.unseen_share_with_rays : options.unseen_share;
+  const double most_unseen = has_rays(cloud) ? options.unseen_share_with_rays : options.unseen_share;
   const bool sheet = result.unseen_share > most_unseen;
   // A sheet ends where its data end: the continuation must not curl round its border.
   if (sheet) has_data = contour.supported(mesh, 1.25, 0.3);
