@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +13,7 @@
 #include <functional>
 
 #include "bench/normals/peers.h"
+#include "bench/normals/plane_normal.h"
 #include "core/files.h"
 #include "core/statistics.h"
 #include "geometry/kd_tree.h"
@@ -145,16 +145,7 @@ std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
   const KdTree tree(points);
   std::vector<Vec3> result(points.size());
   tree.nearest_of_each(std::size_t(count), 1, [&](std::uint32_t i, std::span<const Neighbour> near) {
-    Vec3 sum = Vec3::Zero();
-    Mat3 squares = Mat3::Zero();
-    for (const Neighbour& n : near) {
-      const Vec3 d = points[n.index] - points[i];
-      sum += d, squares += d * d.transpose();
-    }
-    const double found = double(near.size());
-    Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-    eigen.computeDirect(squares / found - sum * sum.transpose() / (found * found));
-    result[i] = eigen.eigenvectors().col(0);
+    result[i] = peers::plane_normal(near.size(), [&](std::size_t k) -> Vec3 { return points[near[k].index] - points[i]; });
   });
   return result;
 }

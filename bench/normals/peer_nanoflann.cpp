@@ -1,9 +1,8 @@
 // nanoflann and a covariance matrix: what one writes in an hour.
-#include <Eigen/Eigenvalues>
-#include <array>
 #include <nanoflann.hpp>
 
 #include "peers.h"
+#include "plane_normal.h"
 
 namespace peers {
 namespace {
@@ -18,7 +17,6 @@ struct Points {
   }
 };
 
-template <bool closed_form>
 std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, std::uint32_t>;
   const Points adaptor{points};
@@ -28,19 +26,7 @@ std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
   std::vector<double> sq_distance(near.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t found = tree.knnSearch(points[i].data(), near.size(), near.data(), sq_distance.data());
-    Vec3 sum = Vec3::Zero();
-    partscribe::Mat3 squares = partscribe::Mat3::Zero();
-    for (std::size_t k = 0; k < found; ++k) {
-      const Vec3 d = points[near[k]] - points[i];
-      sum += d, squares += d * d.transpose();
-    }
-    const partscribe::Mat3 covariance = squares / double(found) - sum * sum.transpose() / double(found * found);
-    Eigen::SelfAdjointEigenSolver<partscribe::Mat3> eigen;
-    if constexpr (closed_form)
-      eigen.computeDirect(covariance);
-    else
-      eigen.compute(covariance);
-    result[i] = eigen.eigenvectors().col(0);
+    result[i] = plane_normal(found, [&](std::size_t k) -> Vec3 { return points[near[k]] - points[i]; });
   }
   return result;
 }
@@ -48,7 +34,7 @@ std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
 }  // namespace
 
 std::vector<CloudMethod> nanoflann_methods() {
-  return {{"nanoflann + PCA", &planes<true>}, {"nanoflann + PCA, iterated eigenvectors", &planes<false>}};
+  return {{"nanoflann + PCA", &planes}};
 }
 
 }  // namespace peers

@@ -60,7 +60,10 @@ void beside(const Path& folder, const std::vector<std::string>& names) {
     std::printf("| %s | %s |", k == 0 ? "Partscribe" : methods[k - 1].name.c_str(), k == 0 ? "itself" : (print_number(methods[k - 1].gate) + " radius").c_str());
     int wrong = -row.refused;
     for (const auto& [degrees, asked] : row.asked) std::printf(" %d of %d |", row.right[degrees], asked), wrong += asked - row.right[degrees];
-    std::printf(" %d | %d | %.4f | %.4f | %.0f |\n", row.refused, wrong, median(row.angle), median(row.shift), median(row.spent));
+    std::printf(" %d | %d |", row.refused, wrong);
+    if (row.angle.empty()) std::printf(" | |");  // nothing right
+    else std::printf(" %.4f | %.4f |", median(row.angle), median(row.shift));
+    std::printf(" %.0f |\n", median(row.spent));
   }
 }
 
