@@ -295,12 +295,13 @@ class Contour {
     if (!has_rays(cloud_)) return;
     constexpr double start = 2, step = 0.45, touched = 0.35;  // cells
     constexpr float deep = -0.9F, just_outside = 0.2F;
-    constexpr std::uint8_t believed = 1, contradiction = 2, enough = 100;  // rays
+    constexpr std::uint8_t contradiction = 2;  // rays; one is enough where no points are
     std::vector<std::uint8_t> looked_through(grid_.size(), 0);
     parallel_for(cloud_.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
       std::vector<std::size_t> passed;
       for (std::size_t i = begin; i < end; ++i) {
         if ((!cloud_.rejected.empty() && cloud_.rejected[i]) || !cloud_.points[i].allFinite()) continue;
+        if (!(cloud_.rays[i].squaredNorm() > 0.25)) continue;  // joined from a file without rays
         passed.clear();
         bool possible = true;
         for (double t = start; possible; t += step) {
@@ -318,14 +319,14 @@ class Contour {
         if (!possible) continue;
         for (const std::size_t node : passed) {
           const std::atomic_ref<std::uint8_t> count(looked_through[node]);
-          if (count.load(std::memory_order_relaxed) < enough) count.fetch_add(1, std::memory_order_relaxed);
+          if (count.load(std::memory_order_relaxed) < contradiction) count.fetch_add(1, std::memory_order_relaxed);
         }
       }
     });
     for (std::size_t node = 0; node < looked_through.size(); ++node) {
       if (field_.known[node]) {
         if (field_.value[node] < 0 && looked_through[node] >= contradiction) field_.value[node] = just_outside;
-      } else if (looked_through[node] >= believed) {
+      } else if (looked_through[node] > 0) {
         field_.known[node] = 1, field_.value[node] = 2;
       }
     }
@@ -517,6 +518,7 @@ class Contour {
 /// look away from each other. `reach`, mm: nothing thicker matters. Infinite without such walls.
 double thinnest_walls(const Surfels& surfels, double reach, Context& context) {
   constexpr double facing_away = -0.7, least = 0.005;  // cosine; share of the points
+  if (surfels.points.empty()) return std::numeric_limits<double>::infinity();
   const KdTree tree(surfels.points);
   std::vector<double> thickness(surfels.points.size(), std::numeric_limits<double>::infinity());
   parallel_for(thickness.size(), context.threads, [&](std::size_t begin, std::size_t end) {

@@ -10,6 +10,7 @@
 
 #include "core/random.h"
 #include "fit/prepare.h"
+#include "fit/reconstruct.h"
 #include "geometry/kd_tree.h"
 #include "geometry/mesh_distance.h"
 #include "geometry/read_geometry.h"
@@ -205,6 +206,19 @@ TEST_CASE("triangulate: a cup of thin walls keeps its inside, and nothing stands
   INFO("triangles " << mesh.triangles.size() << ", hidden " << hidden << ", off " << off << " of " << asked);
   CHECK(hidden * 100 < asked);
   CHECK(off * 500 < asked);
+}
+
+TEST_CASE("triangulate: points without rays beside others with rays, and points without normals, do no harm") {
+  Context context;
+  Scan scan = block(30000, 0.03, true, 6);
+  for (std::size_t i = 0; i < scan.cloud.size(); i += 2) scan.cloud.rays[i].setZero();  // as of a file without rays
+  auto input = prepare(scan, 0.15, context);
+  REQUIRE(input.ok());
+  const Reconstruction found = reconstruct(scan.cloud, input->sampling, {}, context);
+  CHECK_FALSE(found.mesh.empty());
+  PointCloud flat = scan.cloud;
+  flat.normals.assign(flat.size(), Vec3::Zero());
+  CHECK(reconstruct(flat, input->sampling, {}, context).mesh.empty());
 }
 
 TEST_CASE("triangulate: a sheet seen from one side stays open and gets a named thickness") {
