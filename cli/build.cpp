@@ -88,10 +88,14 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session);
   if (!model) return model.error();
   if (auto ok = session.stage("write"); !ok) return ok.error();
-  if (!reads_cloud)
-    if (auto ok = write_file(cloud_file, write_cloud_ply(scan->cloud)); !ok) return ok.error();
+  std::string cloud_sha256;
+  if (!reads_cloud) {
+    const std::string cloud = write_cloud_ply(scan->cloud);
+    if (auto ok = write_file(cloud_file, cloud); !ok) return ok.error();
+    if (registers) cloud_sha256 = sha256(cloud);
+  }
   if (registers)
-    if (auto ok = write_file(folder / "poses.json", poses_json(*placed)); !ok) return ok.error();
+    if (auto ok = write_file(folder / "poses.json", poses_json(*placed, cloud_sha256)); !ok) return ok.error();
   if (auto ok = write_file(folder / "model.json", write_model_json(**model)); !ok) return ok.error();
   const auto scripts = emit_stage(*model, *backends, arguments.templates, folder, session);
   if (!scripts) return scripts.error();

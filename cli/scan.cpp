@@ -100,8 +100,9 @@ Result<int> run(const ScanArguments& arguments, Session& session) {
   }
   if (auto ok = session.stage("write"); !ok) return ok.error();
   if (auto ok = make_folder(folder); !ok) return ok.error();
-  if (auto ok = write_file(folder / "cloud.ply", write_cloud_ply(scan.cloud)); !ok) return ok.error();
-  if (auto ok = write_file(folder / "poses.json", poses_json(*placed)); !ok) return ok.error();
+  const std::string cloud = write_cloud_ply(scan.cloud);
+  if (auto ok = write_file(folder / "cloud.ply", cloud); !ok) return ok.error();
+  if (auto ok = write_file(folder / "poses.json", poses_json(*placed, sha256(cloud))); !ok) return ok.error();
   session.finish_stage();
   const Vec3 size = scan.cloud.bounds().size();
   session.print(news + "Points " + std::to_string(scan.cloud.size()) + ", set aside " + std::to_string(sampling.rejected) +

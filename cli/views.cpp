@@ -126,7 +126,7 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
   return placed;
 }
 
-std::string poses_json(const PlacedViews& placed) {
+std::string poses_json(const PlacedViews& placed, const std::string& cloud_sha256) {
   Json json;
   json["views"] = Json::array();
   for (std::size_t v = 0; v < placed.scan.views.size(); ++v) {
@@ -147,7 +147,7 @@ std::string poses_json(const PlacedViews& placed) {
   }
   if (const auto& r = placed.registration) {
     json["center"] = numbers(r->center);
-    json["cloud"] = "cloud.ply";
+    json["cloud_sha256"] = cloud_sha256;
     json["covariance_between_views"] = triangle_of(r->covariance);
     json["worst_gap"] = r->worst_gap;
     json["free_motions"] = Json::array();

@@ -36,7 +36,7 @@ enum class Points {
 /// Views that registration refuses are left out and named. Fails if no two views can be brought together.
 Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points, Session& session);
 
-/// poses.json: where each view stood and how sure that is.
-std::string poses_json(const PlacedViews& views);
+/// poses.json: where each view stood and how sure that is. `cloud_sha256`: of the cloud.ply that holds their points.
+std::string poses_json(const PlacedViews& views, const std::string& cloud_sha256);
 
 }  // namespace partscribe

@@ -201,7 +201,7 @@ void add_pose_covariance(const Path& cloud, Pieces& pieces) {
   const auto text = read_file(path);
   if (!text.ok()) return;
   const json poses = json::parse(*text, nullptr, false);
-  if (!poses.is_object() || poses.value("cloud", json()) != cloud.filename().string()) return;
+  if (!poses.is_object() || poses.value("cloud_sha256", json()) != pieces.sha256.back()) return;
   const json rows = poses.value("covariance_between_views", json()), center = poses.value("center", json());
   const auto size = static_cast<Eigen::Index>(rows.size());
   bool good = rows.is_array() && size > 0 && size % 6 == 0 && center.is_array() && center.size() == 3;

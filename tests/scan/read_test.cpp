@@ -210,7 +210,8 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
   const Folder folder;
   PointCloud cloud;
   for (int i = 0; i < 20; ++i) cloud.points.emplace_back(i, i * i, 1), cloud.view.push_back(i % 2);
-  const Path path = folder.put("cloud.ply", write_cloud_ply(cloud));
+  const std::string bytes = write_cloud_ply(cloud), sum = sha256(bytes);
+  const Path path = folder.put("cloud.ply", bytes);
   CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
   const auto poses = [](const std::string& of, const std::string& last) {
     std::string rows;
@@ -219,9 +220,9 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
       for (int c = 0; c <= r; ++c) rows += (c == 0 ? "" : ", ") + (r == 11 && c == 11 ? last : std::to_string(r == c ? 2 + r : c));
       rows += "]";
     }
-    return R"({"center": [1, 2, 3], "cloud": ")" + of + R"(", "covariance_between_views": [)" + rows + "]}";
+    return R"({"center": [1, 2, 3], "cloud_sha256": ")" + of + R"(", "covariance_between_views": [)" + rows + "]}";
   };
-  folder.put("poses.json", poses("cloud.ply", "13"));
+  folder.put("poses.json", poses(sum, "13"));
   const Scan scan = scan_of({path});
   CHECK(scan.files == std::vector<std::string>{"cloud.ply", "poses.json"});
   CHECK(scan.pose_covariance.center == Vec3(1, 2, 3));
@@ -230,10 +231,10 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
   CHECK(scan.pose_covariance.matrix(7, 3) == 3);
   CHECK(scan.pose_covariance.matrix(3, 7) == 3);
 
-  folder.put("poses.json", poses("other.ply", "13"));
+  folder.put("poses.json", poses(sha256("another cloud"), "13"));
   CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
   for (const std::string wrong : {"-1", "\"much\"", "1, 2"}) {
-    folder.put("poses.json", poses("cloud.ply", wrong));
+    folder.put("poses.json", poses(sum, wrong));
     const Scan without = scan_of({path});
     CHECK(without.pose_covariance.matrix.size() == 0);
     REQUIRE(without.warnings.size() == 1);
@@ -241,7 +242,7 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
   }
   ReadOptions inches;
   inches.unit = parse_unit("inch");
-  folder.put("poses.json", poses("cloud.ply", "13"));
+  folder.put("poses.json", poses(sum, "13"));
   CHECK(scan_of({path}, inches).pose_covariance.matrix.size() == 0);
 }
 
