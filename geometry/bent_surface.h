@@ -38,6 +38,7 @@ class BentSurface {
   BentSurface(const Bend& bend, const Tilt& tilt, float pixels_per_height);
 
   bool flat() const { return bend_.none(); }
+  const Bend& second_order() const { return bend_; }
   float at(float x, float y) const;
   std::array<float, 2> slope(float x, float y) const;  ///< along x and y
   float mean() const;        ///< over 5x5 pixels: by so much least squares puts a plane too high in the middle

@@ -47,20 +47,30 @@ void lines_along(const RangeHeights& h, const Grid& sigma, int row, int down, in
   trimmed_lines(samples, sigma.row(row), h.width, lines.out());
 }
 
-/// 1 where a pixel lies on the trimmed line of any of the first `directions` of four directions.
-Grid screened(const RangeHeights& h, const Grid& sigma, int directions, Context& context) {
+/// Which pixels lie on the trimmed line of any direction: 1 or 0.
+struct Screen {
+  Screen(int width, int height) : kept(width, height, 0), firm(kept) {}
+  Grid kept;
+  Grid firm;  ///< on a line of four: three can meet by chance
+};
+
+/// In the first `directions` of four directions.
+Screen screened(const RangeHeights& h, const Grid& sigma, int directions, Context& context) {
   constexpr std::array<std::pair<int, int>, 4> steps = {{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
-  Grid kept(h.width, h.height_px, 0);
+  Screen screen(h.width, h.height_px);
   each_row(h, context, [&](int r) {
     Lines lines(h.width);
-    float* k = kept.row(r);
+    float *kept = screen.kept.row(r), *firm = screen.firm.row(r);
     for (int d = 0; d < directions; ++d) {
       const auto& [down, right] = steps[static_cast<std::size_t>(d)];
       lines_along(h, sigma, r, down, right, lines);
-      for (std::size_t c = 0; c < lines.middle.size(); ++c) k[c] = std::max(k[c], lines.middle[c]);
+      for (std::size_t c = 0; c < lines.middle.size(); ++c) {
+        kept[c] = std::max(kept[c], lines.middle[c]);
+        firm[c] = std::max(firm[c], lines.accepted[c] > 3 ? lines.middle[c] : 0.F);
+      }
     }
   });
-  return kept;
+  return screen;
 }
 
 /// The least-squares planes of all 5x5 windows.
@@ -209,17 +219,19 @@ KnownBend bend_at(const CurvatureMap& curvatures, const Slopes& slopes, int r, i
 /// The value of one pixel from its window.
 struct Fitter {
   const RangeHeights& h;
-  const Grid &heights, &kept;
+  const Grid& heights;
+  const Screen& screen;
   const Planes& planes;
   const Slopes& slopes;
   const CurvatureMap& curvatures;
 
   /// Of a window that a plane or a quadric explains.
-  WindowFacet smooth(int r, int c, float sigma) const {
+  WindowFacet smooth(int r, int c, float sigma, Fitness how) const {
     WindowFacet f{planes.value.row(r)[c],    planes.slope_x.row(r)[c], planes.slope_y.row(r)[c],
                   planes.variance.row(r)[c], RltsModel::plane,         planes.sse.row(r)[c] / (sigma * sigma)};
     const Tilt tilt = h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y);
     const KnownBend bend = bend_at(curvatures, slopes, r, c, tilt);
+    if (how == Fitness::quadric && !explains(bend.shape, r, c, sigma)) return broken(r, c, sigma);
     if (bend.shape.flat()) return f;
     if (planes.count.row(r)[c] < 25 || bend.far_steeper)
       return better(f, bent(f, bend, r, c, sigma), bend.far_steeper, sigma);
@@ -244,13 +256,20 @@ struct Fitter {
   }
 
  private:
+  /// Whether a window bends as its surroundings do. One that lies on a crease may pass for a quadric of its own.
+  bool explains(const BentSurface& shape, int r, int c, float sigma) const {
+    const Bend own = planes.bend(r, c);
+    const float without = own.evidence(), with = (own - shape.second_order()).evidence();
+    return (planes.sse.row(r)[c] - without + with) / (sigma * sigma) <= chi2_limit(planes.count.row(r)[c] - 3);
+  }
+
   /// A plane through part of a window, less the bend of its surroundings.
   WindowFacet bent(WindowFacet f, KnownBend bend, int r, int c, float sigma) const {
     // The slope hangs on the bend, and so does the bend on the slope.
     for (int round = 0; round < 2; ++round) {
       if (round > 0) bend = bend_at(curvatures, slopes, r, c, h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y));
       Window u, w;
-      gather(heights, kept, r, c, f.slope_x, f.slope_y, bend.shape, sigma, u, w);
+      gather(heights, screen.kept, r, c, f.slope_x, f.slope_y, bend.shape, sigma, u, w);
       const WindowFit rest = plane_fit(u, w);
       f.value = rest.facet.value * sigma, f.cost = rest.sse;
       f.slope_x += rest.facet.slope_x * sigma, f.slope_y += rest.facet.slope_y * sigma;
@@ -262,8 +281,8 @@ struct Fitter {
 
   WindowFacet facet(int r, int c, float slope_x, float slope_y, const BentSurface& shape, float sigma) const {
     Window u, w;
-    gather(heights, kept, r, c, slope_x, slope_y, shape, sigma, u, w);
-    WindowFacet f = window_facet(u, w);
+    gather(heights, screen.kept, r, c, slope_x, slope_y, shape, sigma, u, w);
+    WindowFacet f = window_facet(u, w, screen.firm.row(r)[c] != 0);
     f.value *= sigma;
     f.slope_x = f.slope_x * sigma + slope_x, f.slope_y = f.slope_y * sigma + slope_y;
     return f;
@@ -347,15 +366,15 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
   out.noise = known ? RangeNoise{options.sigma, 0} : even_noise(h);
   Grid sigma = noise_map(h, out.noise, nullptr);
   // Two directions are enough to learn slopes and noise.
-  Grid kept = screened(h, sigma, known ? 4 : 2, context);
+  Screen screen = screened(h, sigma, known ? 4 : 2, context);
   Planes planes(h.width, h.height_px);
-  fit_planes(h, heights, kept, planes, context);
+  fit_planes(h, heights, screen.kept, planes, context);
   const Slopes slopes = slopes_of(h, planes, context);
   if (!known) {
-    out.noise = sloped_noise(h, kept, slopes.incidence);
+    out.noise = sloped_noise(h, screen.kept, slopes.incidence);
     sigma = noise_map(h, out.noise, &slopes.incidence);
-    kept = screened(h, sigma, 4, context);
-    fit_planes(h, heights, kept, planes, context);
+    screen = screened(h, sigma, 4, context);
+    fit_planes(h, heights, screen.kept, planes, context);
   }
   PaddedGrid<Fitness> fit(h.width, h.height_px, Fitness::none);
   each_row(h, context, [&](int r) {
@@ -363,15 +382,15 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
       if (!std::isnan(h.grid.row(r)[c])) fit.row(r)[c] = fitness(planes, r, c, sigma.row(r)[c]);
   });
   const CurvatureMap curvatures(h, window_curvatures(h, planes, fit, sigma), sigma);
-  const Fitter fitter{h, heights, kept, planes, slopes, curvatures};
+  const Fitter fitter{h, heights, screen, planes, slopes, curvatures};
   each_row(h, context, [&](int r) {
     for (int c = 0; c < h.width; ++c) {
       if (std::isnan(h.grid.row(r)[c])) continue;
       const float s = sigma.row(r)[c];
       WindowFacet facet = rejected_facet;
-      if (kept.row(r)[c] != 0) {
+      if (screen.kept.row(r)[c] != 0) {
         const bool smooth = fit.row(r)[c] == Fitness::plane || fit.row(r)[c] == Fitness::quadric;
-        facet = smooth ? fitter.smooth(r, c, s) : fitter.broken(r, c, s);
+        facet = smooth ? fitter.smooth(r, c, s, fit.row(r)[c]) : fitter.broken(r, c, s);
         // A sample that agrees with no surface around it has only met three others in a line.
         const bool alone = facet.model == RltsModel::raw && planes.count.row(r)[c] > 6;
         // Nor does anything return from a surface so steep: it bridges a step.

@@ -9,11 +9,12 @@ namespace partscribe {
 namespace {
 
 constexpr float choice_of_side = 6.4F;  // 2 ln 24
+constexpr float wild_sample = 9;        // chi^2 of a sample beyond three deviations, and what leaving it out costs
 
 /// Reweighted: samples beyond three deviations are left out, at the price of as many deviations; at most a fifth.
 WindowFit trimmed(WindowFit (*least_squares)(const Window&, const Window&), const Window& heights,
                   const Window& weights) {
-  constexpr float limit = 9;
+  constexpr float limit = wild_sample;
   Window accepted = weights;
   WindowFit fit;
   int out = 0;
@@ -39,9 +40,22 @@ WindowFit trimmed(WindowFit (*least_squares)(const Window&, const Window&), cons
   return fit;
 }
 
+/// Whether two planes explain the other samples so much better without the middle that it belongs to neither: a plane
+/// through it and a few others steps across an edge.
+bool wild_middle(const Window& heights, Window weights, float cost_with) {
+  weights[12] = 0;
+  Sides sides;
+  split_window(heights, weights, sides);
+  const float limit = *std::min_element(sides.cost.begin(), sides.cost.end()) + wild_sample;
+  if (limit >= cost_with) return false;
+  for (std::size_t j = 0; j < sides.cost.size(); ++j)
+    if (sides.cost[j] < limit && sides.value[j] * sides.value[j] < wild_sample * (1 + sides.variance[j])) return false;
+  return true;
+}
+
 }  // namespace
 
-WindowFacet window_facet(const Window& heights, const Window& weights) {
+WindowFacet window_facet(const Window& heights, const Window& weights, bool firm) {
   WindowFacet best;
   best.variance = 1;
   float cost = 1e8F, count = 0;
@@ -62,6 +76,7 @@ WindowFacet window_facet(const Window& heights, const Window& weights) {
   if (std::min(cost, split_cost) > significant_bend + 0.5F * count)
     consider(trimmed(quadric_fit, heights, weights), significant_bend);
   if (split_cost >= cost) return best;
+  if (!firm && wild_middle(heights, weights, sides.cost[s])) return {0, 0, 0, 1, RltsModel::raw, split_cost};
   best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side, split_cost};
   if (sides.near_count[s] < 9 || sides.near_sse[s] <= significant_bend + 0.5F * sides.near_count[s]) return best;
   Window near = weights;

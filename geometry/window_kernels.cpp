@@ -115,7 +115,9 @@ PARTSCRIBE_INLINE void lines_at(const std::array<const float*, 5>& samples, cons
   }
   const F own_noise = load<F>(sigma + i), noise = own_noise * own_noise;
   const F bent = best * (2.16F * 2.16F / 3), most = 9 * noise;
-  const F s2 = select(bent < noise, noise, select(bent < most, bent, most));
+  // Three samples that lie on no line even so are accepted nowhere: where no others are, they would be on their own.
+  const F level = select(bent < noise, noise, select(bent < most, bent, most));
+  const F s2 = select(best > 6.25F * level, zero - 1.F, level);
   F m = zero, st = zero, stt = zero, sr = zero, str = zero, own = zero;
 #pragma GCC unroll 5
   for (int k = 0; k < 5; ++k) {
@@ -256,7 +258,9 @@ PARTSCRIBE_INLINE void split_at(const std::array<float, 25>& heights, const std:
   const F bound = far_cost * far.n;
   const F beyond = select(other.variance > 0.F, select(other.sse < bound, other.sse, bound), bound);
   // The middle's residual against the plane's prediction without it; a plane that hangs on the middle predicts nothing.
-  const F cost = select(own.value * own.value <= own_limit * (1.F - own.variance), own.sse + beyond, zero + impossible);
+  const F any = own.sse + beyond;
+  const F agreeing = select(own.value * own.value <= own_limit * (1.F - own.variance), any, zero + impossible);
+  const F cost = weights[12] == 0 ? any : agreeing;
   const F usable = select(own.variance > 0.F, select(near.n > 5.5F, cost, zero + impossible), zero + impossible);
   const auto at = static_cast<std::size_t>(j);
   store<F>(&out.cost[at], usable);

@@ -53,7 +53,7 @@ struct Sides {
   alignas(32) std::array<float, side_count> near_count;
 };
 
-/// `heights` row by row in units of their noise, above the middle one.
+/// `heights` row by row in units of their noise, above the middle one; where that has weight 0 nothing need agree with it.
 void split_window(const std::array<float, 25>& heights, const std::array<float, 25>& weights, Sides& out);
 
 }  // namespace partscribe

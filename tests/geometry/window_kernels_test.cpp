@@ -66,6 +66,9 @@ TEST_CASE("trimmed lines: fewer than three samples are no line") {
   CHECK(line.middle == 0);
   CHECK(std::isnan(line.value));
   CHECK(line_of({none, 5, 6, none, 8}, 1).accepted == 3);
+  // Nor are three that lie on none.
+  CHECK(line_of({none, none, -27, 0.5F, 1}, 1).accepted == 0);
+  CHECK(line_of({none, none, -2, 0.5F, 1}, 1).accepted == 3);
 }
 
 TEST_CASE("trimmed lines: many at once and one at a time give the same bits") {
