@@ -310,8 +310,12 @@ class Finder {
   /// Holes and bosses of the artifact that the scan shows nothing of, or an unbroken face across.
   void find_extra_features() {
     std::vector<std::array<std::size_t, 3>> states(c_.rows.size(), {0, 0, 0});
-    for (std::size_t i = 0; i < c_.field.samples.size(); ++i)
-      if (c_.sample_row[i] >= 0) ++states[static_cast<std::size_t>(c_.sample_row[i])][static_cast<std::size_t>(c_.field.support[i])];
+    std::vector<std::map<std::int32_t, double>> rows(c_.features.features.size());  // where each feature's samples are
+    for (std::size_t i = 0; i < c_.field.samples.size(); ++i) {
+      if (c_.sample_row[i] < 0) continue;
+      ++states[static_cast<std::size_t>(c_.sample_row[i])][static_cast<std::size_t>(c_.field.support[i])];
+      ++rows[c_.features.feature_of[c_.field.samples[i].triangle]][c_.sample_row[i]];
+    }
     for (std::size_t r = 0; r < c_.rows.size(); ++r) {
       const auto number = c_.feature_of_row[r];
       if (number < 0 || c_.explained_row[r]) continue;
@@ -334,7 +338,7 @@ class Finder {
       if (!across && !refuted) continue;
       Finding& f = a.finding;
       f.kind = Finding::Kind::invented_material;
-      f.feature = c_.rows[r].name;
+      f.feature = name_of_row(most_of(rows[static_cast<std::size_t>(number)]));
       a.center = feature.middle;
       f.place = c_.surface.closest(a.center).point;
       f.area = feature.area, f.deviation = a.axis.radius, f.points = inside;

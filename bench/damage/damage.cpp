@@ -3,6 +3,7 @@
 /// bench_damage [--most N] [--log FILE] [--parts a,b,...] [--backends a,b,...] [--kinds "a,b,..."]
 ///              [--models-only | --files-only] [--in-turn]
 /// --in-turn: damages of models through one backend each, in turn, instead of through all; for a quicker look.
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -41,6 +42,9 @@ int main(int count, char** arguments) {
     else if (option == "--threads") options.threads = std::stoi(value), ++i;
     else return std::fprintf(stderr, "unknown option %s\n", option.c_str()), 2;
   }
+  for (const auto& backend : options.backends)
+    if (const auto known = SuiteOptions{}.backends; std::find(known.begin(), known.end(), backend) == known.end())
+      return std::fprintf(stderr, "unknown backend %s\n", backend.c_str()), 2;
   std::vector<DamageCase> all;
   for (const auto& part : parts) {
     auto cases = damage_part(part, options);

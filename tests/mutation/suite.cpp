@@ -111,13 +111,21 @@ void judge(DamageCase& c, const Subject& subject) {
     if (c.says.empty() && !c.harmless && c.kept && c.harm.places.size() < 2) c.not_applicable = true;
     if (c.harm.faces.empty()) {
       const ModelDistance truth(subject.truth);
-      std::map<std::string, std::size_t> hits;
-      for (const auto& p : c.harm.places)
-        if (const auto hit = truth(p); hit.face >= 0) ++hits[truth.faces()[std::size_t(hit.face)].name];
+      const auto by_face = [&](const std::vector<Vec3>& places) {
+        std::map<std::string, std::size_t> hits;
+        for (const auto& p : places)
+          if (const auto hit = truth(p); hit.face >= 0) ++hits[truth.faces()[std::size_t(hit.face)].name];
+        return hits;
+      };
+      const auto hits = by_face(c.harm.places);
+      std::vector<Vec3> everywhere;
+      for (const auto& s : even_samples(subject.mesh, 1000)) everywhere.push_back(s.point);
+      auto all = by_face(everywhere);
       std::size_t most = 0;
       for (const auto& [name, n] : hits) most = std::max(most, n);
+      // Faces that hold much of the damage, and small ones that are damaged through and through.
       for (const auto& [name, n] : hits)
-        if (5 * n >= most) c.harm.faces.push_back(name);
+        if (5 * n >= most || (n >= 5 && n >= all[name])) c.harm.faces.push_back(name);
     }
     const auto& faces = c.harm.faces;
     c.named = std::any_of(faces.begin(), faces.end(), [&](const std::string& f) { return f == c.feature; });
