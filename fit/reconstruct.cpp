@@ -29,6 +29,14 @@ struct Surfels {
   std::vector<double> weights;
 };
 
+/// The side that the surface at a point faces. None was seen more than 82 degrees aside: what has such a normal is a strip of a
+/// few rows, seen through a gap, whose normals lie within it. Of that only the ray is known.
+Vec3 facing(const PointCloud& cloud, std::uint32_t i) {
+  constexpr double grazing = 0.14;
+  const Vec3& n = cloud.normals[i];
+  return has_rays(cloud) && std::abs(n.dot(cloud.rays[i])) < grazing * n.norm() * cloud.rays[i].norm() ? Vec3(-cloud.rays[i]) : n;
+}
+
 Surfels averaged(const PointCloud& cloud, double edge) {
   struct Entry {
     std::array<std::int64_t, 4> key;
@@ -37,7 +45,7 @@ Surfels averaged(const PointCloud& cloud, double edge) {
   std::vector<Entry> entries;
   std::uint32_t order = 0;
   for (const std::uint32_t i : thinned(cloud.points, cloud.rejected, 0)) {
-    const Vec3& n = cloud.normals[i];
+    const Vec3 n = facing(cloud, i);
     if (!(n.squaredNorm() > 0.25)) continue;
     Eigen::Index axis = 0;
     n.cwiseAbs().maxCoeff(&axis);
@@ -55,7 +63,7 @@ Surfels averaged(const PointCloud& cloud, double edge) {
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
     for (end = begin; end < entries.size() && entries[end].key == entries[begin].key; ++end) {
       point += cloud.points[entries[end].index];
-      normal += cloud.normals[entries[end].index].normalized();
+      normal += facing(cloud, entries[end].index).normalized();
     }
     const auto count = static_cast<double>(end - begin);
     if (!(normal.norm() > 0.5 * count)) continue;

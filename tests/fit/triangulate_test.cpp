@@ -208,6 +208,34 @@ TEST_CASE("triangulate: a cup of thin walls keeps its inside, and nothing stands
   CHECK(off * 500 < asked);
 }
 
+TEST_CASE("triangulate: a strip of two rows, whose normals lie within it, faces its sensor") {
+  Context context;
+  Random random(9);
+  Scan scan;
+  const auto add = [&](const Vec3& d, const Vec3& normal, double radius = 10) {
+    scan.cloud.points.push_back((radius + 0.01 * random.normal()) * d);
+    scan.cloud.rays.push_back(-d), scan.cloud.normals.push_back(normal);
+  };
+  while (scan.cloud.size() < 20000) {
+    const Vec3 d = direction(random);
+    if (std::abs(d.z()) > 0.25) add(d, d);
+  }
+  std::vector<Vec3> strip;  // on the ground of a groove
+  for (int k = 0; k < 160; ++k) {
+    const double angle = 0.006 * (k / 2), z = 0.01 * (k % 2), around = std::sqrt(1 - z * z);
+    add({around * std::cos(angle), around * std::sin(angle), z}, k % 4 < 2 ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ()), 9.3);
+    strip.push_back(scan.cloud.points.back());
+  }
+  SamplingSummary sampling;
+  sampling.spacing = 0.12, sampling.sigma = 0.01;
+  const Reconstruction found = reconstruct(scan.cloud, sampling, {}, context);
+  CHECK(found.closed);
+  const MeshDistance distance(found.mesh);
+  int hidden = 0;
+  for (const Vec3& p : strip) hidden += distance.first_hit(2 * p, -p.normalized(), p.norm() - 0.25).has_value();
+  CHECK(hidden == 0);
+}
+
 TEST_CASE("triangulate: points without rays beside others with rays, and points without normals, do no harm") {
   Context context;
   Scan scan = block(30000, 0.03, true, 6);
