@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "core/number.h"
@@ -23,6 +24,7 @@
 #include "fit/tidy.h"
 #include "fit/triangulate.h"
 #include "geometry/keep_points.h"
+#include "model/distance.h"
 
 namespace partscribe {
 namespace {
@@ -55,6 +57,12 @@ bool hardly_bends(const Candidate& c, double size) {
   return radius && radius->is_parameter() && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
            return p.name == radius->parameter && p.value > times * size;
          });
+}
+
+/// Of the walls of a shape, how many may be thinner than noise can tell. Bodies that run out in a tip have some; where a plate
+/// is that thin, two sheets share the noise of one face and follow it more closely than the truth.
+double most_thin(const Candidate& c) {
+  return std::holds_alternative<Extrude>(c.shape) || std::holds_alternative<Box>(c.shape) ? 0.12 : 0.3;
 }
 
 /// Welsch constants among strays, of the search and of the last steps: strays beside the surface draw less, and at 1.5 the
@@ -112,7 +120,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     j.reason = print_number(snapped(100 * j.coverage.contradicted, 0.1)) + " % of its surface lies off the scanned mesh";
   else if (!j.candidate.unseen.empty())
     j.open = true, j.reason = j.candidate.unseen;
-  else if (j.coverage.thin > 0.3)
+  else if (j.coverage.thin > most_thin(j.candidate))
     j.open = true, j.reason = print_number(std::round(100 * j.coverage.thin)) + " % of its walls are thinner than noise can tell";
   else
     j.meets = true;
@@ -136,15 +144,18 @@ double far_more_likely(const FitInput& input) { return more_likely + 0.1 * input
 /// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
 /// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
 bool pays(const Judged& a, const Judged& b, const FitInput& input) {
-  constexpr double clearly = 0.7;
+  constexpr double clearly = 0.7, few_points = 15, surely = 1.5;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
   const double gain = shorter.total() - longer.total();
   if (!(gain > 0)) return false;
   if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
+  // A hole of which a few points of its wall were seen: too few to be a body of another kind, too many for chance.
+  const bool same = a.candidate.procedure == b.candidate.procedure;
+  if (same && explained > few_points && gain > surely * far_more_likely(input)) return true;
   const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
-  const double enough = a.candidate.procedure == b.candidate.procedure ? more_likely : far_more_likely(input);
+  const double enough = same ? more_likely : far_more_likely(input);
   return only_noise && gain - nats_per_stray * std::max(explained, 0.0) > enough;
 }
 
@@ -269,6 +280,12 @@ bool said_before(const Judged& j, const std::vector<Judged>& judged, double tole
   });
 }
 
+/// mm, from its surface; the largest number for one that makes no sense.
+double distance_to(const Candidate& candidate, const Vec3& p) {
+  if (!drawable(candidate) || std::holds_alternative<Complaints>(check(bare_model(candidate)))) return std::numeric_limits<double>::max();
+  return std::abs(ModelDistance(bare_model(candidate))(candidate.scan_from_part.inverse() * p).distance);
+}
+
 /// Asks the makers of one kind and judges what they propose.
 void consider_makers(Search& search, bool last_resort, const FitInput& input, const BuildOptions& options, Context& context) {
   std::vector<Vec3> directions;
@@ -278,7 +295,11 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
     for (auto& candidate : maker.propose(input, search.hypothesis, directions, context)) {
       if (context.cancelled) return;
       if (!asked_for(options.force, candidate) || (search.found && is_round_ring(candidate))) continue;
+      const auto otherwise = candidate.otherwise;
       Judged j = judge(std::move(candidate), input, context);
+      const auto reaches_worst = [&](const Candidate& c) { return distance_to(c, j.evidence.worst) < input.tolerance; };
+      if (otherwise && !j.meets && reaches_worst(*otherwise) && !reaches_worst(j.candidate))
+        if (Judged other = judge(*otherwise, input, context); other.meets) j = std::move(other);
       context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
                   ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
       if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
@@ -315,11 +336,27 @@ std::size_t simpler_than(const std::vector<Judged>& judged, std::size_t at, cons
   return judged.size();
 }
 
+/// True if it is far off somewhere itself, and another of the same procedure costs less and is refused only for a place where
+/// strays may be: then what won follows strays, with numbers that are not the part's.
+bool bent_by_strays(const Search& search, std::size_t at, const FitInput& input) {
+  constexpr double far_off = 0.6;
+  const Judged& winner = search.judged[at];
+  if (!(winner.evidence.local_max > far_off * input.tolerance)) return false;
+  return std::any_of(search.judged.begin(), search.judged.end(), [&](const Judged& j) {
+    const bool same = j.candidate.procedure == winner.candidate.procedure;
+    return !j.meets && same && !off_where_strays_are(winner.evidence, j.evidence, input).empty();
+  });
+}
+
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
 void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
   search.winner = search.judged.size(), search.found = false;
   for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets && !search.found; ++i) {
+    if (bent_by_strays(search, i, input)) {
+      search.judged[i].meets = false, search.judged[i].reason = "costs more than another that strays keep from being within tolerance";
+      break;  // the next would follow them as well
+    }
     Candidate exact = search.judged[i].candidate;
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;

@@ -56,6 +56,7 @@ struct Candidate {
   Pose scan_from_part;
   int extra_numbers = 0;              ///< numbers that are no parameters (control points, triangles)
   std::vector<HeldParameter> held;    ///< what a fit must not move
+  std::shared_ptr<const Candidate> otherwise;  ///< what may do where this one leaves the data: longer, to the last of them
   std::string unseen;                 ///< what makes the shape what it is and was hardly seen: a rival then, never the model
 };
 

@@ -54,6 +54,7 @@ class Seen {
     constexpr double impossible = 1e300;
     if (((o.high - o.low).array() < 2 * band_).any()) return impossible;
     if (o.form == OutlineForm::ell && (((o.inner - o.low).array() < 2 * band_).any() || ((o.high - o.inner).array() < 2 * band_).any())) return impossible;
+    if (o.form == OutlineForm::link && (o.eye < 2 * band_ || o.eye > o.radius() - 2 * band_)) return impossible;
     double walls = 0, ends = 0;
     for (const auto& w : walls_) {
       const double d = o.distance(w.position), u = 2.5 * d / band_;
@@ -108,7 +109,7 @@ class Seen {
     o.form = form, o.angle = angle;
     for (int k = 0; k < 2; ++k) o.low[k] = quantile(places[k], 0.02), o.high[k] = quantile(places[k], 0.98);
     o.inner = 0.5 * (o.low + o.high);
-    o.round = 0.2 * (o.high - o.low).minCoeff();
+    o.round = 0.2 * (o.high - o.low).minCoeff(), o.eye = 0.5 * o.radius();
     return o;
   }
 
@@ -155,6 +156,7 @@ std::vector<std::pair<Change, double>> changes_of(OutlineForm form, double size)
     result.emplace_back([k](CommonOutline& o, double by) { o.high[k] += by; }, step);
   }
   if (form == OutlineForm::rounded) result.emplace_back([](CommonOutline& o, double by) { o.round += by; }, step);
+  if (form == OutlineForm::link) result.emplace_back([](CommonOutline& o, double by) { o.eye += by; }, step);
   for (int k = 0; k < 2 && form == OutlineForm::ell; ++k)
     result.emplace_back([k](CommonOutline& o, double by) { o.inner[k] += by; }, step);
   return result;
@@ -181,6 +183,8 @@ void descend(CommonOutline& o, const Seen& seen) {
   }
 }
 
+bool round_ends(OutlineForm form) { return form == OutlineForm::slot || form == OutlineForm::link; }
+
 ProfileSegment line(const Vec2& from, const Vec2& to) {
   ProfileSegment s;
   s.start = s.point = from, s.end = to, s.direction = (to - from).normalized();
@@ -197,23 +201,29 @@ ProfileSegment arc(const Vec2& center, const Vec2& from, const Vec2& to, double 
 
 double CommonOutline::radius() const {
   const double most = 0.5 * (high - low).minCoeff();
-  return form == OutlineForm::rounded ? std::clamp(round, 0.0, most) : form == OutlineForm::slot ? most : 0;
+  return form == OutlineForm::rounded ? std::clamp(round, 0.0, most) : round_ends(form) ? most : 0;
 }
 
 double CommonOutline::area() const {
   const Vec2 missing = (high - inner).cwiseMax(0.0);
-  return (high - low).prod() - (form == OutlineForm::ell ? missing.prod() : (4 - pi) * radius() * radius());
+  const double holes = form == OutlineForm::link ? 2 * pi * eye * eye : 0;
+  return (high - low).prod() - (form == OutlineForm::ell ? missing.prod() : (4 - pi) * radius() * radius()) - holes;
 }
 
 double CommonOutline::distance(const Vec2& p) const {
   const Vec2 q = turned(p, -angle);
   const double r = radius();
-  if (form != OutlineForm::ell) return from_box(q, low + Vec2::Constant(r), high - Vec2::Constant(r)) - r;
+  if (form != OutlineForm::ell) {
+    double d = from_box(q, low + Vec2::Constant(r), high - Vec2::Constant(r)) - r;
+    if (form == OutlineForm::link)
+      for (const Vec2& c : {Vec2(low + Vec2::Constant(r)), Vec2(high - Vec2::Constant(r))}) d = std::max(d, eye - (q - c).norm());
+    return d;
+  }
   return std::max(from_box(q, low, high), -from_box(q, inner, Vec2::Constant(1e300)));
 }
 
 std::vector<Vec2> CommonOutline::end_centres() const {
-  if (form != OutlineForm::slot) return {};
+  if (!round_ends(form)) return {};
   const Vec2 r = Vec2::Constant(radius());
   return {turned(low + r, angle), turned(high - r, angle)};
 }
@@ -256,7 +266,7 @@ std::vector<CommonOutline> common_outlines(const OutlineData& data) {
   const Seen seen(data);
   std::vector<CommonOutline> result;
   if (!seen.wide_enough()) return result;
-  for (const OutlineForm form : {OutlineForm::rectangle, OutlineForm::rounded, OutlineForm::slot, OutlineForm::ell}) {
+  for (const OutlineForm form : {OutlineForm::rectangle, OutlineForm::rounded, OutlineForm::slot, OutlineForm::link, OutlineForm::ell}) {
     CommonOutline best;
     best.cost = 1e300;
     for (const double angle : seen.angles())

@@ -7,8 +7,9 @@
 
 namespace partscribe {
 
-/// Rectangle; rectangle with four equal rounds; slot, whose two ends are half circles; L.
-enum class OutlineForm { rectangle, rounded, slot, ell };
+/// Rectangle; rectangle with four equal rounds; slot, whose two ends are half circles; slot with equal holes about the centres of
+/// its ends; L.
+enum class OutlineForm { rectangle, rounded, slot, link, ell };
 
 /// An outline in a frame turned by `angle`; mm.
 struct CommonOutline {
@@ -17,12 +18,13 @@ struct CommonOutline {
   Vec2 low = Vec2::Zero(), high = Vec2::Zero();  ///< sides, in the frame
   Vec2 inner = Vec2::Zero();   ///< ell: its inner corner; the corner at `high` is missing
   double round = 0;            ///< rounded: radius of the corners
+  double eye = 0;              ///< link: radius of the holes
   double cost = 0;             ///< of what was seen: the least is the likeliest
 
   double radius() const;       ///< of corners or ends
-  double area() const;
+  double area() const;         ///< without the holes
   double distance(const Vec2& p) const;  ///< from the outline, positive outside; beside an inner corner a lower bound
-  std::vector<Vec2> end_centres() const;  ///< of a slot
+  std::vector<Vec2> end_centres() const;  ///< of a slot or link
   LoopPieces loop() const;     ///< counter-clockwise, named "outline"
 };
 

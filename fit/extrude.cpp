@@ -33,6 +33,15 @@ struct Sweep {
   Vec3 direction;
   double low = 0, high = 0, share = 0;
   double open_end = 0;  ///< mm, how well the end is known of which no face was seen; 0: both were, or no strays lie beyond
+  bool opens_below = false;
+  double last = 0;      ///< height of the last points at the open end
+
+  /// To these points: a curtain of strays behind the edges is a wall to the data.
+  Sweep to_last() const {
+    Sweep s = *this;
+    (opens_below ? s.low : s.high) = last, s.open_end = std::max(open_end, (s.high - s.low) - (high - low));
+    return s;
+  }
 };
 
 /// Where the walls end that start at `from` and run towards `sign`, and how well that is known.
@@ -76,7 +85,8 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
     const Vec3 next = eigen.eigenvectors().col(0);
     a = next.dot(a) < 0 ? Vec3(-next) : next;
   }
-  Sweep sweep{a, 0, 0, 0, 0};
+  Sweep sweep;
+  sweep.direction = a;
   std::vector<double> ends, sides;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double c = std::abs(cloud.normals[i].dot(a)), h = cloud.points[i].dot(a);
@@ -107,6 +117,7 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   if (input.stray_share > 0 && std::min(bottom.size(), top.size()) <= 20) {
     const bool below = bottom.size() <= 20;
     const FarEnd end = below ? far_end(sides, high, -1, low) : far_end(sides, low, 1, high);
+    sweep.opens_below = below, sweep.last = below ? low : high;
     (below ? low : high) = end.at;
     sweep.open_end = std::max(end.sigma, input.sampling.sigma);
   }
@@ -348,6 +359,15 @@ Candidate extrusion_of(std::vector<LoopPieces> loops, const FitInput& input, con
   c.shape = Extrude{std::move(built.sketch), Expr::of("height")};
   c.scan_from_part.rotation = frame * rotation_of(Vec3(0, 0, angle));
   c.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), sweep.low);
+  if (const Sweep longer = sweep.to_last(); sweep.open_end > 0 && longer.high - longer.low > sweep.high - sweep.low + input.tolerance) {
+    Candidate other = c;
+    for (auto& p : other.parameters)
+      if (p.name == height.name) p.value = p.fitted = longer.high - longer.low;
+    other.held = {{height.name, longer.open_end}};
+    other.scan_from_part.translation = c.scan_from_part.rotation * Vec3(built.origin.x(), built.origin.y(), longer.low);
+    simplify(other);
+    c.otherwise = std::make_shared<const Candidate>(std::move(other));
+  }
   simplify(c);
   return c;
 }
@@ -448,15 +468,23 @@ void add_common_outlines(const FitInput& input, const Section& s, double band, s
   constexpr double dearer = 1.5;
   const OutlineData data = outline_data(input, s, band);
   const auto outlines = common_outlines(data);
+  // The walls of its holes make a link cheaper than any other that has yet to find them.
+  const auto first = std::find_if(outlines.begin(), outlines.end(), [](const CommonOutline& o) { return o.form != OutlineForm::link; });
   for (const auto& o : outlines) {
-    if (o.cost > dearer * outlines[0].cost) break;
+    if (first != outlines.end() && o.cost > dearer * first->cost) break;
     std::vector<Vec2> inside;
     for (const Vec2& p : s.between)
       if (o.distance(p) < -2 * band) inside.push_back(p);
     const auto add = [&](const std::vector<PlaneCircle>& holes) {
       candidates.push_back(extrusion_of(with_holes(o.loop(), holes), input, s.sweep, s.frame));
     };
-    add(hardly_seen_holes(inside, data.ends, band, s.size));
+    if (o.form == OutlineForm::link) {
+      std::vector<PlaneCircle> eyes;
+      for (const Vec2& c : o.end_centres()) eyes.push_back({c, o.eye});
+      add(eyes);
+      continue;
+    }
+    for (const bool by_walls : {false, true}) add(hardly_seen_holes(inside, data.ends, band, s.size, by_walls));
     const auto in_ends = holes_about(o.end_centres(), o.radius(), inside, data.ends, band);
     if (!in_ends.empty()) add(in_ends);
   }

@@ -167,7 +167,9 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
   if (flat) {
     const double per_face = 4 + 1.5 * std::log(double(input.cloud.size()));  // as in description_length
     const bool cheaper = misfit_of(faces, input) + per_face * double(faces.size()) < cost;
-    if (faces.size() > 3 || (faces.size() == 3 && !cheaper)) return {};
+    const bool corner = faces.size() == 3 && std::abs(faces[0].normal.dot(faces[1].normal.cross(faces[2].normal))) > 0.3;
+    // Three faces around a corner end where the body ends; of three that are all across one plane both ends are open.
+    if (faces.size() > 3 || (corner && !cheaper)) return {};
   } else if (!closed_body(faces, input, context).empty()) {
     return {};
   }

@@ -31,7 +31,8 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input);
 
 /// What a convex polyhedron would say whose plane faces hold the points, if their end was not scanned; else empty. For a
 /// superellipsoid or supertoroid, which serve where no procedure of the trade does; among strays also for a winner with plane
-/// faces, of `cost` nats, where there are but one to three, and three cost less alone: any body with such faces may be the truth.
+/// faces, of `cost` nats, where there are but one to three, and three cost less alone or are all across one plane, so that nothing
+/// closes the body along it: any body with such faces may be the truth.
 std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context);
 
 }  // namespace partscribe

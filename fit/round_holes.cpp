@@ -64,15 +64,17 @@ double density_of(const std::vector<Vec2>& ends) {
   return double(ends.size()) / std::max((high - low).prod(), 1e-12);
 }
 
-/// What speaks for a hole: wall on it, and the end faces left out by it; a few strays count little.
+constexpr double free_area = 0.3;  // what a point's share of the end faces speaks for a hole where it is left free
+
+/// What speaks for a hole: wall on it, and the end faces left out by it, if `density` counts them; a few strays count little.
 double worth_of(const PlaneCircle& c, const std::vector<Vec2>& between, const std::vector<Vec2>& ends, double density, double band) {
-  constexpr double stray = 4.5, inside = 2, free = 0.3;
+  constexpr double stray = 4.5, inside = 2;
   double sum = 0;
   for (const Vec2& p : between) {
     const double u = 2.5 * ((p - c.center).norm() - c.radius) / band;
     sum += stray - std::min(0.5 * u * u, stray);
   }
-  return sum + free * density * pi * c.radius * c.radius - inside * double(inside_of(c, ends, 0.5 * band));
+  return sum + free_area * density * pi * c.radius * c.radius - inside * double(inside_of(c, ends, 0.5 * band));
 }
 
 /// Up to the nearest maximum of what speaks for it.
@@ -126,11 +128,11 @@ std::vector<PlaneCircle> partly_seen_holes(std::vector<PlanePoint> walls, const 
   return holes;
 }
 
-std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std::vector<Vec2>& ends, double band, double size) {
+std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std::vector<Vec2>& ends, double band, double size, bool by_walls) {
   constexpr int draws = 400, least_sectors = 5;
   constexpr std::size_t least_points = 10, most_holes = 6;
   if (ends.empty()) return {};
-  const double density = density_of(ends);
+  const double density = by_walls ? 0 : density_of(ends);
   Random random(1);
   std::vector<PlaneCircle> holes;
   while (holes.size() < most_holes && between.size() >= least_points) {
@@ -145,15 +147,18 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
       const Vec2 across = Vec2(-half.y(), half.x()).normalized() * std::sqrt(radius * radius - half.squaredNorm());
       for (const double side : {1.0, -1.0}) {
         const PlaneCircle c{a + half + side * across, radius};
-        if (points_of(c, between, band).size() < least_points) continue;
+        const std::vector<Vec2> on = points_of(c, between, band);
+        if (on.size() < least_points || sectors_of(c, on) < least_sectors) continue;
         const double worth = worth_of(c, between, ends, density, band);
         if (worth > most && is_hole(c, ends)) most = worth, best = c;
       }
     }
     if (!(best.radius > 0)) break;
+    const PlaneCircle drawn = best;
     climb(best, between, ends, density, band);
     const std::vector<Vec2> on = points_of(best, between, band);
-    if (on.size() < least_points || sectors_of(best, on) < least_sectors || !is_hole(best, ends)) break;
+    // Beside a shadow in the end faces the best circle is one that fills it.
+    if (on.size() < least_points || sectors_of(best, on) < least_sectors || !is_hole(best, ends)) best = drawn;
     holes.push_back(best);
     std::erase_if(between, [&](const Vec2& p) { return (p - best.center).norm() < best.radius + 3 * band; });
   }

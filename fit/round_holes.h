@@ -14,8 +14,10 @@ namespace partscribe {
 std::vector<PlaneCircle> partly_seen_holes(std::vector<PlanePoint> walls, const std::vector<Vec2>& ends, double band, double size);
 
 /// The same without normals, which few points do not have: from the points `between` the planes of both end faces. At least
-/// 50 degrees; what the end faces leave free says how large a hole is where its wall hardly does.
-std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std::vector<Vec2>& ends, double band, double size);
+/// 50 degrees; what the end faces leave free says how large a hole is where its wall hardly does. `by_walls`: it does not, because
+/// a shadow in the end faces would be filled.
+std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std::vector<Vec2>& ends, double band, double size,
+                                           bool by_walls = false);
 
 /// Equal holes about known centres: the radius, below `most`, for which walls and what the end faces leave free speak most; none
 /// where walls are few, or end faces fill the place.

@@ -68,6 +68,27 @@ TEST_CASE("common outlines: a slot of which one end and one wall were hidden") {
   for (std::size_t i = 0; i < 4; ++i) CHECK((loop.segments[i].end - loop.segments[(i + 1) % 4].start).norm() < 1e-9);
 }
 
+TEST_CASE("common outlines: the walls of two holes say where a link ends that was hidden") {
+  Plate plate;
+  const double r = 17, l = 42, eye = 9;
+  const auto inside = [&](const Vec2& p) {
+    const bool in_hole = p.norm() < eye || (p - Vec2(l, 0)).norm() < eye;
+    return !in_hole && (p - Vec2(std::clamp(p.x(), 0.0, l), 0)).norm() < r && p.x() > -2;
+  };
+  plate.wall({5, -r}, {l, -r}, 300), plate.arc({l, 0}, r, -pi / 2, 0.3, 200);
+  plate.arc({0, 0}, eye, 1.6, 2.8, 25), plate.arc({l, 0}, eye, 1.6, 2.8, 60);
+  plate.face({-r, -r}, {l + r, r}, 420, inside);
+  plate.strays({-30, -30}, {70, 30}, 60);
+  const auto outlines = common_outlines(plate.data);
+  REQUIRE_FALSE(outlines.empty());
+  const CommonOutline& link = outlines[0];
+  CHECK(link.form == OutlineForm::link);
+  CHECK(link.eye == Approx(eye).margin(0.4));
+  CHECK(link.radius() == Approx(r).margin(0.4));
+  CHECK((link.end_centres()[0] - link.end_centres()[1]).norm() == Approx(l).margin(0.8));
+  CHECK(link.distance(turned({0, 0})) == Approx(eye).margin(0.5));  // a hole is outside
+}
+
 TEST_CASE("common outlines: four equal rounds of which two were seen") {
   Plate plate;
   const double x = 60, y = 40, r = 8;
@@ -131,6 +152,23 @@ TEST_CASE("round holes: sixty degrees of wall, and the faces that end around it"
   const auto about = holes_about({turned(centre)}, 12, between, plate.data.ends, band);
   REQUIRE(about.size() == 1);
   CHECK(about[0].radius == Approx(r).margin(0.4));
+}
+
+TEST_CASE("round holes: beside a shadow in the end faces their walls say how large they are") {
+  Plate plate;
+  const Vec2 centre(25, 22), shadow(33, 31);
+  const double r = 7;
+  plate.face({0, 0}, {80, 44}, 1500, [&](const Vec2& p) { return (p - centre).norm() > r && (p - shadow).norm() > 14; });
+  std::vector<Vec2> between;
+  for (int i = 0; i < 70; ++i) {
+    const double a = plate.random.uniform(0.75 * pi, 1.25 * pi);
+    between.push_back(turned(centre + (r + noise * plate.random.normal()) * Vec2(std::cos(a), std::sin(a))));
+  }
+  for (int i = 0; i < 20; ++i) between.push_back(turned({plate.random.uniform(0, 80), plate.random.uniform(0, 44)}));
+  const auto by_walls = hardly_seen_holes(between, plate.data.ends, band, 80, true);
+  REQUIRE(by_walls.size() == 1);
+  CHECK(by_walls[0].radius == Approx(r).margin(1.2));
+  CHECK((by_walls[0].center - turned(centre)).norm() < 1.5);
 }
 
 TEST_CASE("round holes: none where the face goes on") {

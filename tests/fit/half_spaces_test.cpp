@@ -288,4 +288,8 @@ TEST_CASE("half-spaces: where two faces hold the points, a block says that their
   FitInput corner = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 6);
   corner.stray_share = 0.2;
   CHECK(open_polyhedron(box, 0, corner, context).empty());
+  // Three of which two are opposite do not: an angle has such faces, too.
+  FitInput channel = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.x() < -0.5 || std::abs(n.z()) > 0.5; }, 6);
+  channel.stray_share = 0.2;
+  CHECK(open_polyhedron(box, 0, channel, context).find("3 plane faces") != std::string::npos);
 }

@@ -86,6 +86,20 @@ TEST_CASE("recovery: the end of a plate that nobody saw lies where its walls end
   CHECK(height->sigma > 0);
 }
 
+TEST_CASE("recovery: a curtain of strays behind the edges of a plate leaves its end open, and does not make another plate") {
+  const Case c = make_case("extrude", hardest_conditions(), 55);
+  Context context;
+  const Score score = recovered(c, context);
+  REQUIRE(score.model);
+  CHECK(score.answer == Answer::right);
+  const Model& model = **score.model;
+  const auto height = std::find_if(model.parameters.begin(), model.parameters.end(), [](const Parameter& p) { return p.name == "height"; });
+  REQUIRE(height != model.parameters.end());
+  const double true_height = c.truth.parameters.back().value;
+  CHECK(height->fitted > true_height);
+  CHECK(height->sigma > 0.5 * (height->fitted - true_height));
+}
+
 TEST_CASE("recovery: a ring with corners and a fillet come back from hard scans, a fillet from a coarse mesh") {
   struct Run {
     const char* kind;
