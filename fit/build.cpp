@@ -428,6 +428,9 @@ struct Attempt {
   Search search;
 };
 
+/// Asked for by this name a triangulation needs no search: it is what is left where nothing was found.
+constexpr const char* only_a_mesh = "triangulation";
+
 /// Procedures of the trade first; superellipsoid and supertoroid serve as a last resort.
 void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& options, Context& context) {
   auto& [input, rejected, search] = attempt;
@@ -436,6 +439,7 @@ void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& op
     search.hypothesis = recover_superellipsoid(input.cloud.points, context, input.cloud.normals);
     context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
   }
+  if (options.force == only_a_mesh) return;
   context.report("candidates", 0.25);
   const std::size_t known = search.judged.size();
   consider_makers(search, last_resort, input, options, context);
@@ -544,7 +548,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     model.scan_from_part = {};
     const Vec3 shift = mesh->scan_from_part.translation;
     model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
-    model.fallback = true;
+    model.fallback = options.force != only_a_mesh;
   }
   model.name = options.name;
   model.provenance = provenance_of(scan, input, options);

@@ -181,4 +181,11 @@ TEST_CASE("build: forcing a procedure changes the script") {
   const auto model = build_model(scan, options, context);
   REQUIRE(model.ok());
   CHECK(kind(**model) != "box");
+  // A triangulation that was asked for is no fallback, and nothing else is tried.
+  options.force = "triangulation";
+  const auto mesh = build_model(scan, options, context);
+  REQUIRE(mesh.ok());
+  CHECK(kind(**mesh) == "tri_surface");
+  CHECK_FALSE((*mesh)->fallback);
+  CHECK((*mesh)->rivals.empty());
 }
