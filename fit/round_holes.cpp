@@ -133,6 +133,10 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
   constexpr std::size_t least_points = 10, most_holes = 6;
   if (ends.empty()) return {};
   const double density = by_walls ? 0 : density_of(ends);
+  const auto has_wall = [&](const PlaneCircle& c) {
+    const std::vector<Vec2> on = points_of(c, between, band);
+    return on.size() >= least_points && sectors_of(c, on) >= least_sectors;
+  };
   Random random(1);
   std::vector<PlaneCircle> holes;
   while (holes.size() < most_holes && between.size() >= least_points) {
@@ -147,8 +151,7 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
       const Vec2 across = Vec2(-half.y(), half.x()).normalized() * std::sqrt(radius * radius - half.squaredNorm());
       for (const double side : {1.0, -1.0}) {
         const PlaneCircle c{a + half + side * across, radius};
-        const std::vector<Vec2> on = points_of(c, between, band);
-        if (on.size() < least_points || sectors_of(c, on) < least_sectors) continue;
+        if (!has_wall(c)) continue;
         const double worth = worth_of(c, between, ends, density, band);
         if (worth > most && is_hole(c, ends)) most = worth, best = c;
       }
@@ -156,9 +159,8 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
     if (!(best.radius > 0)) break;
     const PlaneCircle drawn = best;
     climb(best, between, ends, density, band);
-    const std::vector<Vec2> on = points_of(best, between, band);
     // Beside a shadow in the end faces the best circle is one that fills it.
-    if (on.size() < least_points || sectors_of(best, on) < least_sectors || !is_hole(best, ends)) best = drawn;
+    if (!has_wall(best) || !is_hole(best, ends)) best = drawn;
     holes.push_back(best);
     std::erase_if(between, [&](const Vec2& p) { return (p - best.center).norm() < best.radius + 3 * band; });
   }

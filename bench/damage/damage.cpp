@@ -42,8 +42,9 @@ int main(int count, char** arguments) {
     else if (option == "--threads") options.threads = std::stoi(value), ++i;
     else return std::fprintf(stderr, "unknown option %s\n", option.c_str()), 2;
   }
+  const auto known = SuiteOptions{}.backends;
   for (const auto& backend : options.backends)
-    if (const auto known = SuiteOptions{}.backends; std::find(known.begin(), known.end(), backend) == known.end())
+    if (std::find(known.begin(), known.end(), backend) == known.end())
       return std::fprintf(stderr, "unknown backend %s\n", backend.c_str()), 2;
   std::vector<DamageCase> all;
   for (const auto& part : parts) {
