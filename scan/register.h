@@ -44,7 +44,7 @@ struct RegisterOptions {
   double max_seen_through = 0.05;  ///< share of a view's points that another view may have looked through
   double max_unanswered = 0.25;    ///< share of a view's points that face another sensor which returned nothing there
   bool contours = true;            ///< borders of range images fix what surfaces leave free; doubles the time
-  int samples = 3000;              ///< points of a view used in the joint adjustment; more is slower
+  int samples = 2500;              ///< points of a view used in the joint adjustment; more is slower
 };
 
 enum class ViewStatus {
