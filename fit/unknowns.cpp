@@ -40,26 +40,61 @@ struct RayFoot {
   int face = -1;
 };
 
-/// By the secant method from the point; nothing if the ray grazes or passes by.
+/// Where along the ray the secant method from the point meets the surface from its front.
+std::optional<double> met_from(const ModelDistance& distance, const Vec3& point, const Vec3& ray, double start, double farthest,
+                               double exact) {
+  constexpr int steps = 12;
+  double way = start, before = 0, d_before = start, d = start;  // as if the ray met the surface squarely
+  for (int i = 0; i < steps; ++i) {
+    d = distance(point + way * ray).distance;
+    if (std::abs(d) <= exact) break;
+    const double slope = (d - d_before) / (way - before);
+    if (!(slope < 0)) return std::nullopt;
+    before = way, d_before = d;
+    way -= d / slope;
+    if (!(std::abs(way) < farthest) || way == before) return std::nullopt;
+  }
+  if (std::abs(d) > 1e3 * exact) return std::nullopt;
+  return way;
+}
+
+/// Where the ray entered the body through whose back or side noise has pushed the point: back along the ray into the body, out
+/// of its front, and between.
+std::optional<double> entered_before(const ModelDistance& distance, const Vec3& point, const Vec3& ray, double start,
+                                     double farthest, double exact) {
+  const double least_step = farthest / 64;
+  double way = 0, d = start, inside = 0;
+  const auto step_back = [&] { way -= std::max(std::abs(d), least_step), d = distance(point + way * ray).distance; };
+  while (d > 0) {
+    const double before = d;
+    step_back();
+    if (!(d < before) || way < -farthest) return std::nullopt;  // nothing there to go through
+  }
+  while (d <= 0) {
+    inside = way, step_back();
+    if (way < -farthest) return std::nullopt;
+  }
+  for (int i = 0; i < 60 && std::abs(d) > exact; ++i) {
+    const double middle = 0.5 * (way + inside), d_middle = distance(point + middle * ray).distance;
+    if (d_middle > 0) way = middle, d = d_middle;
+    else inside = middle;
+  }
+  return way;
+}
+
+/// Nothing if the ray grazes or passes by.
 std::optional<RayFoot> foot_along(const ModelDistance& distance, const Vec3& point, const Vec3& ray, double start,
                                   double reach, double size) {
-  constexpr int steps = 12;
   constexpr double grazing = 0.1;  // cosine
   const double exact = 1e-10 * size, h = 1e-6 * size;
   RayFoot foot;
-  double before = 0, d_before = start, d = start;
-  if (std::abs(d) > exact) {
-    foot.way = d;  // as if the ray met the surface squarely
-    for (int i = 0; i < steps; ++i) {
-      d = distance(point + foot.way * ray).distance;
-      if (std::abs(d) <= exact) break;
-      const double slope = (d - d_before) / (foot.way - before);
-      if (!(slope < 0)) return std::nullopt;
-      before = foot.way, d_before = d;
-      foot.way -= d / slope;
-      if (!(std::abs(foot.way) * grazing < reach) || foot.way == before) return std::nullopt;
-    }
-    if (std::abs(d) > 1e3 * exact) return std::nullopt;
+  if (std::abs(start) > exact) {
+    // A ray knows its face. Left to the nearest one, points that noise pushed past the middle of a thin wall or tip would speak
+    // for its back, and what is left of the front's noise would push the front outward.
+    auto way = met_from(distance, point, ray, start, reach / grazing, exact);
+    if (!way) way = entered_before(distance, point, ray, start, 2 * reach, exact);
+    if (!way) return std::nullopt;
+    foot.way = *way;
   }
   const Vec3 at = point + foot.way * ray;
   foot.cosine = (distance(at - h * ray).distance - distance(at + h * ray).distance) / (2 * h);

@@ -298,6 +298,24 @@ TEST_CASE("refine: noise along known rays does not bend the surface, and along u
   CHECK(wider > 1.2);
 }
 
+TEST_CASE("refine: a point that noise pushed through a thin wall is measured from the face that its ray entered") {
+  Candidate plate;
+  plate.shape = Box{Expr::of("length"), 40, 0.3};
+  plate.parameters = {test::length("length", 40)};
+  const Unknowns unknowns(plate, {}, {20, 20, 0.15}, 30);
+  const Vec3 down(0, 0, -1);
+  // Before the wall, in its front half, in its back half, behind it, behind it beside its rim.
+  const std::vector<Vec3> points = {{20, 20, 0.5}, {20, 20, 0.2}, {20, 20, 0.05}, {20, 20, -0.2}, {-5, 20, -0.2}};
+  const RayFeet feet = unknowns.along_rays(plate, points, std::vector<Vec3>(points.size(), down), unknowns.distances(plate, points, 1), 6, 1);
+  for (std::size_t i = 0; i < 4; ++i) {
+    INFO(points[i].transpose());
+    CHECK(feet.at.value[i] == Approx(points[i].z() - 0.3).margin(1e-6));
+    CHECK(feet.foot[i].z() == Approx(0.3).margin(1e-6));
+    CHECK(feet.at.face[i] == feet.at.face[0]);
+  }
+  CHECK(feet.foot[4] == points[4]);
+}
+
 TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   const double height = 10;
   Scan scan = test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
