@@ -176,9 +176,14 @@ struct Judged {
 };
 
 /// True poses leave 0.01 of range images and 0.11 of unorganised real views. Without guesses only shape speaks against
-/// chance, so that range images have to agree better.
-double most_disagreement(const RegisterOptions& options, const ViewSurface& surface) {
-  return options.arrangement == Arrangement::unknown && surface.organised ? 0.04 : 0.15;
+/// chance, so that range images have to agree better. So have two of them whom nobody else contradicts, the more motions
+/// their shape leaves free: a cap lies on any other cap (true places left up to 0.03 with three free motions, 0.07 with two).
+double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, const JointResult& joint, std::size_t views) {
+  constexpr double usual = 0.15;
+  if (!surface.organised) return usual;
+  const std::size_t free = views == 2 ? joint.free_directions.size() : 0;
+  const double of_shape = free >= 3 ? 0.03 : free == 2 ? 0.1 : usual;
+  return options.arrangement == Arrangement::unknown ? std::min(0.04, of_shape) : of_shape;
 }
 
 /// Each fixes a pose by its noise; with a handful, chance does.
@@ -198,6 +203,7 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
       view.overlap = found.overlap(), view.residual_median = found.residual, view.seen_through = found.seen_through();
     }
     std::string reason;
+    const double most_elsewhere = most_disagreement(options, surfaces[v], joint, used.size());
     const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
     const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
     if (v != used.front()) {
@@ -207,8 +213,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = "only " + std::to_string(joint.matches[v]) + " places of its surface lie on that of other views, expected " + std::to_string(fewest_matches);
       else if (view.seen_through > options.max_seen_through)
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
-      else if (found.disagreement() > most_disagreement(options, surfaces[v]))
-        reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_disagreement(options, surfaces[v]));
+      else if (found.disagreement() > most_elsewhere)
+        reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere);
       else if (found.unanswered() > options.max_unanswered)
         reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered);
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
