@@ -139,6 +139,14 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
     else if (std::abs(d[i]) > input.tolerance) ++result.unexplained;
   }
+  // A face of which little was seen may have been set aside whole: of candidates that reach as far, the one with that face in
+  // its place is likelier. Of many strays some lie near any.
+  if (!among_strays(input))
+    for (const Vec3& p : input.set_aside.points) {
+      const double off = distance(part_from_scan * p).distance, u = off / sigma;
+      result.misfit += 0.5 * std::min(u * u / 2, 12.0);
+      result.unexplained += std::abs(u) >= 4 && std::abs(off) > input.tolerance;
+    }
   // Where strays were set aside, some are left: what lies on no plane with its neighbours does not judge a candidate,
   // nor do the few worst points, a tenth of the share of the strays that were recognised.
   const bool strays = input.surface_share.size() == n;

@@ -10,6 +10,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "fit/convex_body.h"
+#include "fit/evidence.h"
 #include "fit/rivals.h"
 #include "geometry/convex.h"
 
@@ -268,6 +269,22 @@ TEST_CASE("wedges: a block of which a side was not scanned may be a wedge, one t
   CHECK(find(hidden, "box"));
   CHECK(find(hidden, "wedge"));
   CHECK_FALSE(find(proposed(all), "wedge"));
+}
+
+TEST_CASE("evidence: a face that was set aside whole tells which of two blocks ends there, but not among many strays") {
+  Context context;
+  FitInput input = scanned(block(60, 35, 22), 0.03, 0, [](const Vec3& n) { return n.x() < 0.5; }, 2);
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  Random random(3);
+  for (int i = 0; i < 40; ++i) input.set_aside.points.push_back(pose * Vec3(60 + 0.03 * random.normal(), random.uniform(0, 35), random.uniform(0, 22)));
+  const auto cost = [&](double length) {
+    Candidate box;
+    box.shape = Box{length, 35, 22}, box.scan_from_part = pose;
+    return evidence_of(box, input, context).total();
+  };
+  CHECK(cost(62) - cost(60) > 200);
+  input.stray_share = 0.2;
+  CHECK(std::abs(cost(62) - cost(60)) < 20);
 }
 
 TEST_CASE("half-spaces: among strays no bevel is made of points beside an edge") {
