@@ -114,10 +114,15 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   const ModelDistance distance(bare_model(candidate));
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   const std::size_t n = cloud.size();
-  std::vector<double> d(n), local(n, 0.0);
-  parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) d[i] = distance(part_from_scan * cloud.points[i]).distance;
-  });
+  const auto distances_of = [&](const std::vector<Vec3>& points) {
+    std::vector<double> off(points.size());
+    parallel_for(points.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) off[i] = distance(part_from_scan * points[i]).distance;
+    });
+    return off;
+  };
+  const std::vector<double> d = distances_of(cloud.points);
+  std::vector<double> local(n, 0.0);
   const bool known = input.surroundings && input.surroundings->first.size() == n + 1;
   const auto near_points = known ? input.surroundings : surroundings_of(input, context);
   parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
@@ -130,23 +135,22 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   });
   // Deviations well inside the tolerance are not worth a longer description.
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
+  const auto weigh = [&](double off, double u) {  // u: in sigmas
+    result.misfit += 0.5 * std::min(u * u / 2, 12.0);
+    if (std::abs(u) >= 4 && std::abs(off) > input.tolerance) ++result.unexplained;
+  };
   double sum = 0, count = 0;
   const bool facets = input.facet_depth.size() == n;
   for (std::size_t i = 0; i < n; ++i) {
     // Facets lie below the surface they stand for, and the fit between: no evidence for a body with as many faces.
     const double u = (facets ? std::max(0.0, std::abs(d[i]) - facet_margin * double(input.facet_depth[i])) : d[i]) / sigma;
-    result.misfit += 0.5 * std::min(u * u / 2, 12.0);
+    weigh(d[i], u);
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
-    else if (std::abs(d[i]) > input.tolerance) ++result.unexplained;
   }
   // A face of which little was seen may have been set aside whole: of candidates that reach as far, the one with that face in
   // its place is likelier. Of many strays some lie near any.
   if (!among_strays(input))
-    for (const Vec3& p : input.set_aside.points) {
-      const double off = distance(part_from_scan * p).distance, u = off / sigma;
-      result.misfit += 0.5 * std::min(u * u / 2, 12.0);
-      result.unexplained += std::abs(u) >= 4 && std::abs(off) > input.tolerance;
-    }
+    for (const double off : distances_of(input.set_aside.points)) weigh(off, off / sigma);
   // Where strays were set aside, some are left: what lies on no plane with its neighbours does not judge a candidate,
   // nor do the few worst points, a tenth of the share of the strays that were recognised.
   const bool strays = input.surface_share.size() == n;

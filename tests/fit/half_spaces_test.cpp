@@ -192,6 +192,8 @@ TEST_CASE("half spaces: an oblique hexahedron and a pyramid come as polyhedra, n
   CHECK(worst_corner(candidates[0], pyramid) < 0.08);
   // Its base unscanned: what the sides' areas leave over is the direction of the missing face.
   candidates = propose_polyhedra(scanned(pyramid, 0.03, 0, [](const Vec3& n) { return n.z() > 0; }, 8), context);
+  // Beside it stand only wedges, for a face that was not seen may lean.
+  CHECK(std::count_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return !std::holds_alternative<Wedge>(c.shape); }) == 1);
   const Candidate* open = find(candidates, "convex polyhedron");
   REQUIRE(open);
   CHECK(worst_corner(*open, pyramid) < 1.5);
