@@ -19,7 +19,7 @@ shoulder_z = as_designed ? 6 : 5.9997;       // fitted 5.9997 +/- 0.0002 from 3,
 // radius of the shank [mm]
 shank_radius = 6;                            // fitted 6 +/- 0.0002 from 27,153 points; nominal 6 (diameter, multiples of 1 mm, z = 0.1)
 // radius of the head [mm]
-head_radius = 10;                            // fitted 10 +/- 0.0002 from 6,780 points; nominal 10 (diameter, multiples of 10 mm, z = 0.1)
+head_radius = 10;                            // fitted 10 +/- 0.0002 from 6,781 points; nominal 10 (diameter, multiples of 10 mm, z = 0.1)
 // width and height of the 45 degree chamfer [mm]
 chamfer = as_designed ? 1 : 1.0001;          // fitted 1.0001 +/- 0.0003 from 862 points; nominal 1 (multiples of 1 mm, z = -0.5)
 // length over all [mm]

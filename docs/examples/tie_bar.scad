@@ -13,15 +13,15 @@ as_scanned = true;
 
 /* [Plate] */
 // radius of the round end [mm]
-end_radius = 15;                          // fitted 15 +/- 0.001 from 10,046 points; nominal 15 (diameter, multiples of 10 mm, z = 0.2)
+end_radius = 15;                          // fitted 15 +/- 0.001 from 10,049 points; nominal 15 (diameter, multiples of 10 mm, z = 0.2)
 // x of the centre of the end [mm]
-end_center_x = 80;                        // fitted 80 +/- 0.001 from 2,033 points; nominal 80 (multiples of 10 mm, z = 0)
+end_center_x = 80;                        // fitted 80 +/- 0.001 from 2,035 points; nominal 80 (multiples of 10 mm, z = 0)
 // radius of the hole [mm]
-hole_radius = 8;                          // fitted 8 +/- 0.001 from 791 points; nominal 8 (diameter, preferred numbers R20, z = -0.1)
+hole_radius = 8;                          // fitted 8 +/- 0.001 from 792 points; nominal 8 (diameter, preferred numbers R20, z = -0.2)
 // radius of the hole [mm]
 hole_2_radius = as_designed ? 5 : 5.001;  // fitted 5.001 +/- 0.002 from 313 points; nominal 5 (diameter, multiples of 10 mm, z = -0.4)
 // length of the extrusion [mm]
-height = 12;                              // fitted 12 +/- 0.001 from 9,813 points; nominal 12 (multiples of 1 mm, z = 0.2)
+height = 12;                              // fitted 12 +/- 0.001 from 9,813 points; nominal 12 (multiples of 1 mm, z = 0.3)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]
