@@ -111,21 +111,31 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
   report.inlier_share = double(inliers) / double(d.value.size());
 }
 
-/// By how much the numbers hang on how much say is left to points that may be strays: half of how far they move, in their own
-/// units, from where nearly all that is off loses its say to where hardly anything does. Noise alone moves them by less than
-/// its own sigma.
-std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& unknowns, const std::vector<Vec3>& points, double noise, Context& context) {
+/// By how much the numbers hang on how much say is left to points that may be strays: half the range, in their own units,
+/// over three answers. In one nearly all that is off loses its say, in another hardly anything does, and in the third the
+/// points that were set aside as strays speak as well. Noise alone moves the numbers by less than its own sigma.
+std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& unknowns, const std::vector<Vec3>& points,
+                                   const std::vector<Vec3>& set_aside, double noise, Context& context) {
   constexpr double little = 1.5, much = 4;
-  std::vector<Candidate> ends(2, candidate);
-  RefineOptions options;
-  options.iterations = 12;
-  for (std::size_t k = 0; k < 2; ++k) {
-    options.welsch = k == 0 ? little : much;
+  std::vector<Vec3> all = points;
+  all.insert(all.end(), set_aside.begin(), set_aside.end());
+  std::vector<Candidate> ends;
+  const auto answer = [&](double welsch, const std::vector<Vec3>& from) {
+    RefineOptions options;
+    options.iterations = 12;
+    options.welsch = welsch;
     RefineReport unused;
-    descend(ends[k], unknowns, points, noise, options, unused, context);
-  }
+    ends.push_back(candidate);
+    descend(ends.back(), unknowns, from, noise, options, unused, context);
+  };
+  answer(little, points);
+  answer(much, points);
+  if (!set_aside.empty()) answer(much, all);
   std::vector<double> result;
-  for (const std::size_t k : unknowns.free_parameters()) result.push_back(0.5 * std::abs(ends[1].parameters[k].value - ends[0].parameters[k].value));
+  for (const std::size_t k : unknowns.free_parameters()) {
+    const auto [least, most] = std::ranges::minmax(ends, {}, [&](const Candidate& c) { return c.parameters[k].value; });
+    result.push_back(0.5 * (most.parameters[k].value - least.parameters[k].value));
+  }
   return result;
 }
 
@@ -190,7 +200,8 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   report.points_per_independent = u.points_per_independent;
   const auto& free = unknowns.free_parameters();
   const std::vector<double> strays =
-      input.stray_share > 0 ? sway_of_strays(candidate, unknowns, points, noise, context) : std::vector<double>(free.size(), 0);
+      input.stray_share > 0 ? sway_of_strays(candidate, unknowns, points, input.set_aside.points, noise, context)
+                            : std::vector<double>(free.size(), 0);
   for (std::size_t k = 0; k < free.size(); ++k) {
     auto& p = candidate.parameters[free[k]];
     p.fitted = p.value;

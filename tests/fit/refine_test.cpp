@@ -340,6 +340,31 @@ TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   CHECK(by_strays(0) < 0.2 * by_strays(2));  // its faces are clean
 }
 
+TEST_CASE("refine: sigma holds what points set aside as strays would bend if they were the part's own") {
+  const double height = 10;
+  Scan scan = test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
+  FitInput input = input_of(scan, 0.3);
+  input.stray_share = 0.1;
+  Context context;
+  const auto fitted = [&] {
+    Candidate c;
+    c.object_name = "block";
+    c.shape = Box{Expr::of("length"), Expr::of("width"), Expr::of("height")};
+    c.parameters = {test::length("length", 30), test::length("width", 20), test::length("height", height)};
+    refine(c, input, {}, context);
+    return c.parameters;
+  };
+  const auto alone = fitted();
+  Random random(5);
+  for (int i = 0; i < 250; ++i)
+    input.set_aside.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
+  const auto beside = fitted();
+  const auto by_set_aside = [&](std::size_t k) { return std::sqrt(std::max(std::pow(beside[k].sigma, 2) - std::pow(alone[k].sigma, 2), 0.0)); };
+  for (std::size_t k = 0; k < 3; ++k) CHECK(beside[k].fitted == alone[k].fitted);
+  CHECK(by_set_aside(2) > alone[2].sigma);
+  CHECK(by_set_aside(0) < 0.2 * by_set_aside(2));  // its faces have none near
+}
+
 TEST_CASE("refine: a side that only strays speak of stays where it starts, unless it may be far out of place") {
   test::Sampling s;
   s.points = 2000, s.noise = 0.1, s.reach = 45, s.seen_from = {1, 0.8, 0.5};
