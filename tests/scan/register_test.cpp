@@ -70,6 +70,17 @@ Surface balls() {
   return surface;
 }
 
+Surface ball(double radius) {
+  Surface surface;
+  surface.bounds.add(Vec3::Constant(-radius)), surface.bounds.add(Vec3::Constant(radius));
+  surface.first_hit = [radius](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
+    const double along = -o.dot(d), sq = radius * radius - (o + along * d).squaredNorm(), t = along - std::sqrt(std::max(sq, 0.0));
+    if (sq <= 0 || t < 0) return {};
+    return SurfaceHit{t, (o + t * d) / radius};
+  };
+  return surface;
+}
+
 Surface cylinder() {
   Surface surface;
   surface.bounds.add(Vec3(-10, -10, -15)), surface.bounds.add(Vec3(10, 10, 15));
@@ -373,6 +384,19 @@ TEST_CASE("register: a view of another part is refused") {
   CHECK(!found.views[5].reason.empty());
   CHECK(count(found, ViewStatus::registered) == 6);
   CHECK(off_truth(found, scan.truth).angle < 0.3 * pi / 180);
+}
+
+TEST_CASE("register: two views of balls of different radius are no pair, although a cap of one nearly lies on the other") {
+  const auto options = small();
+  const Case one = scan_of(ball(20), options, 0, 0);
+  for (const double radius : {20.0, 22.0}) {
+    const Case other = scan_of(ball(radius), options, 0, 0);
+    std::vector<RegisterView> pair{one.views[0], other.views[4]};
+    pair[0].guess = one.truth[0], pair[1].guess = one.truth[4];
+    const Registration found = run(pair);
+    INFO(radius << " " << found.views[1].reason << " free " << found.free_motions.size());
+    CHECK((found.views[1].status == ViewStatus::refused) == (radius != 20));
+  }
 }
 
 TEST_CASE("register: a start that is a quarter turn off is refused or put right, never wrong") {
