@@ -68,9 +68,18 @@ struct TrialScene {
   double pitch = 0;
 };
 
+/// The truth's last object, without what else its model says.
+inline Model only_shape_of(const Model& truth) {
+  Candidate part;
+  part.object_name = "part";
+  part.shape = truth.objects.back().shape;
+  part.parameters = truth.parameters;
+  return bare_model(part);
+}
+
 inline TrialScene scene_of(const TrialPart& part, const TrialOptions& options) {
   TrialScene scene{part, options, {}, {}, 0};
-  const ModelDistance distance(bare_model({"", "part", part.truth.objects.back().shape, part.truth.parameters, {}, 0}));
+  const ModelDistance distance(only_shape_of(part.truth));
   const Pose part_from_scan = part.scan_from_part.inverse();
   // Bounds by looking: the farthest place along each axis that is still inside.
   Box3 box;
@@ -253,7 +262,7 @@ inline Scan measured(const TrialScene& scene, Trouble trouble, std::uint64_t see
 inline std::vector<double> cramer_rao(const TrialScene& scene, Trouble trouble) {
   const auto& parameters = scene.part.truth.parameters;
   const auto n = static_cast<Eigen::Index>(parameters.size());
-  const Model model = bare_model({"", "part", scene.part.truth.objects.back().shape, parameters, {}, 0});
+  const Model model = only_shape_of(scene.part.truth);
   const Pose part_from_scan = scene.part.scan_from_part.inverse();
   std::vector<ModelDistance> up, down;
   const double h = 1e-5;
