@@ -311,9 +311,10 @@ std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context
   if (faces.size() >= 4)
     if (auto any = half_spaces_of(faces)) result.push_back(*any);
   // A side that was not scanned may lean as well, and of several the data's ends may name others than a wedge has.
-  const bool hidden = std::any_of(faces.begin(), faces.end(), [](const ConvexFace& f) { return f.points == 0; });
-  if (among_strays(input) || hidden)
-    for (Candidate& wedge : propose_wedges(scanned, input, context)) result.push_back(std::move(wedge));
+  std::vector<ConvexFace> ends;
+  std::ranges::copy_if(faces, std::back_inserter(ends), [](const ConvexFace& f) { return f.points == 0; });
+  if (among_strays(input) || !ends.empty())
+    for (Candidate& wedge : propose_wedges(scanned, ends, input, context)) result.push_back(std::move(wedge));
   return result;
 }
 

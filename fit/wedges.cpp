@@ -98,6 +98,27 @@ Start start_in(const Mat3& rotation, const Sample& sample, bool oriented, double
   return best;
 }
 
+/// Wedges whose slope lies where the data end: of a slope that was hardly seen, or set aside with the strays, the border of a
+/// cheek is left.
+std::vector<Start> starts_at_ends(const Mat3& rotation, const std::vector<ConvexFace>& ends, const Sample& sample, bool oriented, double thick) {
+  constexpr double left_out = 0.01, square = 0.05;
+  std::vector<Start> result;
+  const Box3 box = box_along(rotation, sample.points, left_out);
+  const Vec3 size = box.high - box.low, corner = rotation * box.low;
+  if (!(size.minCoeff() > 0)) return result;
+  for (const ConvexFace& end : ends) {
+    const Vec3 n = rotation.transpose() * end.normal;
+    if (std::abs(n.z()) > square || n.x() < square || n.y() < square) continue;
+    const double reach = end.offset - end.normal.dot(corner), foot = reach / n.x(), top = (reach - n.y() * size.y()) / n.x();
+    Start start{{rotation, corner}, {foot, size.y(), size.z()}, top};
+    if (top < 0) start.size.y() = reach / n.y(), start.top = 0;
+    if (!(start.size.minCoeff() > 0)) continue;
+    start.cost = cost_of(start, sample, oriented, thick);
+    result.push_back(start);
+  }
+  return result;
+}
+
 Candidate candidate_from(const Start& start, bool with_top) {
   Candidate c;
   c.procedure = "wedge", c.object_name = "wedge_block";
@@ -125,8 +146,9 @@ std::optional<Start> refined(const Start& start, bool with_top, const FitInput& 
 
 }  // namespace
 
-std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, const FitInput& input, Context& context) {
-  constexpr std::size_t most_refined = 5;
+std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, const std::vector<ConvexFace>& ends, const FitInput& input,
+                                      Context& context) {
+  constexpr std::size_t most_refined = 5, most_at_ends = 2;
   constexpr double coarse = 0.08, dearer = 0.2;  // of the data's size; share of the points
   const PointCloud& cloud = input.cloud;
   if (scanned.size() < 2 || cloud.normals.size() != cloud.size()) return {};
@@ -136,9 +158,13 @@ std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, co
     if (cloud.normals[i].squaredNorm() > 0.5 && std::abs(convex_distance(scanned, cloud.points[i])) < 1.5 * reach)
       sample.points.push_back(cloud.points[i]), sample.normals.push_back(cloud.normals[i]);
   if (sample.points.size() < 50) return {};
-  std::vector<Start> starts;
-  for (const Mat3& frame : frames_of(scanned)) starts.push_back(start_in(frame, sample, input.oriented, coarse * size));
-  std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
+  std::vector<Start> starts, at_ends;
+  for (const Mat3& frame : frames_of(scanned)) {
+    starts.push_back(start_in(frame, sample, input.oriented, coarse * size));
+    for (const Start& start : starts_at_ends(frame, ends, sample, input.oriented, coarse * size)) at_ends.push_back(start);
+  }
+  const auto cheaper = [](const Start& a, const Start& b) { return a.cost < b.cost; };
+  std::ranges::stable_sort(starts, cheaper), std::ranges::stable_sort(at_ends, cheaper);
   std::vector<Candidate> result;
   for (const bool with_top : {true, false}) {
     Start best;
@@ -151,6 +177,9 @@ std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, co
     }
     if (best.size.minCoeff() > 0) result.push_back(candidate_from(best, with_top));
   }
+  // Too few points of a sample lie on such a slope to keep it in its place; among strays the data end anywhere.
+  if (!among_strays(input))
+    for (std::size_t k = 0; k < std::min(most_at_ends, at_ends.size()); ++k) result.push_back(candidate_from(at_ends[k], at_ends[k].top > 0));
   return result;
 }
 

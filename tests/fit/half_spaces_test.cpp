@@ -273,6 +273,28 @@ TEST_CASE("wedges: a block of which a side was not scanned may be a wedge, one t
   CHECK_FALSE(find(proposed(all), "wedge"));
 }
 
+TEST_CASE("wedges: of a slope that was not scanned the border of a cheek says where it lies") {
+  Context context;
+  auto planes = block(40, 25, 30);
+  planes[0] = {Vec3(25, 18, 0).normalized(), 25 * 40 / std::hypot(25.0, 18.0)};  // foot 40, top 22
+  for (const std::uint64_t seed : {4, 5, 6}) {
+    FitInput input = scanned(planes, 0.05, 0, [](const Vec3& n) { return n.z() > 0.5 || n.x() < -0.5 || std::abs(n.y()) > 0.9; }, seed);
+    // A shadow across the back: the data end at a plane there that no wedge has.
+    const Pose part_from_scan = Pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}}.inverse();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < input.cloud.size(); ++i) {
+      const Vec3 q = part_from_scan * input.cloud.points[i];
+      if (q.z() > 4 + 0.3 * q.y()) input.cloud.points[kept] = input.cloud.points[i], input.cloud.normals[kept++] = input.cloud.normals[i];
+    }
+    input.cloud.points.resize(kept), input.cloud.normals.resize(kept);
+    const auto proposed = propose_polyhedra(input, context);
+    CHECK(std::any_of(proposed.begin(), proposed.end(), [&](const Candidate& c) {
+      return c.procedure == "wedge" && c.parameters.size() == 4 && std::abs(value(c, "foot_length") - 40) < 1.5 &&
+             std::abs(value(c, "height") - 25) < 0.5 && std::abs(value(c, "top_length") - 22) < 1.5;
+    }));
+  }
+}
+
 TEST_CASE("evidence: a face that was set aside whole tells which of two blocks ends there, but not among many strays") {
   Context context;
   FitInput input = scanned(block(60, 35, 22), 0.03, 0, [](const Vec3& n) { return n.x() < 0.5; }, 2);
