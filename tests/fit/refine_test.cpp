@@ -316,6 +316,21 @@ TEST_CASE("refine: a point that noise pushed through a thin wall is measured fro
   CHECK(feet.foot[4] == points[4]);
 }
 
+namespace {
+
+/// A block of 30 x 20 x 10, refined where it stands.
+std::vector<Parameter> fitted_block(const FitInput& input) {
+  Candidate c;
+  c.object_name = "block";
+  c.shape = Box{Expr::of("length"), Expr::of("width"), Expr::of("height")};
+  c.parameters = {test::length("length", 30), test::length("width", 20), test::length("height", 10)};
+  Context context;
+  refine(c, input, {}, context);
+  return c.parameters;
+}
+
+}  // namespace
+
 TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   const double height = 10;
   Scan scan = test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
@@ -323,17 +338,10 @@ TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   Random random(5);
   for (int i = 0; i < 250; ++i) scan.cloud.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
   FitInput input = input_of(scan, 0.3);
-  Context context;
-  const auto fitted = [&](double share) {
-    input.stray_share = share;
-    Candidate c;
-    c.object_name = "block";
-    c.shape = Box{Expr::of("length"), Expr::of("width"), Expr::of("height")};
-    c.parameters = {test::length("length", 30), test::length("width", 20), test::length("height", height)};
-    refine(c, input, {}, context);
-    return c.parameters;
-  };
-  const auto trusting = fitted(0), wary = fitted(0.2);
+  input.stray_share = 0;
+  const auto trusting = fitted_block(input);
+  input.stray_share = 0.2;
+  const auto wary = fitted_block(input);
   const auto by_strays = [&](std::size_t k) { return std::sqrt(std::pow(wary[k].sigma, 2) - std::pow(trusting[k].sigma, 2)); };
   CHECK(trusting[2].fitted == wary[2].fitted);
   CHECK(by_strays(2) > 0.15 * std::abs(wary[2].fitted - height));
@@ -345,20 +353,11 @@ TEST_CASE("refine: sigma holds what points set aside as strays would bend if the
   Scan scan = test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
   FitInput input = input_of(scan, 0.3);
   input.stray_share = 0.1;
-  Context context;
-  const auto fitted = [&] {
-    Candidate c;
-    c.object_name = "block";
-    c.shape = Box{Expr::of("length"), Expr::of("width"), Expr::of("height")};
-    c.parameters = {test::length("length", 30), test::length("width", 20), test::length("height", height)};
-    refine(c, input, {}, context);
-    return c.parameters;
-  };
-  const auto alone = fitted();
+  const auto alone = fitted_block(input);
   Random random(5);
   for (int i = 0; i < 250; ++i)
     input.set_aside.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
-  const auto beside = fitted();
+  const auto beside = fitted_block(input);
   const auto by_set_aside = [&](std::size_t k) { return std::sqrt(std::max(std::pow(beside[k].sigma, 2) - std::pow(alone[k].sigma, 2), 0.0)); };
   for (std::size_t k = 0; k < 3; ++k) CHECK(beside[k].fitted == alone[k].fitted);
   CHECK(by_set_aside(2) > alone[2].sigma);
