@@ -117,8 +117,6 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
 std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& unknowns, const std::vector<Vec3>& points,
                                    const std::vector<Vec3>& set_aside, double noise, Context& context) {
   constexpr double little = 1.5, much = 4;
-  std::vector<Vec3> all = points;
-  all.insert(all.end(), set_aside.begin(), set_aside.end());
   std::vector<Candidate> ends;
   const auto answer = [&](double welsch, const std::vector<Vec3>& from) {
     RefineOptions options;
@@ -130,7 +128,11 @@ std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& u
   };
   answer(little, points);
   answer(much, points);
-  if (!set_aside.empty()) answer(much, all);
+  if (!set_aside.empty()) {
+    std::vector<Vec3> all = points;
+    all.insert(all.end(), set_aside.begin(), set_aside.end());
+    answer(much, all);
+  }
   std::vector<double> result;
   for (const std::size_t k : unknowns.free_parameters()) {
     const auto [least, most] = std::ranges::minmax(ends, {}, [&](const Candidate& c) { return c.parameters[k].value; });

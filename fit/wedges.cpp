@@ -83,15 +83,20 @@ std::vector<Mat3> frames_of(const std::vector<ConvexFace>& faces) {
   return result;
 }
 
-/// The wedge in a frame around all points but a few, with the best of some tops.
-Start start_in(const Mat3& rotation, const Sample& sample, bool oriented, double thick) {
+/// The block in a frame around all points but a few; of no size if there is none.
+Start block_around(const Mat3& rotation, const Sample& sample) {
   constexpr double left_out = 0.01;
-  Start best;
   const Box3 box = box_along(rotation, sample.points, left_out);
-  const Vec3 size = box.high - box.low;
-  if (!(size.minCoeff() > 0)) return best;
+  return {{rotation, rotation * box.low}, box.high - box.low};
+}
+
+/// The wedge in such a block, with the best of some tops.
+Start start_in(const Start& block, const Sample& sample, bool oriented, double thick) {
+  Start best;
+  if (!(block.size.minCoeff() > 0)) return best;
   for (const double top : {0.0, 0.25, 0.5, 0.75}) {
-    Start start{{rotation, rotation * box.low}, size, top * size.x()};
+    Start start = block;
+    start.top = top * block.size.x();
     start.cost = cost_of(start, sample, oriented, thick);
     if (start.cost < best.cost) best = start;
   }
@@ -100,18 +105,18 @@ Start start_in(const Mat3& rotation, const Sample& sample, bool oriented, double
 
 /// Wedges whose slope lies where the data end: of a slope that was hardly seen, or set aside with the strays, the border of a
 /// cheek is left.
-std::vector<Start> starts_at_ends(const Mat3& rotation, const std::vector<ConvexFace>& ends, const Sample& sample, bool oriented, double thick) {
-  constexpr double left_out = 0.01, square = 0.05;
+std::vector<Start> starts_at_ends(const Start& block, const std::vector<ConvexFace>& ends, const Sample& sample, bool oriented, double thick) {
+  constexpr double square = 0.05;
   std::vector<Start> result;
-  const Box3 box = box_along(rotation, sample.points, left_out);
-  const Vec3 size = box.high - box.low, corner = rotation * box.low;
-  if (!(size.minCoeff() > 0)) return result;
+  if (!(block.size.minCoeff() > 0)) return result;
+  const Pose& frame = block.scan_from_part;
   for (const ConvexFace& end : ends) {
-    const Vec3 n = rotation.transpose() * end.normal;
+    const Vec3 n = frame.rotation.transpose() * end.normal;
     if (std::abs(n.z()) > square || n.x() < square || n.y() < square) continue;
-    const double reach = end.offset - end.normal.dot(corner), foot = reach / n.x(), top = (reach - n.y() * size.y()) / n.x();
-    Start start{{rotation, corner}, {foot, size.y(), size.z()}, top};
-    if (top < 0) start.size.y() = reach / n.y(), start.top = 0;
+    const double reach = end.offset - end.normal.dot(frame.translation);
+    Start start = block;
+    start.size.x() = reach / n.x(), start.top = (reach - n.y() * block.size.y()) / n.x();
+    if (start.top < 0) start.size.y() = reach / n.y(), start.top = 0;
     if (!(start.size.minCoeff() > 0)) continue;
     start.cost = cost_of(start, sample, oriented, thick);
     result.push_back(start);
@@ -160,8 +165,10 @@ std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, co
   if (sample.points.size() < 50) return {};
   std::vector<Start> starts, at_ends;
   for (const Mat3& frame : frames_of(scanned)) {
-    starts.push_back(start_in(frame, sample, input.oriented, coarse * size));
-    for (const Start& start : starts_at_ends(frame, ends, sample, input.oriented, coarse * size)) at_ends.push_back(start);
+    const Start block = block_around(frame, sample);
+    starts.push_back(start_in(block, sample, input.oriented, coarse * size));
+    if (among_strays(input)) continue;  // the data end anywhere
+    for (const Start& start : starts_at_ends(block, ends, sample, input.oriented, coarse * size)) at_ends.push_back(start);
   }
   const auto cheaper = [](const Start& a, const Start& b) { return a.cost < b.cost; };
   std::ranges::stable_sort(starts, cheaper), std::ranges::stable_sort(at_ends, cheaper);
@@ -177,9 +184,8 @@ std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, co
     }
     if (best.size.minCoeff() > 0) result.push_back(candidate_from(best, with_top));
   }
-  // Too few points of a sample lie on such a slope to keep it in its place; among strays the data end anywhere.
-  if (!among_strays(input))
-    for (std::size_t k = 0; k < std::min(most_at_ends, at_ends.size()); ++k) result.push_back(candidate_from(at_ends[k], at_ends[k].top > 0));
+  // Too few points of a sample lie on such a slope to keep it in its place.
+  for (std::size_t k = 0; k < std::min(most_at_ends, at_ends.size()); ++k) result.push_back(candidate_from(at_ends[k], at_ends[k].top > 0));
   return result;
 }
 

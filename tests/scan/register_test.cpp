@@ -52,11 +52,14 @@ Surface cut_block() {
   return convex(sides, 22);
 }
 
-/// Balls grown together: creases everywhere and no two alike.
-Surface balls() {
-  const std::vector<std::pair<Vec3, double>> parts{{{0, 0, 0}, 12}, {{11, 2, 3}, 8}, {{-8, 7, 4}, 9}, {{1, -11, 5}, 7}, {{3, 4, -12}, 6.5}, {{-6, -6, -9}, 6}, {{2, 8, 11}, 5}};
+struct Ball {
+  Vec3 center;
+  double radius;
+};
+
+Surface union_of(const std::vector<Ball>& parts, double reach) {
   Surface surface;
-  surface.bounds.add(Vec3::Constant(-20)), surface.bounds.add(Vec3::Constant(20));
+  surface.bounds.add(Vec3::Constant(-reach)), surface.bounds.add(Vec3::Constant(reach));
   surface.first_hit = [parts](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
     std::optional<SurfaceHit> best;
     for (const auto& [center, radius] : parts) {
@@ -70,16 +73,12 @@ Surface balls() {
   return surface;
 }
 
-Surface ball(double radius) {
-  Surface surface;
-  surface.bounds.add(Vec3::Constant(-radius)), surface.bounds.add(Vec3::Constant(radius));
-  surface.first_hit = [radius](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
-    const double along = -o.dot(d), sq = radius * radius - (o + along * d).squaredNorm(), t = along - std::sqrt(std::max(sq, 0.0));
-    if (sq <= 0 || t < 0) return {};
-    return SurfaceHit{t, (o + t * d) / radius};
-  };
-  return surface;
+/// Balls grown together: creases everywhere and no two alike.
+Surface balls() {
+  return union_of({{{0, 0, 0}, 12}, {{11, 2, 3}, 8}, {{-8, 7, 4}, 9}, {{1, -11, 5}, 7}, {{3, 4, -12}, 6.5}, {{-6, -6, -9}, 6}, {{2, 8, 11}, 5}}, 20);
 }
+
+Surface ball(double radius) { return union_of({{Vec3(0, 0, 0), radius}}, radius); }
 
 Surface cylinder() {
   Surface surface;
@@ -105,20 +104,13 @@ Surface cylinder() {
 
 /// A drum with a small bump in sight from everywhere: a few hundredths of what is seen fix how it is turned.
 Surface drum_with_bumps() {
-  const Surface drum = cylinder();
-  std::vector<Vec3> bumps;
-  for (int k = 0; k < 4; ++k) bumps.push_back(Vec3(6 * std::cos(1.7 * k), 6 * std::sin(1.7 * k), 4.0 * k - 7));
-  Surface surface = drum;
+  std::vector<Ball> bumps;
+  for (int k = 0; k < 4; ++k) bumps.push_back({Vec3(6 * std::cos(1.7 * k), 6 * std::sin(1.7 * k), 4.0 * k - 7), 6});
+  Surface surface;
   surface.bounds.add(Vec3(-13, -13, -15)), surface.bounds.add(Vec3(13, 13, 15));
-  surface.first_hit = [drum, bumps](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
-    std::optional<SurfaceHit> best = drum.first_hit(o, d);
-    for (const Vec3& center : bumps) {
-      const double along = (center - o).dot(d), sq = 36 - (o + along * d - center).squaredNorm();
-      if (sq <= 0) continue;
-      const double t = along - std::sqrt(sq);
-      if (t > 0 && (!best || t < best->distance)) best = SurfaceHit{t, (o + t * d - center) / 6};
-    }
-    return best;
+  surface.first_hit = [drum = cylinder().first_hit, bump = union_of(bumps, 13).first_hit](const Vec3& o, const Vec3& d) {
+    const auto on_drum = drum(o, d), on_bump = bump(o, d);
+    return on_bump && (!on_drum || on_bump->distance < on_drum->distance) ? on_bump : on_drum;
   };
   return surface;
 }
