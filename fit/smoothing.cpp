@@ -12,6 +12,25 @@
 #include "core/statistics.h"
 
 namespace partscribe {
+namespace {
+
+/// How far the surface lies below a place of a face's tangent plane, and whether that face goes on so far.
+struct Sample {
+  double height = 0;  ///< mm
+  bool same_face = false;
+};
+
+/// Nearest to a place beyond an edge are both faces at once, so the number of the nearest does not tell where a face ends.
+/// But twice as far down a place above a bent face is as far below it; one beyond an edge is not.
+Sample sample_at(const ModelDistance& distance, const Vec3& place, const Vec3& normal, int face) {
+  constexpr double alike = 0.5, rounding = 1e-9;  // mm
+  const ModelHit hit = distance(place);
+  if (hit.face != face || std::abs(hit.distance) < rounding) return {hit.distance, hit.face == face};
+  const double opposite = distance(place - 2 * hit.distance * normal).distance;
+  return {hit.distance, std::abs(opposite + hit.distance) <= alike * std::abs(hit.distance)};
+}
+
+}  // namespace
 
 SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& all, double variance,
                                  const ModelDistance& distance, int threads) {
@@ -26,8 +45,10 @@ SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& al
       const double length = all.jacobian.gradients[k].norm();
       if (!(length > 0.5)) continue;
       const Vec3 normal = all.jacobian.gradients[k] / length;
-      const Vec3 foot = all.nodes[k].place - distance(part_from_scan * all.nodes[k].place).distance * normal;
-      const Mat3 frame = rotation_onto_axis(normal);
+      const Vec3 there = part_from_scan * all.nodes[k].place;
+      const Vec3 up = part_from_scan.rotation * normal;
+      const Vec3 foot = there - distance(there).distance * up;
+      const Mat3 frame = rotation_onto_axis(up);
       const int face = all.at.face[all.nodes[k].begin];
       const double cosine = all.cosine.empty() ? 1 : std::max(all.cosine[all.nodes[k].begin], least_cosine);
       const double radius = std::sqrt(variance * (1 + 1 / (cosine * cosine)));
@@ -35,12 +56,12 @@ SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& al
       for (int a = 0; a < directions / 2; ++a) {
         const double angle = 2 * pi * a / directions;
         const Vec3 off = std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1);
-        const ModelHit one = distance(part_from_scan * (foot + radius * off));
-        const ModelHit two = distance(part_from_scan * (foot - radius * off));
-        if (one.face == face && two.face == face) own += (one.distance + two.distance) / directions;
+        const Sample one = sample_at(distance, foot + radius * off, up, face);
+        const Sample two = sample_at(distance, foot - radius * off, up, face);
+        if (one.same_face && two.same_face) own += (one.height + two.height) / directions;
         for (const double side : {-reach * radius, reach * radius}) {
-          const ModelHit hit = distance(part_from_scan * (foot + side * off));
-          if (hit.face != face) other += hit.distance / directions;
+          const Sample far = sample_at(distance, foot + side * off, up, face);
+          if (!far.same_face) other += far.height / directions;
         }
       }
       result.face[k] = -own, result.rim[k] = -other;
@@ -60,16 +81,18 @@ std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<dou
       (rim[k] == 0 ? inner : outer).push_back(std::abs(residuals[i]) / all.sigma[i]);
       if (rim[k] != 0) predicted.push_back(std::abs(rim[k]) / all.sigma[i]);
     }
-  if (double(outer.size()) < least_points || double(inner.size()) < least_points) return std::nullopt;
-  const double usual = quantile(inner, share), found = std::log(quantile(outer, share) / usual);
+  // How far a filter reaches over an edge is its maker's secret.
+  constexpr std::array<double, 5> reaches = {0.4, 0.6, 0.8, 1.0, 1.2};
+  if (double(outer.size()) < least_points) return std::nullopt;
+  const double depth = quantile(predicted, share), at_rims = quantile(outer, share);
+  if (double(inner.size()) < least_points)  // all is rim: a filter must at least have left its mark
+    return at_rims < reaches.front() * depth ? std::optional<double>(0) : std::nullopt;
+  const double usual = quantile(inner, share), found = std::log(at_rims / usual);
   // Magnitudes are correlated by the square of what their Gaussians are.
   const double alike = 1 + (points_per_independent - 1) / 2;
   const double variance =
       of_quantile * alike * (1 / double(outer.size()) + 1 / double(inner.size())) + model_error * model_error;
   auto likelihood = [&](double expected) { return std::exp(-0.5 * std::pow(found - expected, 2) / variance); };
-  // How far a filter reaches over an edge is its maker's secret.
-  constexpr std::array<double, 5> reaches = {0.4, 0.6, 0.8, 1.0, 1.2};
-  const double depth = quantile(predicted, share);
   double smoothed = 0;
   for (const double reach : reaches)
     smoothed += likelihood(std::log(std::hypot(usual, reach * depth) / usual)) / double(reaches.size());

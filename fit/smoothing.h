@@ -24,7 +24,7 @@ SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& al
 
 /// How likely the noise was smoothed, by a filter or in the making of a mesh, rather than born so; even odds beforehand.
 /// Only smoothing disturbs rims: it rounds edges off, and beside a step or a silhouette it takes its mean from one side.
-/// `residuals` of the points, mm. Nothing if there are too few rims to tell.
+/// `residuals` of the points, mm. Nothing if there are too few rims to tell; where all is rim, 0 or nothing.
 std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<double>& residuals, const Deviation& rim,
                                      double points_per_independent);
 

@@ -168,9 +168,12 @@ SmoothedScan account_for_smoothing(const Candidate& candidate, const AllPoints& 
   const Solution solution = solved(result.model, sums, threads);
   const std::vector<double> rest = left_over(all, result.model, solution);
   result.residuals = residuals_of(all, rest, result.inside, kernel, threads);
-  if (!result.residuals.tell(unknowns.count()))
-    return {{all.jacobian.rows}, std::vector<char>(all.nodes.size(), 1), raw, effect.face, 1, {}};
-
+  if (!result.residuals.tell(unknowns.count())) {
+    constexpr double nobody_knows = 1;
+    const auto chance = chance_by_rims(all, all.at.value, effect.rim, raw.correlation.points_per_independent);
+    const std::vector<char> everywhere(all.nodes.size(), 1);
+    return {{all.jacobian.rows}, everywhere, raw, effect.face, chance.value_or(nobody_knows), {}};
+  }
   const auto by_rims = chance_by_rims(all, rest, effect.rim, result.residuals.correlation.points_per_independent);
   if (by_rims)
     result.chance = *by_rims;
