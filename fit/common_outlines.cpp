@@ -25,6 +25,26 @@ double from_box(const Vec2& p, const Vec2& low, const Vec2& high) {
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
 }
 
+/// Distances from one outline, many of them.
+class Ruler {
+ public:
+  explicit Ruler(const CommonOutline& o)
+      : o_(o), cosine_(std::cos(-o.angle)), sine_(std::sin(-o.angle)), radius_(o.radius()),
+        low_(o.low + Vec2::Constant(radius_)), high_(o.high - Vec2::Constant(radius_)) {}
+
+  double operator()(const Vec2& p) const {
+    const Vec2 q(cosine_ * p.x() - sine_ * p.y(), sine_ * p.x() + cosine_ * p.y());
+    if (o_.form == OutlineForm::ell) return std::max(from_box(q, o_.low, o_.high), -from_box(q, o_.inner, Vec2::Constant(1e300)));
+    const double d = from_box(q, low_, high_) - radius_;
+    return o_.form == OutlineForm::link ? std::max({d, o_.eye - (q - low_).norm(), o_.eye - (q - high_).norm()}) : d;
+  }
+
+ private:
+  const CommonOutline& o_;
+  double cosine_, sine_, radius_;
+  Vec2 low_, high_;  // middles of the corners' rounds
+};
+
 template <class T>
 std::vector<T> spread(const std::vector<T>& all) {
   const std::size_t step = (all.size() + most_points - 1) / most_points;
@@ -55,15 +75,19 @@ class Seen {
     if (((o.high - o.low).array() < 2 * band_).any()) return impossible;
     if (o.form == OutlineForm::ell && (((o.inner - o.low).array() < 2 * band_).any() || ((o.high - o.inner).array() < 2 * band_).any())) return impossible;
     if (o.form == OutlineForm::link && (o.eye < 2 * band_ || o.eye > o.radius() - 2 * band_)) return impossible;
+    const Ruler distance(o);
     double walls = 0, ends = 0;
     for (const auto& w : walls_) {
-      const double d = o.distance(w.position), u = 2.5 * d / band_;
-      const double slope = (o.distance(w.position + band_ * w.normal) - o.distance(w.position - band_ * w.normal)) / (2 * band_);
-      walls += std::abs(slope) < along ? stray : std::min(0.5 * u * u, stray);
+      const double u = 2.5 * distance(w.position) / band_, off = std::min(0.5 * u * u, stray);
+      const auto faces_along = [&] {
+        const double rise = distance(w.position + band_ * w.normal) - distance(w.position - band_ * w.normal);
+        return std::abs(rise) >= along * 2 * band_;
+      };
+      walls += off < stray && faces_along() ? off : stray;
     }
-    for (const Vec2& e : ends_) ends += outside * std::clamp(o.distance(e) / band_ - 0.5, 0.0, 1.0);
+    for (const Vec2& e : ends_) ends += outside * std::clamp(distance(e) / band_ - 0.5, 0.0, 1.0);
     double empty = 0;
-    for (const Vec2& c : empty_) empty += unfilled * per_cell_ * std::clamp(0.5 - o.distance(c) / cell_, 0.0, 1.0);
+    for (const Vec2& c : empty_) empty += unfilled * per_cell_ * std::clamp(0.5 - distance(c) / cell_, 0.0, 1.0);
     const double area = by_area * double(ends_.size()) * o.area() / (high_ - low_).prod();
     return wall_share_ * walls + end_share_ * (ends + area) + empty;
   }
@@ -210,17 +234,7 @@ double CommonOutline::area() const {
   return (high - low).prod() - (form == OutlineForm::ell ? missing.prod() : (4 - pi) * radius() * radius()) - holes;
 }
 
-double CommonOutline::distance(const Vec2& p) const {
-  const Vec2 q = turned(p, -angle);
-  const double r = radius();
-  if (form != OutlineForm::ell) {
-    double d = from_box(q, low + Vec2::Constant(r), high - Vec2::Constant(r)) - r;
-    if (form == OutlineForm::link)
-      for (const Vec2& c : {Vec2(low + Vec2::Constant(r)), Vec2(high - Vec2::Constant(r))}) d = std::max(d, eye - (q - c).norm());
-    return d;
-  }
-  return std::max(from_box(q, low, high), -from_box(q, inner, Vec2::Constant(1e300)));
-}
+double CommonOutline::distance(const Vec2& p) const { return Ruler(*this)(p); }
 
 std::vector<Vec2> CommonOutline::end_centres() const {
   if (!round_ends(form)) return {};
