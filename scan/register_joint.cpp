@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/parallel.h"
 #include "core/statistics.h"
@@ -66,6 +67,9 @@ struct Round {
   double surface_sigma = 1, contour_sigma = 0.8;    // mm; pixels
   double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
   bool grouped = false, narrow = false;
+
+  /// Width of the borders' kernel, in pixels of this size.
+  double border_kernel(double pixel) const { return std::max(2.5 * contour_sigma, border_wide / pixel); }
 };
 
 struct Problem {
@@ -158,7 +162,38 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
 }
 
 constexpr std::size_t most_contour = 3000, rough_contour = 150;
-constexpr double border_reach = 1.5;  // spacings across
+
+/// A place of another view beside a border, and how far the border lies outside it, in pixels.
+struct Beside {
+  std::size_t at = 0;
+  double off = 0;
+};
+
+/// `near`: points of `to`, or of its samples, in order of their distance from `q`; `na`, `outward` and `ray`: of the border, in
+/// the frame of `to`. Right beside an edge places are rounded off where noise is large (half a pixel too low were found), a
+/// little farther on they are not, and far away a round face has bent off and a flat one has ended: of those within reach the
+/// one that is known best, unless it is too far. Nothing if none lies next to the border.
+std::optional<Beside> surface_beside(const ViewSurface& to, const ContourPoint& border, const Vec3& q, const Vec3& na, const Vec3& outward,
+                                     const Vec3& ray, const std::vector<Neighbour>& near, bool of_samples, const Round& round) {
+  constexpr double next_to = 1.5, reach = 4, far = 0.05;  // spacings across; what the square of one spacing costs
+  const double wide = round.border_kernel(border.pixel);
+  std::optional<Beside> best;
+  double least = 0;
+  for (const Neighbour& neighbour : near) {
+    const std::size_t at = of_samples ? to.samples[neighbour.index] : neighbour.index;
+    const Vec3& n = to.normals[at];
+    const double towards = -n.dot(ray);
+    if (!to.smooth[at] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
+    const Vec3 d = q - to.points[at];
+    const double e = d.dot(n), across = (d - e * n).norm() / to.spacing;
+    if (round.narrow && across > (best ? reach : next_to)) break;
+    if (std::abs(e) > 2 * wide * border.pixel) continue;
+    const double cost = to.variance[at] * to.variance[at] * (1 + far * across * across);
+    if (!best || cost < least) best = Beside{at, e / border.pixel}, least = cost;
+    if (!round.narrow) break;
+  }
+  return best;
+}
 
 PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
   PairSum sum = empty_sum(a, b, round.grouped);
@@ -174,27 +209,18 @@ PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, con
     const Vec3 q = there * c.point, outward = there.rotation * c.outward, na = there.rotation * c.normal;
     const Vec3 ray = there.rotation * from.raster.ray(c.point);
     tree.within(q, std::max(4 * std::max(to.spacing, c.pixel), round.reach), near);
-    for (const Neighbour& neighbour : near) {
-      const std::size_t at = wide_search ? to.samples[neighbour.index] : neighbour.index;
-      const Vec3& n = to.normals[at];
-      const double towards = -n.dot(ray);
-      if (!to.smooth[at] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
-      const double lever = n.dot(outward);
-      const Vec3 d = q - to.points[at];
-      const double e = d.dot(n) / c.pixel;  // in pixels
-      // Farther away a round face has bent off, and a flat one has ended.
-      if (round.narrow && (d - d.dot(n) * n).norm() > border_reach * to.spacing) break;
-      const double wide = std::max(2.5 * round.contour_sigma, round.border_wide / c.pixel);
-      if (std::abs(e) > 2 * wide) continue;
-      const double w = std::exp(-e * e / (2 * wide * wide));
-      const double sigma = round.contour_sigma * c.pixel;
-      const Vec3 place = problem.poses[b] * q, normal = problem.poses[b].rotation * n;
-      add_row(problem, place, normal, e * c.pixel, 0, lever * c.pixel, contour_trust * w / (sigma * sigma),
-              mixed_in(problem, place, normal, round.normal_variance), round.grouped, sum);
-      sum.residual.push_back(e);
-      sum.bias_top += w * e * lever, sum.bias_bottom += w * lever * lever;
-      break;
-    }
+    const auto beside = surface_beside(to, c, q, na, outward, ray, near, wide_search, round);
+    if (!beside) continue;
+    const Vec3& n = to.normals[beside->at];
+    const double e = beside->off, lever = n.dot(outward);
+    const double wide = round.border_kernel(c.pixel);
+    const double w = std::exp(-e * e / (2 * wide * wide));
+    const double sigma = round.contour_sigma * c.pixel;
+    const Vec3 place = problem.poses[b] * q, normal = problem.poses[b].rotation * n;
+    add_row(problem, place, normal, e * c.pixel, 0, lever * c.pixel, contour_trust * w / (sigma * sigma),
+            mixed_in(problem, place, normal, round.normal_variance), round.grouped, sum);
+    sum.residual.push_back(e);
+    sum.bias_top += w * e * lever, sum.bias_bottom += w * lever * lever;
   }
   return sum;
 }

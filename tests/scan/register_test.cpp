@@ -313,6 +313,34 @@ TEST_CASE("register: views come out truer from filtered images") {
   CHECK(off_truth(filtered, truth).shift < 0.1);
 }
 
+TEST_CASE("register: borders are measured from where noise has not rounded the edge") {
+  // Of a block that all views see equally askew only borders tell how far they stand from the middle.
+  std::vector<Side> sides;
+  for (int k = 0; k < 3; ++k)
+    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 14.0 + 3 * k});
+  const Surface block = convex(sides, 25);
+  Context context;
+  context.threads = 2;
+  SimulateOptions options = small();
+  options.resolution = 128, options.pose_noise_angle = 0.03, options.pose_noise_shift = 0.5, options.sigma = 0.2;
+  const SimulatedScan scan = simulate(block, options, context);
+  std::vector<RangeImage> images;
+  std::vector<Pose> truth;
+  for (const SimulatedView& view : scan.views) images.push_back(view.image), truth.push_back(view.image.world_from_view);
+  auto views = views_to_register(scan.merged, images, context);
+  for (std::size_t v = 0; v < views.size(); ++v) views[v].guess = scan.views[v].initial_guess;
+  const Registration found = run(views);
+  REQUIRE(count(found, ViewStatus::registered) == 7);
+  const Pose back = truth[0] * found.views[0].world_from_view.inverse();
+  double farther = 0;  // than they stood, on the mean; their directions add up to nothing
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    const Vec3 middle = found.center, off = back * found.views[v].world_from_view * truth[v].inverse() * middle - middle;
+    farther -= off.dot(truth[v].rotation.col(2)) / double(truth.size());
+  }
+  INFO(farther << " mm, pixel " << images[0].pitch_x);
+  CHECK(std::abs(farther) < 0.05 * images[0].pitch_x);
+}
+
 TEST_CASE("register: where surfaces fix nothing they do not pull against the borders") {
   // Of a plate each view sees one side and some of the rim: what lies between the sides only borders tell.
   std::vector<Side> sides{{Vec3::UnitZ(), 5}, {-Vec3::UnitZ(), 5}};
@@ -346,7 +374,7 @@ TEST_CASE("register: where surfaces fix nothing they do not pull against the bor
   INFO(std::sqrt(squares / 3) << " mm, sigma " << std::sqrt(variances / 3) << ", pixel " << pixel);
   CHECK(std::sqrt(squares / 3) < 0.04 * pixel);
   CHECK(squares < 4 * variances);
-  CHECK(variances < 25 * squares);
+  CHECK(variances < 36 * squares);
 }
 
 TEST_CASE("register: rejected returns inside a face are no border") {
