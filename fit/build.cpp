@@ -400,8 +400,8 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
   }
 }
 
-/// True if what was found follows the data only roughly, by many flat faces or by a round form: a body with rounded corners,
-/// or a ring with such, may do better.
+/// True if what was found follows the data only roughly, by many flat faces, by straight walls or by a round form: a body with
+/// rounded corners, or a ring with such, may do better.
 bool is_rough(const Search& search, const FitInput& input) {
   constexpr std::size_t many_faces = 9, some_faces = 7;
   constexpr double rough = 0.31, rough_among_strays = 0.4;  // nats per point; 0.25 where there is only noise
@@ -418,7 +418,8 @@ bool is_rough(const Search& search, const FitInput& input) {
   if (flat && among_strays(input) && misfit > rough_among_strays) return true;
   if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
   return body ? body->planes.size() >= many_faces
-              : std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) || std::holds_alternative<Ellipsoid>(shape);
+              : std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) ||
+                    std::holds_alternative<Extrude>(shape) || std::holds_alternative<Ellipsoid>(shape);
 }
 
 /// A scan, with or without its strays, and what was found in it.

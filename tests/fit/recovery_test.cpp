@@ -106,7 +106,8 @@ TEST_CASE("recovery: a ring with corners and a fillet come back from hard scans,
     Conditions conditions;
     std::uint64_t seed;
   };
-  for (const Run& run : {Run{"supertoroid", standard_conditions(), 1}, Run{"fillet", standard_conditions(), 5},
+  // Of 54 an extrusion is within the tolerance too, though only just.
+  for (const Run& run : {Run{"supertoroid", standard_conditions(), 1}, Run{"supertoroid", standard_conditions(), 54}, Run{"fillet", standard_conditions(), 5},
                          Run{"fillet", facet_conditions(), 2}}) {
     Context context;
     const Score score = recovered(make_case(run.kind, run.conditions, run.seed), context);
