@@ -22,6 +22,7 @@
 #include "fit/strays.h"
 #include "fit/superellipsoid.h"
 #include "fit/tidy.h"
+#include "fit/torus_piece.h"
 #include "fit/triangulate.h"
 #include "geometry/keep_points.h"
 #include "model/distance.h"
@@ -224,6 +225,7 @@ const std::vector<Maker>& makers() {
       {false, [](In in, Hypothesis h, Directions, Context& c) { return propose_quadrics(in, h, c); }},
       {false, [](In in, Hypothesis, Directions, Context& c) { return propose_polyhedra(in, c); }},
       {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_revolves(in, d, c); }},
+      {false, [](In in, Hypothesis, Directions, Context&) { return propose_torus_piece(in); }},
       {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_extrudes(in, d, c); }},
       {false, [](In in, Hypothesis, Directions, Context& c) { return propose_fillets(in, c); }},
       {true, [](In in, Hypothesis h, Directions, Context&) { return propose_superellipsoids(in, h); }},
