@@ -13,9 +13,11 @@
 #include "fit/evidence.h"
 #include "fit/outline_cells.h"
 #include "fit/plane_circle.h"
+#include "fit/refine.h"
 #include "fit/round_holes.h"
 #include "fit/sketch_builder.h"
 #include "geometry/kd_tree.h"
+#include "model/check.h"
 
 namespace partscribe {
 namespace {
@@ -522,7 +524,11 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     add_outlines(input, s.sweep, s.frame, rings_of(s.walls, s.noise, s.fine), s.outline, candidates);
     if (wide > 1.6 * s.fine) add_outlines(input, s.sweep, s.frame, rings_of(s.walls, s.noise, wide), s.outline, candidates);
   }
-  const auto near = [&](const Candidate& c) { return drawable(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance; };
+  // A rod of no radius has no distances either.
+  const auto makes_sense = [](const Candidate& c) {
+    return std::holds_alternative<Extrude>(c.shape) ? drawable(c) : !std::holds_alternative<Complaints>(check(bare_model(c)));
+  };
+  const auto near = [&](const Candidate& c) { return makes_sense(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance; };
   const bool any_near = std::any_of(candidates.begin(), candidates.end(), near);
   if (any_near && input.stray_share == 0) return candidates;
   // Some walls were not seen, or strays lie beside them.

@@ -173,10 +173,11 @@ bool shows_itself(const Start& start, const FitInput& input) {
     const bool counts = !among_strays(input) || side.normal.minCoeff() > slanting;
     if (counts && into > std::abs(side.into) && (input.oriented ? cosine : std::abs(cosine)) > facing)
       gain += misfit(into) - misfit(side.into), ++concave;
-    if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma)
+    // Where a leg and the concave side run into each other a point speaks for neither.
+    if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma && std::abs(side.into) > 3 * sigma)
       legs += std::max(std::abs(n.x()), std::abs(n.y())) > on_leg;
   }
-  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > n_points / 20;
+  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > (0.0125 + 0.05 * input.stray_share) * n_points;
 }
 
 /// Puts the ends on their faces. An end of which no face was seen stays beyond the points of the sides: that leaves none of them out.

@@ -1,6 +1,7 @@
 #include "fit/fillet.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "fit/prepare.h"
 #include "fit/refine.h"
@@ -60,6 +61,17 @@ TEST_CASE("fillet: none among the strays around a block, nor on a rod") {
     Context context;
     CHECK(propose_fillets(prepared(scan, 0.6), context).empty());
   }
+}
+
+TEST_CASE("fillet: a strip of a rod alone, of which nobody knows which side is outside, is none") {
+  Scan scan = test::sampled(model_with(Cylinder{30, 30}), {.points = 30000, .noise = 0.15, .reach = 32, .seed = 6});
+  PointCloud strip;
+  for (const Vec3& p : scan.cloud.points)
+    if (std::abs(std::atan2(p.y(), p.x())) < 0.3 && p.z() > 0.5 && p.z() < 29.5) strip.points.push_back(p);
+  scan.cloud = strip;
+  REQUIRE(strip.points.size() > 500);
+  Context context;
+  CHECK(propose_fillets(prepared(scan, 0.6), context).empty());
 }
 
 TEST_CASE("fillet: among many strays a block may be one whose concave side was not seen, and no more than may be") {
