@@ -177,7 +177,7 @@ bool shows_itself(const Start& start, const FitInput& input) {
     if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma && std::abs(side.into) > 3 * sigma)
       legs += std::max(std::abs(n.x()), std::abs(n.y())) > on_leg;
   }
-  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > (0.0125 + 0.05 * input.stray_share) * n_points;
+  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > 0.0125 * n_points;
 }
 
 /// Puts the ends on their faces. An end of which no face was seen stays beyond the points of the sides: that leaves none of them out.
