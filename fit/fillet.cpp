@@ -158,6 +158,7 @@ std::vector<Mat3> frames_about(const Vec3& axis, const std::vector<Vec3>& faces)
 bool shows_itself(const Start& start, const FitInput& input) {
   constexpr std::size_t least_points = 40;  // fewer lie there by chance
   constexpr double facing = 0.8, on_leg = 0.98, slanting = 0.35, outlier = 12;  // cosines; half the square of a residual in sigmas
+  constexpr double legs_share = 0.0125;  // of the points; strays put 0.008 there
   const PointCloud& cloud = input.cloud;
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance), n_points = double(cloud.size());
   const Pose part_from_scan = start.scan_from_part.inverse();
@@ -177,7 +178,7 @@ bool shows_itself(const Start& start, const FitInput& input) {
     if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma && std::abs(side.into) > 3 * sigma)
       legs += std::max(std::abs(n.x()), std::abs(n.y())) > on_leg;
   }
-  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > 0.0125 * n_points;
+  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > legs_share * n_points;
 }
 
 /// Puts the ends on their faces. An end of which no face was seen stays beyond the points of the sides: that leaves none of them out.
