@@ -8,6 +8,16 @@
 
 namespace partscribe {
 
+Candidate torus_candidate(double major_radius, double minor_radius, const Pose& scan_from_part) {
+  Candidate ring;
+  ring.procedure = ring.object_name = "torus";
+  ring.shape = Torus{Expr::of("major_radius"), Expr::of("minor_radius")};
+  ring.parameters = {length_parameter("major_radius", major_radius, "radius of the ring's centre circle"),
+                     length_parameter("minor_radius", minor_radius, "radius of the tube")};
+  ring.scan_from_part = scan_from_part;
+  return ring;
+}
+
 std::vector<Candidate> propose_torus_piece(const FitInput& input) {
   constexpr std::size_t most_points = 1500;
   constexpr double welsch = 2.5, least_share = 2.0 / 3, largest = 10;  // in sigmas; of the points; times what was seen
@@ -26,13 +36,7 @@ std::vector<Candidate> propose_torus_piece(const FitInput& input) {
   const double near = std::max(3 * noise, input.tolerance);
   const auto on = std::count_if(points.begin(), points.end(), [&](const Vec3& p) { return std::abs(distance(torus, p)) < near; });
   if (double(on) < least_share * double(points.size())) return {};
-  Candidate piece;
-  piece.procedure = piece.object_name = "torus";
-  piece.shape = Torus{Expr::of("major_radius"), Expr::of("minor_radius")};
-  piece.parameters = {length_parameter("major_radius", torus.radius, "radius of the ring's centre circle"),
-                      length_parameter("minor_radius", torus.tube, "radius of the tube")};
-  piece.scan_from_part = {rotation_onto_axis(torus.axis), torus.point};
-  return {piece};
+  return {torus_candidate(torus.radius, torus.tube, {rotation_onto_axis(torus.axis), torus.point})};
 }
 
 }  // namespace partscribe

@@ -6,6 +6,7 @@
 #include "core/random.h"
 #include "fit/length_parameter.h"
 #include "fit/plane_chain.h"
+#include "fit/torus_piece.h"
 #include "core/statistics.h"
 
 namespace partscribe {
@@ -178,11 +179,7 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
   }
   const Circle tube = tube_of(points, band, size, random);
   if (10 * tube.count > 7 * points.size()) {
-    Candidate ring;
-    ring.procedure = ring.object_name = "torus";
-    ring.shape = Torus{Expr::of("major_radius"), Expr::of("minor_radius")};
-    ring.parameters = {length_parameter("major_radius", tube.centre.x(), "radius of the ring's centre circle"),
-                       length_parameter("minor_radius", tube.radius, "radius of the tube")};
+    Candidate ring = torus_candidate(tube.centre.x(), tube.radius, {});
     placed(ring, tube.centre.y(), false);
     result.push_back(ring);
   }
