@@ -145,30 +145,31 @@ double far_more_likely(const FitInput& input) { return more_likely + 0.1 * input
 /// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
 /// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
 bool pays(const Judged& a, const Judged& b, const FitInput& input) {
-  constexpr double clearly = 0.7, few_points = 15, surely = 1.5;
+  constexpr double clearly = 0.7, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
   const double gain = shorter.total() - longer.total();
   if (!(gain > 0)) return false;
   if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
-  // A hole of which a few points of its wall were seen: too few to be a body of another kind, too many for chance.
   const bool same = a.candidate.procedure == b.candidate.procedure;
+  // The same in about as many words.
+  if (same && longer.description < shorter.description + a_number && gain > more_likely) return true;
+  // A hole of which a few points of its wall were seen: too few to be a body of another kind, too many for chance.
   if (same && explained > few_points && gain > surely * far_more_likely(input)) return true;
   const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
   const double enough = same ? more_likely : far_more_likely(input);
   return only_noise && gain - nats_per_stray * std::max(explained, 0.0) > enough;
 }
 
-/// The shortest description that meets the tolerance comes first, unless a longer one pays. `judged` is sorted by
-/// description.
-void put_best_first(std::vector<Judged>& judged, const FitInput& input) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < judged.size() && judged[i].meets; ++i)
+/// Of those from `first` on the shortest description that meets the tolerance comes first, unless a longer one pays. They are
+/// sorted by description.
+void put_best_first(std::vector<Judged>& judged, std::size_t first, const FitInput& input) {
+  std::size_t best = first;
+  for (std::size_t i = first + 1; i < judged.size() && judged[i].meets; ++i)
     if (pays(judged[i], judged[best], input)) best = i;
-  if (best > 0)
-    std::rotate(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(best),
-                judged.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+  const auto begin = judged.begin();
+  if (best > first) std::rotate(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(best), begin + std::ptrdiff_t(best) + 1);
 }
 
 /// Why a rival that meets the tolerance is not the model.
@@ -312,7 +313,7 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
     if (a.meets != b.meets) return a.meets;
     return a.meets ? a.evidence.description < b.evidence.description : a.evidence.local_max < b.evidence.local_max;
   });
-  put_best_first(search.judged, input);
+  put_best_first(search.judged, 0, input);
 }
 
 /// Says of lengths that hardly a point speaks about where they come from.
@@ -354,7 +355,7 @@ bool bent_by_strays(const Search& search, std::size_t at, const FitInput& input)
 void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
   search.winner = search.judged.size(), search.found = false;
-  for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets && !search.found; ++i) {
+  for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets; ++i) {
     if (bent_by_strays(search, i, input)) {
       search.judged[i].meets = false, search.judged[i].reason = "costs more than another that strays keep from being within tolerance";
       break;  // the next would follow them as well
@@ -397,8 +398,9 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
       search.winner = i;
       break;
     }
-    if (!search.found)
-      search.judged[i].meets = false, search.judged[i].reason = "left the tolerance when its numbers were rounded for print";
+    if (search.found) break;
+    search.judged[i].meets = false, search.judged[i].reason = "left the tolerance when its numbers were rounded for print";
+    put_best_first(search.judged, i + 1, input);
   }
 }
 

@@ -133,7 +133,7 @@ std::optional<NormalsMeeting> where_normals_meet(const PlanePoint& a, const Plan
   return NormalsMeeting{place, std::abs(s), (b.position - place).norm()};
 }
 
-std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach) {
+std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach, double alone) {
   constexpr int rounds = 3;
   constexpr double alike = 0.85;  // cosine between normals of one side of a corner
   constexpr std::size_t least = 4;
@@ -155,7 +155,7 @@ std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach) 
       of_same_side([&](const PlanePoint& q) { offsets.push_back(n.dot(q.position - p.position)); });
       moved[i] = {p.position + robust_mean(offsets).mean * n, n};
     }
-    const double enough = std::max(double(least), 0.05 * median(support));
+    const double enough = std::max(double(least), alone * median(support));
     points.clear();
     for (std::size_t i = 0; i < moved.size(); ++i)
       if (support[i] >= enough) points.push_back(moved[i]);

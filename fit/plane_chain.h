@@ -51,8 +51,8 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
 double length_of(const Chain& chain);
 
 /// The points moved onto the middle of the band that noise made of their curve, along the mean normal of those within
-/// `reach` mm that face the same way; points that stand almost alone are left out. Corners stay: the two sides of one
-/// face different ways.
-std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach);
+/// `reach` mm that face the same way; points that stand almost alone, with less than the share `alone` of the company that the
+/// others have, are left out. Corners stay: the two sides of one face different ways.
+std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach, double alone = 0.05);
 
 }  // namespace partscribe

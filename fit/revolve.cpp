@@ -10,6 +10,7 @@
 #include "core/statistics.h"
 #include "fit/sketch_builder.h"
 #include "fit/turned_primitives.h"
+#include "geometry/kd_tree.h"
 
 namespace partscribe {
 namespace {
@@ -310,8 +311,8 @@ std::optional<LoopPieces> closed_at_rim(const LoopPieces& loop) {
 }
 
 /// What noise makes of steps and corners made square again: a piece shorter than `blur` mm between two walls becomes a
-/// shoulder; one between a wall and a flat is left out. Nothing if there is none.
-std::optional<LoopPieces> with_square_steps(const LoopPieces& loop, double blur) {
+/// shoulder; one between a wall and a flat is left out, unless `corners_stay`. Nothing if there is none.
+std::optional<LoopPieces> with_square_steps(const LoopPieces& loop, double blur, bool corners_stay) {
   const auto runs_along = [](const ProfileSegment& s, int axis) {
     return !s.arc && !s.spline && std::abs(s.direction[axis]) > 0.98;
   };
@@ -325,7 +326,7 @@ std::optional<LoopPieces> with_square_steps(const LoopPieces& loop, double blur)
     if (slant) {
       const auto &before = loop.segments[i - 1], &after = loop.segments[i + 1];
       const auto walls = [&](int axis) { return runs_along(before, axis) && runs_along(after, axis); };
-      const auto corner = [&](int axis) { return runs_along(before, axis) && runs_along(after, 1 - axis); };
+      const auto corner = [&](int axis) { return !corners_stay && runs_along(before, axis) && runs_along(after, 1 - axis); };
       changed |= walls(0) || walls(1) || corner(0) || corner(1);
       if (corner(0) || corner(1)) continue;
       if (walls(0) || walls(1)) {
@@ -430,9 +431,22 @@ Candidate turned_candidate(const FitInput& input, const Axis& axis, const LoopPi
   return c;
 }
 
-/// Adds a candidate for every level of detail at which the profile splits differently.
-void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data, double outline,
-                  const ProfileNodes& nodes, std::vector<Candidate>& candidates) {
+/// The share of the points that lie next to no node of the chain; `cell`: mm between its nodes.
+double left_aside(const std::vector<PlanePoint>& points, const Chain& chain, double cell) {
+  if (points.empty() || chain.nodes.empty()) return 0;
+  std::vector<Vec3> places;
+  for (const auto& node : chain.nodes) places.emplace_back(node.position.x(), node.position.y(), 0);
+  const KdTree tree(places);
+  std::size_t aside = 0;
+  for (const auto& p : points)
+    aside += tree.nearest_one(Vec3(p.position.x(), p.position.y(), 0)).sq_distance > 9 * cell * cell;
+  return double(aside) / double(points.size());
+}
+
+/// Adds a candidate for every level of detail at which the profile splits differently. Returns the chain that was split;
+/// empty if there is none.
+Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<PlanePoint>& points, double outline,
+                   const ProfileNodes& nodes, std::vector<Candidate>& candidates) {
   ChainOptions chain_options;
   chain_options.noise = nodes.noise;
   chain_options.cell = nodes.cell;
@@ -440,8 +454,8 @@ void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data
   chain_options.axis = std::max(4 * nodes.cell + input.tolerance, 3 * input.thin_spacing);
   // What goes on beyond a corner in the band of noise is no end of the profile.
   if (nodes.blur > 0) chain_options.least = 6;
-  const auto chains = chains_of(data.points, chain_options);
-  if (chains.empty()) return;
+  const auto chains = chains_of(points, chain_options);
+  if (chains.empty()) return {};
   std::vector<std::array<std::size_t, 4>> seen;  // what was proposed already: pieces, arcs, walls, control points
   std::set<std::string> primitives;
   const auto propose = [&](const LoopPieces& loop) {
@@ -478,10 +492,13 @@ void add_profiles(const FitInput& input, const Axis& axis, const PlaneData& data
         else if (loop->segments.size() > pieces + 2) continue;
         propose(*loop);
         if (const auto rim = closed_at_rim(*loop)) propose(*rim);
-        const auto square = nodes.blur > 0 ? with_square_steps(*loop, nodes.blur) : std::nullopt;
-        if (square) propose(*square);
+        for (const bool corners_stay : {false, true}) {
+          const auto square = nodes.blur > 0 ? with_square_steps(*loop, nodes.blur, corners_stay) : std::nullopt;
+          if (square) propose(*square);
+        }
       }
     }
+  return chains[0];
 }
 
 }  // namespace
@@ -513,7 +530,7 @@ std::vector<Axis> revolution_axes(const FitInput& input, const std::vector<Vec3>
 
 std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector<Vec3>& start_directions,
                                         Context& context) {
-  constexpr double band_widths = 4;
+  constexpr double band_widths = 4, most_aside = 0.01, sparse = 3;
   std::vector<Candidate> candidates;
   std::vector<Axis> axes = revolution_axes(input, start_directions);
   if (axes.size() > 2) axes.resize(2);
@@ -531,19 +548,22 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
         if (std::abs(p.normal.y()) > 0.97) (p.position.y() > middle ? up : down) += 1;
       if (up > 1.05 * down) axis.direction = -axis.direction;
     }
-    PlaneData data = plane_data(input, axis);
+    const PlaneData data = plane_data(input, axis);
     const double outline = 2 * (data.radius_high + data.height_high - data.height_low);
     const double noise = std::max(input.sampling.sigma, 1e-6 * outline);
     const double bare = std::max(outline / 700, 6 * outline / double(std::max<std::size_t>(data.points.size(), 1)));
     const double fine = std::max(bare, 1.5 * noise);
     // Nodes narrower than the band that noise makes of a wall would lie side by side.
     const bool wide = band_widths * noise > bare;
-    if (wide) data.points = sharpened(std::move(data.points), band_widths * noise);
-    const double blur = wide ? 5 * band_widths * noise : 0;
-    add_profiles(input, axis, data, outline, {fine, noise, blur}, candidates);
+    const double band = band_widths * noise, blur = wide ? 5 * band : 0;
+    const auto points = wide ? sharpened(data.points, band) : data.points;
+    const Chain chain = add_profiles(input, axis, points, outline, {fine, noise, blur}, candidates);
+    // Of walls that were seen at a slant too few points may be left for every node to hold some.
+    if (left_aside(data.points, chain, fine) > most_aside)
+      add_profiles(input, axis, wide ? sharpened(data.points, sparse * band, 0) : data.points, outline, {sparse * fine, noise, blur}, candidates);
     // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
     if (1.5 * input.tolerance > 1.6 * fine)
-      add_profiles(input, axis, data, outline, {1.5 * input.tolerance, noise, blur}, candidates);
+      add_profiles(input, axis, points, outline, {1.5 * input.tolerance, noise, blur}, candidates);
   }
   return candidates;
 }

@@ -17,20 +17,21 @@ using namespace partscribe;
 
 namespace {
 
-/// A pin of three steps, the last a small one.
-Model stepped_pin() {
+/// A pin of three steps, the last a small one; its edge at the bottom may be rounded.
+Model stepped_pin(double round = 0) {
   Loop loop;
   loop.name = "profile";
-  loop.elements = {SketchPoint{0, 0, ""},   SketchPoint{20, 0, ""},  SketchPoint{20, 30, ""}, SketchPoint{9, 30, ""},
+  loop.elements = {SketchPoint{0, 0, ""}, SketchPoint{20, 0, ""},  SketchPoint{20, 30, ""}, SketchPoint{9, 30, ""},
                    SketchPoint{9, 60, ""}, SketchPoint{12, 60, ""}, SketchPoint{12, 74, ""}, SketchPoint{0, 74, ""}};
+  if (round > 0) loop.elements[1] = SketchArc{20 - round, round, round, -pi / 2, 0, "", ""};
   Model model;
   model.objects.push_back({"part", Revolve{{{loop}}}, {}, {}, {}});
   model.as_scanned = false;
   return model;
 }
 
-FitInput noisy_input(Scan& scan, double noise, double tolerance, Context& context) {
-  scan = test::sampled(stepped_pin(), {.points = 4000, .noise = noise, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
+FitInput noisy_input(Scan& scan, double noise, double tolerance, Context& context, double round = 0, Vec3 seen_from = {1, 0.6, 0.7}) {
+  scan = test::sampled(stepped_pin(round), {.points = 4000, .noise = noise, .reach = 80, .seen_from = seen_from, .seed = 3});
   auto input = prepare(scan, tolerance, context);
   REQUIRE(input);
   return *input;
@@ -57,6 +58,34 @@ TEST_CASE("revolve: a stepped pin seen from one side comes with square steps at 
            std::abs(nearest_value(c, 12) - 12) < 0.3 && evidence_of(c, input, context).local_max < input.tolerance;
   });
   CHECK(found != candidates.end());
+}
+
+TEST_CASE("revolve: steps are made square where a round edge stays") {
+  Context context;
+  Scan scan;
+  const FitInput input = noisy_input(scan, 0.7, 2.1, context, 6, {1, 0.6, -0.7});
+  auto candidates = propose_revolves(input, {Vec3(0.1, 0, 1), Vec3::UnitX()}, context);
+  const auto found = std::find_if(candidates.begin(), candidates.end(), [&](Candidate& c) {
+    if (!std::holds_alternative<Revolve>(c.shape) || c.parameters.size() > 7) return false;
+    refine(c, input, {.points = 6000, .uncertainty = false}, context);
+    return std::abs(nearest_value(c, 20) - 20) < 0.3 && std::abs(nearest_value(c, 9) - 9) < 0.3 && std::abs(nearest_value(c, 12) - 12) < 0.3 &&
+           std::abs(nearest_value(c, 6) - 6) < 0.6 && evidence_of(c, input, context).local_max < input.tolerance;
+  });
+  CHECK(found != candidates.end());
+}
+
+TEST_CASE("revolve: a wall of which few points were seen belongs to the profile") {
+  Context context;
+  Scan dense = test::sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, -0.7}, .seed = 3}), scan = dense;
+  scan.cloud = {};
+  for (std::size_t i = 0; i < dense.cloud.size(); ++i)
+    if (dense.cloud.points[i].z() < 31 || i % 12 == 0) scan.cloud.points.push_back(dense.cloud.points[i]);
+  const auto input = prepare(scan, 0.3, context);
+  REQUIRE(input);
+  const auto candidates = propose_revolves(*input, {Vec3(0.1, 0, 1)}, context);
+  CHECK(std::any_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
+    return std::abs(nearest_value(c, 20) - 20) < 0.1 && std::abs(nearest_value(c, 9) - 9) < 0.1 && std::abs(nearest_value(c, 12) - 12) < 0.1;
+  }));
 }
 
 TEST_CASE("revolve: a profile is closed at a rim of which nobody saw enough") {
