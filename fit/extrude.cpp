@@ -71,6 +71,27 @@ FarEnd far_end(const std::vector<double>& heights, double from, double sign, dou
   return {from + sign * end, 3 * gap};
 }
 
+/// The height of the outermost face across the sweep, towards `sign`, beyond which hardly a wall goes on: strays do. Both lists
+/// are sorted.
+std::optional<double> outermost_face(const std::vector<double>& ends, const std::vector<double>& sides, double sign, double width) {
+  constexpr double some = 0.05, hardly_any = 0.02;  // shares
+  constexpr std::size_t least = 20;
+  const auto count = [](const std::vector<double>& sorted, double from, double to) {
+    return std::size_t(std::upper_bound(sorted.begin(), sorted.end(), to) - std::lower_bound(sorted.begin(), sorted.end(), from));
+  };
+  const std::size_t enough = std::max(least, std::size_t(some * double(ends.size())));
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const double outer = ends[sign < 0 ? k : ends.size() - 1 - k], inner = outer - sign * width;
+    const double low = std::min(outer, inner), high = std::max(outer, inner);
+    if (count(ends, low, high) < enough) continue;
+    const std::size_t beyond = sign < 0 ? count(sides, -1e300, low) : count(sides, high, 1e300);
+    if (double(beyond) > hardly_any * double(sides.size())) return {};
+    const auto first = std::lower_bound(ends.begin(), ends.end(), low), last = std::upper_bound(ends.begin(), ends.end(), high);
+    return *(first + (last - first) / 2);
+  }
+  return {};
+}
+
 std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   const auto& cloud = input.cloud;
   for (int round = 0; round < 4; ++round) {
@@ -101,6 +122,12 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   sweep.share = double(ends.size() + sides.size()) / n;
   if (sweep.share < least_share(input) || double(sides.size()) < 0.03 * n) return {};
   double low = quantile(sides, 0.002), high = quantile(sides, 0.998);
+  if (input.stray_share > 0) {
+    std::sort(ends.begin(), ends.end()), std::sort(sides.begin(), sides.end());
+    const double width = std::max(input.tolerance, 4 * input.sampling.sigma);
+    if (const auto face = outermost_face(ends, sides, -1, width)) low = *face;
+    if (const auto face = outermost_face(ends, sides, 1, width)) high = *face;
+  }
   const double middle = 0.5 * (low + high), reach = std::max(3 * input.tolerance, 0.03 * (high - low));
   std::vector<double> bottom, top;
   std::size_t stray = 0;
