@@ -132,13 +132,11 @@ bool names_hidden_faces(const Model& model) {
                      [](const Parameter& p) { return p.note.find("not scanned") != std::string::npos; });
 }
 
-/// mm by which the surface may be off at a place as the model says itself: four sigmas of the numbers whose faces it names as
-/// not scanned.
-class SaidUnknown {
+/// mm by which the surface may be off at a place as the model says itself: what four sigmas of its numbers move it by there.
+class OwnSigmas {
  public:
-  SaidUnknown(const Model& model, const Values& values) : surface_(model, values) {
+  OwnSigmas(const Model& model, const Values& values) : surface_(model, values) {
     for (const Parameter& p : model.parameters) {
-      if (p.note.find("not scanned") == std::string::npos) continue;
       Values v = values;
       const double h = std::max(1e-4 * std::abs(p.fitted), 1e-6);
       v[p.name] += h;
@@ -201,13 +199,13 @@ Score recovered(const Case& c, Context& context) {
   score.found = std::string(kind_of(shape));
 
   const ModelDistance surface(model, values);
-  const SaidUnknown unknown(model, values);
-  double sum = 0, noise = 0, known = 0;
+  const OwnSigmas own(model, values);
+  double sum = 0, noise = 0, beyond = 0;
   std::vector<double> sizes;
   for (std::size_t i = 0; i < c.exact.size(); ++i) {
     const double d = surface(c.exact[i]).distance;
     sum += d * d, noise += c.sigma[i] * c.sigma[i];
-    if (std::abs(d) > unknown.at(c.exact[i])) known += d * d;
+    if (std::abs(d) > own.at(c.exact[i])) beyond += d * d;
     sizes.push_back(std::abs(d));
   }
   const double count = double(c.exact.size());
@@ -256,10 +254,10 @@ Score recovered(const Case& c, Context& context) {
     score.answer = Answer::wrong;
     score.why = "a number is " + print_number(snapped(worst, 0.1)) + " times the allowed error off";
   } else if (worst < 0 && score.surface_error > 6 && off > c.close) {
-    const bool said = std::sqrt(known / count) < 6 * expected;
+    const bool said = std::sqrt(beyond / count) < 6 * expected;
     score.answer = said ? Answer::cannot_tell : Answer::wrong;
     score.why = "the surface is " + print_number(snapped(score.surface_error, 0.1)) + " times the expected error off" +
-                (said ? " where, as it says, faces were not scanned" : "");
+                (said ? ", as its sigmas say" : "");
   }
   return score;
 }

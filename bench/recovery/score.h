@@ -13,8 +13,8 @@ namespace partscribe::recovery {
 
 enum class Answer {
   right,        ///< the kind, or an equivalent description of the same surface, and its numbers
-  cannot_tell,  ///< no procedure, a simpler one that names the truth as a rival the data cannot tell it from, or one that says
-                ///< of the faces where it is off that they were not scanned, with sigmas that hold the truth within four
+  cannot_tell,  ///< no procedure, a simpler one that names the truth as a rival the data cannot tell it from, or one whose
+                ///< surface is off only where four of its own sigmas hold the truth
   wrong
 };
 const char* name_of(Answer answer);
