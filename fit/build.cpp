@@ -142,17 +142,19 @@ constexpr double more_likely = 20;       // nats by which a longer description m
 double far_more_likely(const FitInput& input) { return more_likely + 0.1 * input.stray_share * double(input.cloud.size()); }
 
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
-/// everywhere, or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the
-/// noise, be far more likely without the help of such points. Of equally long ones the closer is better.
+/// everywhere (among strays, where noise alone brings a body of another kind closer, only to one that is off by more than
+/// noise), or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the noise,
+/// be far more likely without the help of such points. Of equally long ones the closer is better.
 bool pays(const Judged& a, const Judged& b, const FitInput& input) {
-  constexpr double clearly = 0.7, few_points = 15, surely = 1.5, a_number = 6;
+  constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
   const double gain = shorter.total() - longer.total();
   if (!(gain > 0)) return false;
-  if (longer.description < shorter.description + 0.1 || longer.local_max < clearly * shorter.local_max) return true;
+  const bool same = a.candidate.procedure == b.candidate.procedure;
+  const bool off = same || !among_strays(input) || shorter.local_max > more_than_noise * input.sampling.sigma;
+  if (longer.description < shorter.description + 0.1 || (off && longer.local_max < clearly * shorter.local_max)) return true;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
-  const bool same = a.candidate.procedure == b.candidate.procedure;
   // The same in about as many words.
   if (same && longer.description < shorter.description + a_number && gain > more_likely) return true;
   // A hole of which a few points of its wall were seen: too few to be a body of another kind, too many for chance.

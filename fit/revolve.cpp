@@ -530,7 +530,7 @@ std::vector<Axis> revolution_axes(const FitInput& input, const std::vector<Vec3>
 
 std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector<Vec3>& start_directions,
                                         Context& context) {
-  constexpr double band_widths = 4, most_aside = 0.01, sparse = 3;
+  constexpr double band_widths = 4, most_aside = 0.01, of_strays = 0.04, sparse = 3;
   std::vector<Candidate> candidates;
   std::vector<Axis> axes = revolution_axes(input, start_directions);
   if (axes.size() > 2) axes.resize(2);
@@ -559,7 +559,7 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
     const auto points = wide ? sharpened(data.points, band) : data.points;
     const Chain chain = add_profiles(input, axis, points, outline, {fine, noise, blur}, candidates);
     // Of walls that were seen at a slant too few points may be left for every node to hold some.
-    if (left_aside(data.points, chain, fine) > most_aside)
+    if (left_aside(data.points, chain, fine) > most_aside + of_strays * input.stray_share)
       add_profiles(input, axis, wide ? sharpened(data.points, sparse * band, 0) : data.points, outline, {sparse * fine, noise, blur}, candidates);
     // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.
     if (1.5 * input.tolerance > 1.6 * fine)
