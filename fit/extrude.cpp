@@ -16,7 +16,7 @@
 #include "fit/refine.h"
 #include "fit/round_holes.h"
 #include "fit/sketch_builder.h"
-#include "geometry/kd_tree.h"
+#include "geometry/nearby_in_plane.h"
 #include "model/check.h"
 
 namespace partscribe {
@@ -278,24 +278,6 @@ std::vector<Chain> rings_of(const std::vector<PlanePoint>& points, double noise,
   return rings;
 }
 
-/// Distances to a fixed set of places in the plane.
-class Nearby {
- public:
-  explicit Nearby(const std::vector<PlanePoint>& points) : flat_(flat(points)), tree_(flat_) {}
-  bool within(const Vec2& p, double reach) const {
-    return !flat_.empty() && tree_.nearest_one({p.x(), p.y(), 0}).sq_distance < reach * reach;
-  }
-
- private:
-  static std::vector<Vec3> flat(const std::vector<PlanePoint>& points) {
-    std::vector<Vec3> result;
-    for (const auto& p : points) result.emplace_back(p.position.x(), p.position.y(), 0);
-    return result;
-  }
-  std::vector<Vec3> flat_;
-  KdTree tree_;
-};
-
 Chain ring_of(const PlaneCircle& circle, double noise) {
   constexpr int count = 36;
   Chain ring;
@@ -314,7 +296,7 @@ Chain ring_of(const PlaneCircle& circle, double noise) {
 
 /// Of the rims of both end faces what may stand for a wall that was not seen: nothing lies farther out, no wall is near.
 std::vector<PlanePoint> outer_rims(const std::vector<Vec2> (&ends)[2], const std::vector<PlanePoint>& walls, double cell) {
-  const Nearby wall(walls);
+  const NearbyInPlane wall(walls, &PlanePoint::position);
   std::vector<PlanePoint> result;
   for (const auto& end : ends)
     for (const auto& p : rim_of(end)) {

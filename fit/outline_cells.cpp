@@ -12,7 +12,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "fit/plane_circle.h"
-#include "geometry/kd_tree.h"
+#include "geometry/nearby_in_plane.h"
 
 namespace partscribe {
 namespace {
@@ -366,25 +366,17 @@ class Cells {
 
   /// What of each cell's area and of each border is seen.
   void look(const OutlineData& data) {
-    const auto flat = [](const std::vector<Vec2>& points) {
-      std::vector<Vec3> result;
-      for (const Vec2& p : points) result.emplace_back(p.x(), p.y(), 0);
-      return result;
-    };
     const double reach = std::max(1.5 * data.spacing, pixel_), wall_reach = std::max(2 * data.spacing, 2 * pixel_);
-    const std::vector<Vec3> ends = flat(data.ends);
-    const KdTree end_tree(ends);
-    std::vector<std::vector<Vec3>> walls;
-    std::vector<KdTree> wall_trees;
-    walls.reserve(primitives_.size()), wall_trees.reserve(primitives_.size());
-    for (const auto& f : primitives_) walls.push_back(flat(f.on)), wall_trees.emplace_back(walls.back());
+    const NearbyInPlane ends(data.ends);
+    std::vector<NearbyInPlane> walls;
+    for (const auto& f : primitives_) walls.emplace_back(f.on);
     seen_.assign(area_.size(), 0);
     std::map<std::pair<std::size_t, std::size_t>, Side> sides;
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
         const Vec2 p = middle(x, y);
         const std::size_t a = cell_[index(x, y)];
-        if (!ends.empty() && end_tree.nearest_one({p.x(), p.y(), 0}).sq_distance < reach * reach) seen_[a] += 1;
+        if (ends.within(p, reach)) seen_[a] += 1;
         for (const auto& [dx, dy] : std::array<std::pair<int, int>, 2>{{{1, 0}, {0, 1}}}) {
           if (x + dx >= width_ || y + dy >= height_) continue;
           const std::size_t b = cell_[index(x + dx, y + dy)];
@@ -392,8 +384,7 @@ class Cells {
           const Vec2 q = 0.5 * (p + middle(x + dx, y + dy));
           bool wall = false;
           for (std::size_t k = 0; k < primitives_.size() && !wall; ++k)
-            wall = !walls[k].empty() && std::abs(primitives_[k].distance(q)) < pixel_ &&
-                   wall_trees[k].nearest_one({q.x(), q.y(), 0}).sq_distance < wall_reach * wall_reach;
+            wall = std::abs(primitives_[k].distance(q)) < pixel_ && walls[k].within(q, wall_reach);
           Side& side = sides.try_emplace(std::minmax(a, b), Side{std::min(a, b), std::max(a, b)}).first->second;
           (wall ? side.wall : side.bare) += 1;
         }

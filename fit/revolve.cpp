@@ -10,7 +10,7 @@
 #include "core/statistics.h"
 #include "fit/sketch_builder.h"
 #include "fit/turned_primitives.h"
-#include "geometry/kd_tree.h"
+#include "geometry/nearby_in_plane.h"
 
 namespace partscribe {
 namespace {
@@ -434,12 +434,8 @@ Candidate turned_candidate(const FitInput& input, const Axis& axis, const LoopPi
 /// The share of the points that lie next to no node of the chain; `cell`: mm between its nodes.
 double left_aside(const std::vector<PlanePoint>& points, const Chain& chain, double cell) {
   if (points.empty() || chain.nodes.empty()) return 0;
-  std::vector<Vec3> places;
-  for (const auto& node : chain.nodes) places.emplace_back(node.position.x(), node.position.y(), 0);
-  const KdTree tree(places);
-  std::size_t aside = 0;
-  for (const auto& p : points)
-    aside += tree.nearest_one(Vec3(p.position.x(), p.position.y(), 0)).sq_distance > 9 * cell * cell;
+  const NearbyInPlane nodes(chain.nodes, &ChainNode::position);
+  const auto aside = std::count_if(points.begin(), points.end(), [&](const PlanePoint& p) { return !nodes.within(p.position, 3 * cell); });
   return double(aside) / double(points.size());
 }
 
@@ -492,10 +488,9 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
         else if (loop->segments.size() > pieces + 2) continue;
         propose(*loop);
         if (const auto rim = closed_at_rim(*loop)) propose(*rim);
-        for (const bool corners_stay : {false, true}) {
-          const auto square = nodes.blur > 0 ? with_square_steps(*loop, nodes.blur, corners_stay) : std::nullopt;
-          if (square) propose(*square);
-        }
+        if (nodes.blur == 0) continue;
+        for (const bool corners_stay : {false, true})
+          if (const auto square = with_square_steps(*loop, nodes.blur, corners_stay)) propose(*square);
       }
     }
   return chains[0];

@@ -132,31 +132,30 @@ bool names_hidden_faces(const Model& model) {
                      [](const Parameter& p) { return p.note.find("not scanned") != std::string::npos; });
 }
 
-/// mm by which the surface may be off at a place as the model says itself: what four sigmas of its numbers move it by there.
-class OwnSigmas {
- public:
-  OwnSigmas(const Model& model, const Values& values) : surface_(model, values) {
-    for (const Parameter& p : model.parameters) {
-      Values v = values;
-      const double h = std::max(1e-4 * std::abs(p.fitted), 1e-6);
-      v[p.name] += h;
-      numbers_.push_back({ModelDistance(model, v), p.sigma / h});
-    }
-  }
-  double at(const Vec3& place) const {
-    double sum = 0;
-    for (const auto& n : numbers_) sum += std::pow((n.moved(place).distance - surface_(place).distance) * n.sigmas, 2);
-    return 4 * std::sqrt(sum);
-  }
-
- private:
-  struct Number {
-    ModelDistance moved;
-    double sigmas;
+/// Root mean square distance (mm) of the places from the surface, those within reach of the model's own sigmas counted as none:
+/// of what four sigmas of its numbers move the surface by there.
+double beyond_own_sigmas(const Model& model, const Values& values, const std::vector<Vec3>& places) {
+  struct Moved {
+    ModelDistance surface;
+    double sigmas;  // how many times the step its sigma is
   };
-  ModelDistance surface_;
-  std::vector<Number> numbers_;
-};
+  std::vector<Moved> moved;
+  for (const Parameter& p : model.parameters) {
+    Values v = values;
+    const double h = std::max(1e-4 * std::abs(p.fitted), 1e-6);
+    v[p.name] += h;
+    moved.push_back({ModelDistance(model, v), p.sigma / h});
+  }
+  const ModelDistance surface(model, values);
+  double sum = 0;
+  for (const Vec3& place : places) {
+    const double d = surface(place).distance;
+    double variance = 0;
+    for (const Moved& m : moved) variance += std::pow((m.surface(place).distance - d) * m.sigmas, 2);
+    if (std::abs(d) > 4 * std::sqrt(variance)) sum += d * d;
+  }
+  return std::sqrt(sum / double(places.size()));
+}
 
 /// What users read for a kind.
 std::string procedure_of(const std::string& kind) {
@@ -199,13 +198,11 @@ Score recovered(const Case& c, Context& context) {
   score.found = std::string(kind_of(shape));
 
   const ModelDistance surface(model, values);
-  const OwnSigmas own(model, values);
-  double sum = 0, noise = 0, beyond = 0;
+  double sum = 0, noise = 0;
   std::vector<double> sizes;
   for (std::size_t i = 0; i < c.exact.size(); ++i) {
     const double d = surface(c.exact[i]).distance;
     sum += d * d, noise += c.sigma[i] * c.sigma[i];
-    if (std::abs(d) > own.at(c.exact[i])) beyond += d * d;
     sizes.push_back(std::abs(d));
   }
   const double count = double(c.exact.size());
@@ -254,7 +251,7 @@ Score recovered(const Case& c, Context& context) {
     score.answer = Answer::wrong;
     score.why = "a number is " + print_number(snapped(worst, 0.1)) + " times the allowed error off";
   } else if (worst < 0 && score.surface_error > 6 && off > c.close) {
-    const bool said = std::sqrt(beyond / count) < 6 * expected;
+    const bool said = beyond_own_sigmas(model, values, c.exact) < 6 * expected;
     score.answer = said ? Answer::cannot_tell : Answer::wrong;
     score.why = "the surface is " + print_number(snapped(score.surface_error, 0.1)) + " times the expected error off" +
                 (said ? ", as its sigmas say" : "");
