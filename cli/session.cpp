@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <thread>
 
 #include "core/number.h"
@@ -14,13 +16,36 @@
 namespace partscribe {
 namespace {
 
-/// What the signal handler may touch: a lock-free flag of the one running session.
+/// What the signal handler may touch: lock-free values of the one running session.
 std::atomic<std::atomic<bool>*> cancel_flag = nullptr;
+std::atomic<std::int64_t> first_interrupt_ms = 0;
 
+constexpr std::int64_t same_interrupt_ms = 500;
+
+std::int64_t monotonic_ms() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t(now.tv_sec) * 1000 + now.tv_nsec / 1'000'000;
+}
+
+/// A second Ctrl-C ends the program at once, should a stage not listen. One interrupt may arrive more than once
+/// (`timeout` sends it to its child and then to the whole group), so only what comes later counts as a second.
 void on_interrupt(int signal) {
   if (auto* flag = cancel_flag.load()) *flag = true;
-  // A second Ctrl-C ends the program at once, should a stage not listen.
+  std::int64_t first = 0;
+  const std::int64_t now = monotonic_ms();
+  if (first_interrupt_ms.compare_exchange_strong(first, now) || now - first < same_interrupt_ms) return;
   std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// Unlike std::signal, keeps the handler in place after it ran on every system.
+void listen_for(int signal) {
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  ::sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  ::sigaction(signal, &action, nullptr);
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -58,8 +83,9 @@ Result<Done> Session::start() {
   context.progress = [this](const std::string& name, double share) { show_progress(name, share); };
   context.log = [this](const std::string& line) { note(line); };
   cancel_flag = &context.cancelled;
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
+  first_interrupt_ms = 0;
+  listen_for(SIGINT);
+  listen_for(SIGTERM);
   // A reader that goes away (`partscribe explain m.json | head`) must not look like a crash.
   std::signal(SIGPIPE, SIG_IGN);
   return Done{};

@@ -186,6 +186,22 @@ TEST_CASE("corpus: Ctrl-C ends a build with 5 and one line, and leaves no result
   CHECK_FALSE(std::filesystem::exists(folder.path() / "out/model.json"));
 }
 
+TEST_CASE("corpus: an interrupt that arrives several times at once is one interrupt") {
+  const TemporaryDirectory folder;
+  simulate_part("pin", folder.path() / "scan", 512, 0.01);
+  const std::string script =
+      "\"$@\" & child=$!; sleep 1; for i in 1 2 3 4 5; do kill -INT $child; sleep 0.002; done 2>/dev/null; wait $child";
+  Context context;
+  const auto output =
+      run_process({"sh", "-c", script, "sh", PARTSCRIBE_PROGRAM, "build", (folder.path() / "scan").string(), "--quiet",
+                   "--out", (folder.path() / "out").string()},
+                  {.seconds = 300}, context);
+  REQUIRE(output.ok());
+  INFO(output->err);
+  CHECK(output->exit_code == 5);
+  CHECK(output->err.find("cancelled") != std::string::npos);
+}
+
 TEST_CASE("corpus: the same seed simulates the same bytes") {
   const TemporaryDirectory folder;
   simulate_part("pin", folder.path() / "one", 48, 0.02);
