@@ -134,13 +134,6 @@ double worth_a_shape(const FitInput& input) {
   return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
 }
 
-constexpr double nats_per_stray = 6;     // what a point costs that a shape leaves to chance
-
-constexpr double more_likely = 20;       // nats by which a longer description must follow its own points better
-
-/// The same where it is of another procedure: a body of another kind bends to strays in all its places.
-double far_more_likely(const FitInput& input) { return more_likely + 0.1 * input.stray_share * double(input.cloud.size()); }
-
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere (among strays, where noise alone brings a body of another kind closer, only to one that is off by more than
 /// noise), or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the noise,
@@ -177,22 +170,18 @@ void put_best_first(std::vector<Judged>& judged, std::size_t first, const FitInp
 /// Why a rival that meets the tolerance is not the model.
 std::string why_not(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
   const double told_apart = among_strays(input) ? more_likely : 6;  // nats of misfit; odds of 400 where strays do not bend both
-  constexpr double most_left_out = 0.2;  // times the strays that were set aside: 95 % of true shapes leave fewer others unexplained
   const std::string by_size = told_apart_by(winner.candidate, rival.candidate, input, context);
   if (!by_size.empty()) return by_size;
   const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
   const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
   const bool everywhere = among_strays(input);
-  const double left = double(r.unexplained) - double(w.unexplained), strays = input.stray_share * double(input.cloud.size());
-  if (r.description < w.description && everywhere && left > 0 && left < most_left_out * strays &&
-      r.total() - w.total() - nats_per_stray * left < far_more_likely(input))
-    return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are strays";
+  if (const std::string open = leaves_out_strays(w, r, input); !open.empty()) return open;
   if (r.description < w.description)
     return "shorter, but follows the data less closely: costs " + print_number(std::round(r.total() - w.total())) + " nats more in all";
   if (std::abs(r.misfit - w.misfit) < told_apart)
     return "fits as well, takes " + longer + " to describe";
   if (r.total() < w.total() && r.unexplained < w.unexplained)
-    return "the data cannot tell whether " + print_number(-left) + " points that lie on it are strays";
+    return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) + " points that lie on it are strays";
   if (everywhere && r.total() < w.total())
     return "the data cannot tell: costs " + print_number(std::round(w.total() - r.total())) + " nats less in all, as strays may have it";
   return "describes the part in " + longer;
@@ -203,7 +192,8 @@ std::string reason_of(const Judged& winner, const Judged& rival, const FitInput&
   if (rival.reason.empty()) return why_not(winner, rival, input, context);
   const double margin = among_strays(input) ? far_more_likely(input) : 0;
   if (rival.open && rival.evidence.total() < winner.evidence.total() + margin) return "the data cannot tell: " + rival.reason;
-  const std::string open = off_where_strays_are(winner.evidence, rival.evidence, input);
+  std::string open = off_where_strays_are(winner.evidence, rival.evidence, input);
+  if (open.empty()) open = leaves_out_strays(winner.evidence, rival.evidence, input);
   return open.empty() ? rival.reason : open + ", but " + rival.reason;
 }
 

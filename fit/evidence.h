@@ -19,6 +19,13 @@ struct CandidateEvidence {
   double total() const { return misfit + description; }
 };
 
+constexpr double nats_per_stray = 6;  ///< what a point costs that a shape leaves to chance: the bound of the misfit
+
+constexpr double more_likely = 20;  ///< nats by which a longer description must follow its own points better
+
+/// The same where it is of another procedure: a body of another kind bends to strays in all its places.
+inline double far_more_likely(const FitInput& input) { return more_likely + 0.1 * input.stray_share * double(input.cloud.size()); }
+
 /// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.
 std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Context& context);
 

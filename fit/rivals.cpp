@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "core/number.h"
 #include "core/statistics.h"
@@ -135,15 +136,32 @@ std::string off_where_strays_are(const CandidateEvidence& winner, const Candidat
   return "the data cannot tell whether what it leaves out are strays: costs " + print_number(std::round(less)) + " nats less in all";
 }
 
+std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input) {
+  constexpr double most_left_out = 0.2;  // times the strays that were set aside: 95 % of true shapes leave fewer others unexplained
+  const double left = double(rival.unexplained) - double(winner.unexplained), strays = input.stray_share * double(input.cloud.size());
+  const bool makes_sense = rival.description > 0;
+  if (!among_strays(input) || !makes_sense || rival.description >= winner.description) return {};
+  if (!(left > 0 && left < most_left_out * strays)) return {};
+  if (rival.total() - winner.total() - nats_per_stray * left >= far_more_likely(input)) return {};
+  return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are strays";
+}
+
 std::vector<Rival> worth_naming(std::vector<Rival> all) {
-  constexpr std::ptrdiff_t most = 12;
-  const auto open = [](const Rival& r) {
-    return r.reason.find("cannot tell") != std::string::npos || r.reason.find("fits as well") != std::string::npos;
-  };
-  std::ptrdiff_t others = most - std::count_if(all.begin(), all.end(), open);
+  constexpr std::size_t most = 12;
+  enum Worth { another_kind, open, refused };
+  std::vector<Worth> worth;
+  std::set<std::string> kinds;
+  for (const Rival& r : all) {
+    const bool may_be = r.reason.find("cannot tell") != std::string::npos || r.reason.find("fits as well") != std::string::npos;
+    worth.push_back(!may_be ? refused : kinds.insert(r.procedure).second ? another_kind : open);
+  }
+  std::vector<std::size_t> named;
+  for (const Worth w : {another_kind, open, refused})
+    for (std::size_t i = 0; i < all.size() && named.size() < most; ++i)
+      if (worth[i] == w) named.push_back(i);
+  std::ranges::sort(named);
   std::vector<Rival> result;
-  for (Rival& r : all)
-    if (std::ssize(result) < most && (open(r) || others-- > 0)) result.push_back(std::move(r));
+  for (const std::size_t i : named) result.push_back(std::move(all[i]));
   return result;
 }
 
@@ -161,12 +179,14 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input) {
 std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context) {
   const bool last_resort = std::holds_alternative<Superellipsoid>(winner.shape) || std::holds_alternative<Supertoroid>(winner.shape);
   const bool flat = std::holds_alternative<Box>(winner.shape) || std::holds_alternative<Wedge>(winner.shape) || std::holds_alternative<Extrude>(winner.shape);
-  if (!last_resort && !(flat && among_strays(input))) return {};
+  const bool round = std::holds_alternative<Cylinder>(winner.shape) || std::holds_alternative<Cone>(winner.shape);
+  if (!last_resort && !((flat || round) && among_strays(input))) return {};
   const auto faces = scanned_faces(input, context);
-  if (faces.size() < (flat ? 1 : 2)) return {};
-  if (flat) {
+  if (faces.size() < (last_resort ? 2 : 1)) return {};
+  if (!last_resort) {
     const double per_face = 4 + 1.5 * std::log(double(input.cloud.size()));  // as in description_length
     const bool cheaper = misfit_of(faces, input) + per_face * double(faces.size()) < cost;
+    if (round && !cheaper) return {};
     const bool corner = faces.size() == 3 && std::abs(faces[0].normal.dot(faces[1].normal.cross(faces[2].normal))) > 0.3;
     // Three faces around a corner end where the body ends; of three that are all across one plane both ends are open.
     if (faces.size() > 3 || (corner && !cheaper)) return {};
@@ -174,7 +194,7 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
     return {};
   }
   const std::string number = faces.size() == 1 ? "one plane face holds" : print_number(double(faces.size())) + " plane faces hold";
-  const std::string others = flat ? "; a wedge, an extrusion or a fillet may have them too" : "";
+  const std::string others = !last_resort ? "; a wedge, an extrusion or a fillet may have them too" : "";
   return "the data cannot tell: " + number + " nearly all points, and what closes the body was not scanned" + others;
 }
 

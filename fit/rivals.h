@@ -22,7 +22,12 @@ std::string simpler_kind(const Candidate& refined);
 /// place, and what bends to it costs more everywhere else. Says so where the rival costs less in all; else empty.
 std::string off_where_strays_are(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
 
-/// The first twelve rivals, in their order; those that may be the truth ("cannot tell", "fits as well") before all others.
+/// What a shorter rival says for itself where the points that it leaves to chance and the winner does not may be strays like
+/// those set aside: they are few beside these, and without them it is hardly less likely. Else empty.
+std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
+
+/// Twelve of the rivals, in their order: those that may be the truth ("cannot tell", "fits as well") before all others, and of
+/// these one of each procedure before a second.
 std::vector<Rival> worth_naming(std::vector<Rival> all);
 
 /// A sentence such as "the data cannot tell it from 29 degrees of a cylinder of radius 43.1 +- 0.9 mm", where a body of flat
@@ -32,7 +37,7 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input);
 /// What a convex polyhedron would say whose plane faces hold the points, if their end was not scanned; else empty. For a
 /// superellipsoid or supertoroid, which serve where no procedure of the trade does; among strays also for a winner with plane
 /// faces, of `cost` nats, where there are but one to three, and three cost less alone or are all across one plane, so that nothing
-/// closes the body along it: any body with such faces may be the truth.
+/// closes the body along it, and for a cylinder or cone that costs more than they do: any body with such faces may be the truth.
 std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context);
 
 }  // namespace partscribe

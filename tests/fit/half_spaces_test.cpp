@@ -335,6 +335,11 @@ TEST_CASE("half-spaces: where two faces hold the points, a block says that their
   Candidate box;
   box.shape = Box{40, 25, 30};
   CHECK(open_polyhedron(box, 1e9, input, context).find("2 plane faces") != std::string::npos);
+  // A cylinder that bends to them says so only where they alone cost less.
+  Candidate rod;
+  rod.shape = Cylinder{20, 40};
+  CHECK(open_polyhedron(rod, 1e9, input, context).find("2 plane faces") != std::string::npos);
+  CHECK(open_polyhedron(rod, 0, input, context).empty());
   input.stray_share = 0.05;
   CHECK(open_polyhedron(box, 1e9, input, context).empty());
   // Three faces that cost no less than the block speak for it.

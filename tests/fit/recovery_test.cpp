@@ -258,6 +258,27 @@ TEST_CASE("rivals: what is off at one place among strays, but costs less in all,
   CHECK(off_where_strays_are(winner, rival, input).empty());
 }
 
+TEST_CASE("rivals: a shorter one that leaves out few points beside the strays may be the truth, however far they lie from it") {
+  FitInput input;
+  input.tolerance = 1, input.stray_share = 0.25;
+  input.cloud.points.resize(3000);  // 750 strays were set aside
+  CandidateEvidence winner, rival;
+  winner.misfit = 1400, winner.description = 130, winner.local_max = 0.5, winner.unexplained = 5;
+  rival.misfit = 1650, rival.description = 20, rival.local_max = 25, rival.unexplained = 95;
+  CHECK(leaves_out_strays(winner, rival, input).find("the 90 points that it leaves out are strays") != std::string::npos);
+  const auto empty_with = [&](const auto& change) {
+    CandidateEvidence other = rival;
+    FitInput scan = input;
+    change(other, scan);
+    return leaves_out_strays(winner, other, scan).empty();
+  };
+  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.misfit = 2200; }));      // it is off elsewhere as well
+  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.unexplained = 160; }));  // too many to be strays
+  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.unexplained = 5; }));    // it leaves out none
+  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.description = 140; }));
+  CHECK(empty_with([](CandidateEvidence&, FitInput& scan) { scan.stray_share = 0.05; }));
+}
+
 TEST_CASE("rivals: those that may be the truth are named however many others there are") {
   std::vector<Rival> all;
   for (int i = 0; i < 20; ++i) all.push_back({"extrusion " + std::to_string(i), true, 0.1, 100, "describes the part in 8 nats more"});
@@ -266,6 +287,13 @@ TEST_CASE("rivals: those that may be the truth are named however many others the
   REQUIRE(named.size() == 12);
   CHECK(named[10].procedure == "extrusion 10");
   CHECK(named[11].procedure == "fillet");
+  // One of each procedure comes before a second of the same.
+  all.assign(20, {"cylinder", true, 0.1, 100, "fits as well, takes 0 nats more to describe"});
+  all.push_back({"fillet", false, 0.1, 90, "the data cannot tell: its concave side was hardly seen"});
+  const auto kinds = worth_naming(all);
+  REQUIRE(kinds.size() == 12);
+  CHECK(kinds[10].procedure == "cylinder");
+  CHECK(kinds[11].procedure == "fillet");
 }
 
 TEST_CASE("rivals: a flat body on one bent sheet names the cylinder, on a flat sheet it does not") {
