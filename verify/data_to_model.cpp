@@ -189,8 +189,11 @@ class Comparison {
         place.mean = mean.mean, place.spread = mean.spread;
         place.error = trimming * std::max(source_.noise, scatter) / std::sqrt(double(group.size()));
         place.decided = field_.quantile * place.error <= tolerance_;
-        if (std::abs(place.mean) > tolerance_)
-          place.surface = std::abs(place.mean) - field_.quantile * place.error > 0.5 * tolerance_ && is_surface(place, group);
+        if (std::abs(place.mean) > tolerance_) {
+          // Of a few mixed pixels beside points of the face no mean is known well, however even the face is around them.
+          const double error = std::max(place.error, trimming * mean.spread / std::sqrt(double(group.size())));
+          place.surface = std::abs(place.mean) - field_.quantile * error > 0.5 * tolerance_ && is_surface(place, group);
+        }
       }
     }, 256);
   }

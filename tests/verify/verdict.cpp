@@ -307,3 +307,24 @@ TEST_CASE("verdict: a million points against 100,000 triangles", "[.speed]") {
                               << " s\n" << verdict_table(verdict));
   CHECK(verdict.verdict == Outcome::verified);
 }
+
+TEST_CASE("verdict: a few mixed pixels beside a wall that was hardly seen are no surface") {
+  const auto truth = box({-40, -40, 0}, {40, 40, 10});
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+    auto scan = scanned(truth, 17000, 0.03, seed);
+    Random random(seed);
+    auto& points = scan.cloud.points;
+    const auto on_wall = [](const Vec3& p) { return p.x() > 39.5 && p.z() > 0.2 && p.z() < 9.8; };
+    std::erase_if(points, [&](const Vec3& p) { return on_wall(p) && random.uniform() > 0.35; });
+    // Pixels of its upper edge that fell short of what stands behind it, in four places.
+    for (int place = 0; place < 4; ++place)
+      for (int k = 0; k < 6; ++k)
+        points.emplace_back(40 + random.uniform(0.2, 1.1), -30 + 20 * place + 1.1 * k + random.uniform(-0.3, 0.3), 9.8 - random.uniform(0, 0.6));
+    // Elsewhere the scan has as many of them.
+    for (int k = 0; k < 300; ++k)
+      points.push_back(points[random.below(points.size())] + random.uniform(-2, 2) * Vec3(random.normal(), random.normal(), random.normal()));
+    const auto verdict = verdict_on(truth, scan, at(0.3));
+    INFO(seed << "\n" << all_reasons(verdict));
+    CHECK(verdict.verdict == Outcome::verified);
+  }
+}
