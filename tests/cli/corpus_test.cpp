@@ -171,35 +171,36 @@ TEST_CASE("corpus: with --json standard output holds the verdict and nothing els
   CHECK(nlohmann::json::parse(output.out).at("artifacts").size() == 1);
 }
 
+/// A build of a simulated pin into `out` that gets `interrupts` signals as soon as its log says that it is at work.
+ProcessOutput interrupted_build(const Path& folder, int interrupts) {
+  simulate_part("pin", folder / "scan", 512, 0.01);
+  const std::string script =
+      "\"$@\" & child=$!; until [ -s \"$0\" ] || ! kill -0 $child; do sleep 0.01; done; "
+      "for i in $(seq " + std::to_string(interrupts) + "); do kill -INT $child; sleep 0.002; done 2>/dev/null; wait $child";
+  Context context;
+  const std::string log = (folder / "log").string();
+  const auto output = run_process({"sh", "-c", script, log, PARTSCRIBE_PROGRAM, "build", (folder / "scan").string(), "--quiet", "--log",
+                                   log, "--out", (folder / "out").string()},
+                                  {.seconds = 300}, context);
+  REQUIRE(output.ok());
+  return *output;
+}
+
 TEST_CASE("corpus: Ctrl-C ends a build with 5 and one line, and leaves no result behind") {
   const TemporaryDirectory folder;
-  simulate_part("pin", folder.path() / "scan", 512, 0.01);
-  Context context;
-  const auto output =
-      run_process({"timeout", "--preserve-status", "--signal=INT", "1", PARTSCRIBE_PROGRAM, "build",
-                   (folder.path() / "scan").string(), "--quiet", "--out", (folder.path() / "out").string()},
-                  {.seconds = 300}, context);
-  REQUIRE(output.ok());
-  CHECK(output->exit_code == 5);
-  CHECK(output->err.find("cancelled") != std::string::npos);
-  CHECK(std::count(output->err.begin(), output->err.end(), '\n') == 1);
+  const ProcessOutput output = interrupted_build(folder.path(), 1);
+  CHECK(output.exit_code == 5);
+  CHECK(output.err.find("cancelled") != std::string::npos);
+  CHECK(std::count(output.err.begin(), output.err.end(), '\n') == 1);
   CHECK_FALSE(std::filesystem::exists(folder.path() / "out/model.json"));
 }
 
 TEST_CASE("corpus: an interrupt that arrives several times at once is one interrupt") {
   const TemporaryDirectory folder;
-  simulate_part("pin", folder.path() / "scan", 512, 0.01);
-  const std::string script =
-      "\"$@\" & child=$!; sleep 1; for i in 1 2 3 4 5; do kill -INT $child; sleep 0.002; done 2>/dev/null; wait $child";
-  Context context;
-  const auto output =
-      run_process({"sh", "-c", script, "sh", PARTSCRIBE_PROGRAM, "build", (folder.path() / "scan").string(), "--quiet",
-                   "--out", (folder.path() / "out").string()},
-                  {.seconds = 300}, context);
-  REQUIRE(output.ok());
-  INFO(output->err);
-  CHECK(output->exit_code == 5);
-  CHECK(output->err.find("cancelled") != std::string::npos);
+  const ProcessOutput output = interrupted_build(folder.path(), 5);
+  INFO(output.err);
+  CHECK(output.exit_code == 5);
+  CHECK(output.err.find("cancelled") != std::string::npos);
 }
 
 TEST_CASE("corpus: the same seed simulates the same bytes") {
