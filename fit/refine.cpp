@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "core/statistics.h"
@@ -141,6 +142,37 @@ std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& u
   return result;
 }
 
+/// mm or rad: how far a number may go before the points object, as a standard deviation: a quarter of the range within which the
+/// loss grows by less than two sigmas' worth. A Gaussian has its own sigma; a number that no point speaks about, such as the place
+/// of a step between the last points of two walls, has no curvature of the loss to read a sigma from, but it has this.
+double unopposed(const Candidate& candidate, std::size_t parameter, const Unknowns& unknowns, const std::vector<Vec3>& points,
+                 double noise, Context& context) {
+  constexpr double objection = 2;  // nats
+  constexpr int doublings = 40, halvings = 6;
+  const Welsch kernel{3};
+  const double start = candidate.parameters[parameter].value;
+  const auto cost_at = [&](double value) {
+    Candidate moved = candidate;
+    moved.parameters[parameter].value = value;
+    if (!unknowns.sensible(moved)) return std::numeric_limits<double>::infinity();
+    double sum = 0;
+    for (const double d : unknowns.distances(moved, points, context.threads).value) sum += kernel.loss(d / noise);
+    return sum;
+  };
+  const double most = cost_at(start) + objection;
+  double range = 0;
+  for (const double way : {-1.0, 1.0}) {
+    double free = 0, step = 0.1 * noise;
+    for (int k = 0; k < doublings && step < unknowns.size() && cost_at(start + way * step) < most; ++k) free = step, step *= 2;
+    for (int k = 0; k < halvings; ++k) {
+      const double middle = 0.5 * (free + step);
+      (cost_at(start + way * middle) < most ? free : step) = middle;
+    }
+    range += free;
+  }
+  return range / 4;
+}
+
 /// How many points speak about each parameter.
 void count_points(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns, double points_per_independent) {
   const auto& free = unknowns.free_parameters();
@@ -216,6 +248,13 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     for (auto& p : candidate.parameters)
       if (p.name == h.name) p.sigma = p.sigma_systematic = std::max(h.sigma, u.floor);
   count_points(candidate, all, unknowns, u.points_per_independent);
+  for (const std::size_t k : free) {
+    constexpr std::size_t hardly_any = 10;
+    auto& p = candidate.parameters[k];
+    if (p.points >= hardly_any) continue;
+    p.sigma_systematic = std::max(p.sigma_systematic, unopposed(candidate, k, unknowns, points, noise, context));
+    p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
+  }
   return report;
 }
 

@@ -93,6 +93,33 @@ TEST_CASE("refine: a cylinder comes home from a start that is well off") {
   CHECK(std::abs(c.parameters[1].value - 25) < 3 * c.parameters[1].sigma);
 }
 
+TEST_CASE("refine: a length that no point speaks about is as unsure as the data leave it") {
+  const auto sigma_of_height = [](double seen_from, double seen_to, bool end) {
+    Scan scan;
+    Random random(4);
+    for (int i = 0; i < 4000; ++i) {
+      const double a = random.uniform(0, 2 * pi), r = end && i % 4 == 0 ? 8 * std::sqrt(random.uniform()) : 8 + 0.02 * random.normal();
+      const double z = end && i % 4 == 0 ? 25 + 0.02 * random.normal() : random.uniform(seen_from, seen_to);
+      scan.cloud.points.emplace_back(r * std::cos(a), r * std::sin(a), z);
+    }
+    for (int i = 0; i < 1000; ++i) {  // the other end, so that the rod cannot slide
+      const double a = random.uniform(0, 2 * pi), r = 8 * std::sqrt(random.uniform());
+      scan.cloud.points.emplace_back(r * std::cos(a), r * std::sin(a), 0.02 * random.normal());
+    }
+    const FitInput input = input_of(scan, 0.1);
+    Candidate rod = cylinder_start(8, 25, Pose());
+    Context context;
+    refine(rod, input, {}, context);
+    CHECK(rod.parameters[0].sigma < 0.01);
+    return rod.parameters[1].sigma;
+  };
+  CHECK(sigma_of_height(1, 24, true) < 0.01);
+  // Its wall ends at 20, the rod somewhere beyond.
+  const double sigma = sigma_of_height(1, 20, false);
+  CHECK(sigma > 2);
+  CHECK(sigma < 25);
+}
+
 TEST_CASE("refine: derivatives asked face by face are those of every point") {
   for (const Model& truth : {test::pin(), test::link()}) {
     Candidate c;
