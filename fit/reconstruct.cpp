@@ -116,6 +116,9 @@ struct Grid {
   Vec3 at(int x, int y, int z) const { return origin + cell * Vec3(x, y, z); }
 };
 
+/// What fixes the value of a node: nothing; points beside it; points before which or behind which it lies.
+enum Known : std::uint8_t { unknown = 0, beside_points = 1, at_points = 2 };
+
 /// Values on grid nodes; `known` ones are fixed.
 struct Field {
   std::array<int, 3> n;
@@ -170,13 +173,13 @@ void continue_field(Field& f) {
         ++count[c];
       }
   for (std::size_t c = 0; c < size; ++c)
-    if (count[c] > 0) coarse.known[c] = 1, coarse.value[c] /= static_cast<float>(count[c]);
+    if (count[c] > 0) coarse.known[c] = beside_points, coarse.value[c] /= static_cast<float>(count[c]);
   for (int z = 0; z < coarse.n[2]; ++z)
     for (int y = 0; y < coarse.n[1]; ++y)
       for (int x = 0; x < coarse.n[0]; ++x)
         if (x == 0 || y == 0 || z == 0 || x + 1 == coarse.n[0] || y + 1 == coarse.n[1] || z + 1 == coarse.n[2]) {
           const std::size_t c = coarse.index(x, y, z);
-          if (!coarse.known[c]) coarse.known[c] = 1, coarse.value[c] = 2;
+          if (!coarse.known[c]) coarse.known[c] = beside_points, coarse.value[c] = 2;
         }
   continue_field(coarse);
   for (int z = 0; z < f.n[2]; ++z)
@@ -258,12 +261,13 @@ class Contour {
       for (int k = 0; k < 3; ++k) c[k] = static_cast<int>(std::floor((p[k] - grid_.origin[k]) / grid_.cell));
       for (int z = c[2] - 1; z <= c[2] + 2; ++z)
         for (int y = c[1] - 1; y <= c[1] + 2; ++y)
-          for (int x = c[0] - 1; x <= c[0] + 2; ++x) field_.known[grid_.index(x, y, z)] = 1;
+          for (int x = c[0] - 1; x <= c[0] + 2; ++x) field_.known[grid_.index(x, y, z)] = beside_points;
     }
     const auto plane = static_cast<std::size_t>(grid_.n[0]) * static_cast<std::size_t>(grid_.n[1]);
     parallel_for(
         static_cast<std::size_t>(grid_.n[2]), context_.threads,
         [&](std::size_t begin, std::size_t end) {
+          constexpr double beside = 0.75;  // cells along the surface
           std::vector<Neighbour> near;
           for (std::size_t i = begin * plane; i < end * plane; ++i) {
             if (!field_.known[i]) continue;
@@ -271,7 +275,11 @@ class Contour {
             const auto y =
                 static_cast<int>(i / static_cast<std::size_t>(grid_.n[0]) % static_cast<std::size_t>(grid_.n[1]));
             const auto z = static_cast<int>(i / plane);
-            field_.value[i] = static_cast<float>(std::clamp(distance(grid_.at(x, y, z), near) / grid_.cell, -2.0, 2.0));
+            const Vec3 node = grid_.at(x, y, z);
+            field_.value[i] = static_cast<float>(std::clamp(distance(node, near) / grid_.cell, -2.0, 2.0));
+            const Vec3 offset = node - surfels_.points[near[0].index];
+            const double aside = offset.cross(surfels_.normals[near[0].index]).norm();
+            field_.known[i] = aside > beside * grid_.cell ? beside_points : at_points;
           }
         },
         2);
@@ -280,7 +288,7 @@ class Contour {
       for (int y = 0; y < grid_.n[1]; ++y)
         for (int x = 0; x < grid_.n[0]; ++x)
           if (x == 0 || y == 0 || z == 0 || x + 1 == grid_.n[0] || y + 1 == grid_.n[1] || z + 1 == grid_.n[2]) {
-            field_.known[grid_.index(x, y, z)] = 1;
+            field_.known[grid_.index(x, y, z)] = beside_points;
             field_.value[grid_.index(x, y, z)] = 2;
           }
     continue_field(field_);
@@ -297,12 +305,12 @@ class Contour {
     return c;
   }
 
-  /// What the sensors looked through is outside [Curless & Levoy 1996], where no points are and where points next to it
-  /// say otherwise by less than a cell. A ray that would have to pass deep through the part belongs to a stray.
+  /// What the sensors looked through is outside [Curless & Levoy 1996], where no points are, beyond the rim of a face, and where
+  /// points next to it say otherwise by less than a cell. A ray that would have to pass deep through the part belongs to a stray.
   void carve() {
     if (!has_rays(cloud_)) return;
     constexpr double start = 2, step = 0.45, touched = 0.35;  // cells
-    constexpr float deep = -0.9F, just_outside = 0.2F;
+    constexpr float deep = -0.9F, just_outside = 0.2F, outside = 1;
     constexpr std::uint8_t contradiction = 2;  // rays; one is enough where no points are
     std::vector<std::uint8_t> looked_through(grid_.size(), 0);
     parallel_for(cloud_.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
@@ -318,7 +326,7 @@ class Contour {
           if (c[0] < 0) break;
           const std::size_t node = grid_.index(c[0], c[1], c[2]);
           if (!passed.empty() && passed.back() == node) continue;
-          if (field_.known[node]) {
+          if (field_.known[node] == at_points) {
             possible = field_.value[node] > deep;
             if ((at - grid_.at(c[0], c[1], c[2])).norm() > touched * grid_.cell) continue;
           }
@@ -333,9 +341,11 @@ class Contour {
     });
     for (std::size_t node = 0; node < looked_through.size(); ++node) {
       if (field_.known[node]) {
-        if (field_.value[node] < 0 && looked_through[node] >= contradiction) field_.value[node] = just_outside;
+        const bool rim = field_.known[node] == beside_points;
+        if (field_.value[node] < 0 && looked_through[node] >= (rim ? 1 : contradiction))
+          field_.value[node] = rim ? outside : just_outside;
       } else if (looked_through[node] > 0) {
-        field_.known[node] = 1, field_.value[node] = 2;
+        field_.known[node] = beside_points, field_.value[node] = 2;
       }
     }
   }

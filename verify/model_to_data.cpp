@@ -57,7 +57,7 @@ class Coverage {
   const MeshPieces& bodies_;
   double tolerance_, size_, far_;
 
-  /// At least `wanted` points within reach along the surface and within the tolerance across it, on a face that
+  /// At least `wanted` points within reach along the surface and within the tolerance across it, on a face
   /// of the same body that looks the same way; a quarter of them belong to this very sheet, not to one in front of it
   /// or behind.
   bool points_near(const Vec3& place, std::uint32_t triangle, int wanted, std::vector<Neighbour>& near) const {
@@ -93,8 +93,24 @@ class Coverage {
     return count();
   }
 
+  /// Do lines of sight reach most of the points nearest to `place` although the model is there? False where none is known.
+  bool in_sight(const Vec3& place, std::vector<Neighbour>& near) const {
+    if (source_.sights.empty()) return false;
+    constexpr int asked = 9;
+    source_.tree->nearest(place, asked, near);
+    int free = 0, known = 0;
+    for (const auto& n : near) {
+      const auto sight = line_of_sight(source_, n.index, 2 * size_);
+      if (!sight) continue;
+      ++known;
+      free += sight->length <= far_ || !surface_.first_hit(sight->from, sight->ray, sight->length - far_);
+    }
+    return 2 * free > known;
+  }
+
   /// Directly below the place, inside or behind the material, lies scanned surface of the model that looks the same
-  /// way. Whoever saw that surface would have seen this one first, so this one is not there.
+  /// way. Whoever saw that surface would have seen this one first, so this one is not there; unless it is seen from aside:
+  /// a wall hides nothing of the slot behind it.
   bool hides_scanned_surface(const Vec3& place, const Vec3& normal, std::vector<Neighbour>& near) const {
     const Vec3 down = -normal;
     Vec3 from = place;
@@ -105,7 +121,8 @@ class Coverage {
       if (!hit) return false;
       passed += hit->distance + step;
       if (passed >= deepest) return false;
-      if (passed > far_ && normals_[hit->triangle].dot(normal) > 0.7 && points_near(hit->point, hit->triangle, 5, near))
+      if (passed > far_ && normals_[hit->triangle].dot(normal) > 0.7 && points_near(hit->point, hit->triangle, 5, near) &&
+          !in_sight(hit->point, near))
         return true;
       from = hit->point;
     }

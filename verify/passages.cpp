@@ -13,23 +13,18 @@ namespace {
 constexpr std::size_t block = 256;       // points of one parallel task
 constexpr double flattest_sight = 0.26;  // cosine of 75 degrees: sensors lose steeper surface and see what is behind it
 
-/// A sensor's line of sight to one scanned point.
-struct Sight {
-  Vec3 from, ray;
-  double length = 0;  // mm, to the point
-  double pixel = 0;   // mm, to the neighbouring line at the point
-};
-
 class Finder {
  public:
   Finder(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals, double margin)
       : source_(source), surface_(surface), normals_(normals), margin_(margin) {
-    for (const auto& p : source.points) box_.add(p);
+    Box3 box;
+    for (const auto& p : source.points) box.add(p);
+    reach_ = 2 * box.diagonal();
   }
 
   /// The first place where the surface would have hidden the point, if it would.
   std::optional<MeshHit> passage(std::size_t point) const {
-    const auto sight = sight_of(point);
+    const auto sight = line_of_sight(source_, point, reach_);
     if (!sight) return {};
     const auto hit = first_hit(*sight, Vec3::Zero());
     if (!hit) return {};
@@ -46,21 +41,9 @@ class Finder {
   const ScanSource& source_;
   const MeshDistance& surface_;
   const std::vector<Vec3>& normals_;
-  double margin_;
-  Box3 box_;
+  double margin_, reach_ = 0;
 
-  std::optional<Sight> sight_of(std::size_t point) const {
-    const auto number = source_.sight[point];
-    if (number < 0) return {};
-    const SightMap& map = source_.sights[static_cast<std::size_t>(number)];
-    const Vec3 &p = source_.points[point], &ray = source_.rays[point];
-    if (map.parallel) return Sight{p - 2 * box_.diagonal() * ray, ray, 2 * box_.diagonal(), map.pitch};
-    const Vec3 from = map.view_from_world.inverse().translation;
-    const double length = (p - from).norm();
-    return Sight{from, (p - from) / length, length, map.pitch * (map.view_from_world * p).z()};
-  }
-
-  std::optional<MeshHit> first_hit(const Sight& sight, const Vec3& aside) const {
+  std::optional<MeshHit> first_hit(const LineOfSight& sight, const Vec3& aside) const {
     if (sight.length <= margin_) return {};
     return surface_.first_hit(sight.from + aside, sight.ray, sight.length - margin_);
   }

@@ -236,4 +236,15 @@ double smallest_honest_tolerance(const ScanSource& source) {
   return std::max(by_noise, view_reach * source.disagreement);
 }
 
+std::optional<LineOfSight> line_of_sight(const ScanSource& source, std::size_t point, double reach) {
+  const auto number = source.sights.empty() ? -1 : source.sight[point];
+  if (number < 0) return {};
+  const SightMap& map = source.sights[static_cast<std::size_t>(number)];
+  const Vec3 &p = source.points[point], &ray = source.rays[point];
+  if (map.parallel) return LineOfSight{p - reach * ray, ray, reach, map.pitch};
+  const Vec3 from = map.view_from_world.inverse().translation;
+  const double length = (p - from).norm();
+  return LineOfSight{from, (p - from) / length, length, map.pitch * (map.view_from_world * p).z()};
+}
+
 }  // namespace partscribe

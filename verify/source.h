@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/context.h"
@@ -33,6 +34,16 @@ struct ScanSource {
 
   static constexpr std::uint32_t nowhere = ~0u;
 };
+
+/// A sensor's line of sight to one scanned point.
+struct LineOfSight {
+  Vec3 from, ray;      ///< mm; unit
+  double length = 0;   ///< mm, to the point
+  double pixel = 0;    ///< mm, to the neighbouring line at the point
+};
+
+/// Of a point whose sensor is known. Where lines of sight run parallel they begin `reach` mm before it.
+std::optional<LineOfSight> line_of_sight(const ScanSource& source, std::size_t point, double reach);
 
 /// Adds even samples where a mesh has too few vertices to stand for its surface.
 ScanSource prepare_source(const Scan& scan, Context& context);

@@ -236,6 +236,53 @@ TEST_CASE("triangulate: a strip of two rows, whose normals lie within it, faces 
   CHECK(hidden == 0);
 }
 
+TEST_CASE("triangulate: a face does not reach beyond its rim into a hole that was looked through") {
+  constexpr double hole = 4, outside = 12, half = 4;  // a disc
+  Context context;
+  context.threads = 2;
+  Random random(4);
+  Scan scan;
+  const auto add = [&](const Vec3& p, const Vec3& ray) {
+    scan.cloud.points.push_back(p + 0.02 * random.normal() * ray), scan.cloud.rays.push_back(ray);
+  };
+  // Sensors above and below stand on one side, so that they see one half of the hole's wall.
+  const double tilt = 0.5, pitch = 0.25;
+  for (const double up : {1.0, -1.0})
+    for (double x = -outside; x < outside; x += pitch)
+      for (double y = -outside; y < outside; y += pitch) {
+        const Vec3 ray(std::sin(tilt), 0, -up * std::cos(tilt)), top(x, y, up * half);
+        const double r = std::hypot(x, y);
+        if (r > outside) continue;
+        if (r > hole) {
+          add(top, ray);
+          continue;
+        }
+        const double along = (-x + std::sqrt(hole * hole - y * y)) / ray.x();  // to the wall
+        const Vec3 wall = top + along * ray;
+        if (std::abs(wall.z()) < half && wall.x() / hole * ray.x() > 0.17) add(wall, ray);
+      }
+  for (int i = 0; i < 12000; ++i) {
+    const double angle = random.uniform(0, 6.283185307179586);
+    const Vec3 out(std::cos(angle), std::sin(angle), 0);
+    add(outside * out + Vec3(0, 0, random.uniform(-half, half)), -out);
+  }
+  const PointCloud seen = scan.cloud;
+  const TriangleMesh mesh = mesh_of(triangulated(scan, 0.25, context));
+  CHECK(topology(mesh).closed());
+  const MeshDistance distance(mesh);
+  int hidden = 0;
+  double innermost = hole;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (const auto hit = distance.first_hit(seen.points[i] - 40 * seen.rays[i], seen.rays[i], 40 - 0.5)) {
+      const double r = hit->point.head<2>().norm();
+      innermost = std::min(innermost, r);
+      hidden += r < hole - 0.25;  // an edge may lie within the tolerance of its place
+    }
+  INFO("hidden " << hidden << " of " << seen.size() << ", by what reaches in to " << innermost << " from the axis");
+  CHECK(hidden < 15);
+  CHECK(innermost > hole - 0.6);
+}
+
 TEST_CASE("triangulate: points without rays beside others with rays, and points without normals, do no harm") {
   Context context;
   Scan scan = block(30000, 0.03, true, 6);

@@ -150,6 +150,23 @@ TEST_CASE("attack: a lid on a hole of a few pixels is refused, because points be
   }
 }
 
+TEST_CASE("attack: a wall whose back nobody saw hides nothing of the slot before it") {
+  // A round slot beside a chamber that is closed: below the chamber's wall lies the far side of the slot, which was seen from above.
+  const auto block = turned({{0, 0}, {15, 0}, {15, 20}, {10.8, 20}, {10.8, 17}, {10, 17}, {10, 20}, {0, 20}}, 128);
+  auto chamber = turned({{0, 16}, {8.5, 16}, {8.5, 19}, {0, 19}}, 128);
+  for (auto& t : chamber.triangles) std::swap(t[1], t[2]);
+  const auto truth = joined(block, chamber);
+  Scan scan;
+  for (int v = 0; v < 12; ++v) {
+    const double a = pi * v / 6, tilt = v % 2 ? 0.3 : 0.5;
+    add_view(scan, truth, Vec3(std::sin(tilt) * std::cos(a), std::sin(tilt) * std::sin(a), -std::cos(tilt)), 0.25, sigma, 40 + std::uint64_t(v));
+  }
+  const auto verdict = verdict_on(truth, scan, at(T));
+  INFO(all_reasons(verdict));
+  CHECK(verdict.verdict == Outcome::verified);
+  CHECK(verdict.artifacts[0].model_to_data.contradicted == 0);
+}
+
 TEST_CASE("attack: a thin sheet inside the material is refused at any depth from half a tolerance on") {
   const auto scan = plate_scan();
   for (const double depth : {0.5 * T, T, 2 * T, 5 * T}) {
