@@ -116,8 +116,8 @@ struct Grid {
   Vec3 at(int x, int y, int z) const { return origin + cell * Vec3(x, y, z); }
 };
 
-/// What fixes the value of a node: nothing; points beside it; points before which or behind which it lies.
-enum Known : std::uint8_t { unknown = 0, beside_points = 1, at_points = 2 };
+/// What fixes the value of a node: nothing; anything else; points right before it or behind it.
+enum Known : std::uint8_t { unknown = 0, fixed = 1, at_points = 2 };
 
 /// Values on grid nodes; `known` ones are fixed.
 struct Field {
@@ -173,13 +173,13 @@ void continue_field(Field& f) {
         ++count[c];
       }
   for (std::size_t c = 0; c < size; ++c)
-    if (count[c] > 0) coarse.known[c] = beside_points, coarse.value[c] /= static_cast<float>(count[c]);
+    if (count[c] > 0) coarse.known[c] = fixed, coarse.value[c] /= static_cast<float>(count[c]);
   for (int z = 0; z < coarse.n[2]; ++z)
     for (int y = 0; y < coarse.n[1]; ++y)
       for (int x = 0; x < coarse.n[0]; ++x)
         if (x == 0 || y == 0 || z == 0 || x + 1 == coarse.n[0] || y + 1 == coarse.n[1] || z + 1 == coarse.n[2]) {
           const std::size_t c = coarse.index(x, y, z);
-          if (!coarse.known[c]) coarse.known[c] = beside_points, coarse.value[c] = 2;
+          if (!coarse.known[c]) coarse.known[c] = fixed, coarse.value[c] = 2;
         }
   continue_field(coarse);
   for (int z = 0; z < f.n[2]; ++z)
@@ -261,7 +261,7 @@ class Contour {
       for (int k = 0; k < 3; ++k) c[k] = static_cast<int>(std::floor((p[k] - grid_.origin[k]) / grid_.cell));
       for (int z = c[2] - 1; z <= c[2] + 2; ++z)
         for (int y = c[1] - 1; y <= c[1] + 2; ++y)
-          for (int x = c[0] - 1; x <= c[0] + 2; ++x) field_.known[grid_.index(x, y, z)] = beside_points;
+          for (int x = c[0] - 1; x <= c[0] + 2; ++x) field_.known[grid_.index(x, y, z)] = fixed;
     }
     const auto plane = static_cast<std::size_t>(grid_.n[0]) * static_cast<std::size_t>(grid_.n[1]);
     parallel_for(
@@ -279,7 +279,7 @@ class Contour {
             field_.value[i] = static_cast<float>(std::clamp(distance(node, near) / grid_.cell, -2.0, 2.0));
             const Vec3 offset = node - surfels_.points[near[0].index];
             const double aside = offset.cross(surfels_.normals[near[0].index]).norm();
-            field_.known[i] = aside > beside * grid_.cell ? beside_points : at_points;
+            field_.known[i] = aside > beside * grid_.cell ? fixed : at_points;
           }
         },
         2);
@@ -288,7 +288,7 @@ class Contour {
       for (int y = 0; y < grid_.n[1]; ++y)
         for (int x = 0; x < grid_.n[0]; ++x)
           if (x == 0 || y == 0 || z == 0 || x + 1 == grid_.n[0] || y + 1 == grid_.n[1] || z + 1 == grid_.n[2]) {
-            field_.known[grid_.index(x, y, z)] = beside_points;
+            field_.known[grid_.index(x, y, z)] = fixed;
             field_.value[grid_.index(x, y, z)] = 2;
           }
     continue_field(field_);
@@ -341,11 +341,11 @@ class Contour {
     });
     for (std::size_t node = 0; node < looked_through.size(); ++node) {
       if (field_.known[node]) {
-        const bool rim = field_.known[node] == beside_points;
+        const bool rim = field_.known[node] == fixed;
         if (field_.value[node] < 0 && looked_through[node] >= (rim ? 1 : contradiction))
           field_.value[node] = rim ? outside : just_outside;
       } else if (looked_through[node] > 0) {
-        field_.known[node] = beside_points, field_.value[node] = 2;
+        field_.known[node] = fixed, field_.value[node] = 2;
       }
     }
   }

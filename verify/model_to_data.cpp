@@ -103,7 +103,7 @@ class Coverage {
       const auto sight = line_of_sight(source_, n.index, 2 * size_);
       if (!sight) continue;
       ++known;
-      free += sight->length <= far_ || !surface_.first_hit(sight->from, sight->ray, sight->length - far_);
+      free += !hidden_by(surface_, *sight, far_);
     }
     return 2 * free > known;
   }

@@ -26,14 +26,14 @@ class Finder {
   std::optional<MeshHit> passage(std::size_t point) const {
     const auto sight = line_of_sight(source_, point, reach_);
     if (!sight) return {};
-    const auto hit = first_hit(*sight, Vec3::Zero());
+    const auto hit = hidden_by(surface_, *sight, margin_);
     if (!hit) return {};
     const double cosine = -normals_[hit->triangle].dot(sight->ray);
     if (cosine < flattest_sight || (sight->length - hit->distance) * cosine <= margin_) return {};
     // An edge within the tolerance of its place hides nothing.
     const Vec3 side = sight->ray.unitOrthogonal(), up = sight->ray.cross(side);
     for (const Vec3& d : {side, Vec3(-side), up, Vec3(-up)})
-      if (!first_hit(*sight, std::max(sight->pixel, margin_) * d)) return {};
+      if (!hidden_by(surface_, *sight, margin_, std::max(sight->pixel, margin_) * d)) return {};
     return hit;
   }
 
@@ -42,11 +42,6 @@ class Finder {
   const MeshDistance& surface_;
   const std::vector<Vec3>& normals_;
   double margin_, reach_ = 0;
-
-  std::optional<MeshHit> first_hit(const LineOfSight& sight, const Vec3& aside) const {
-    if (sight.length <= margin_) return {};
-    return surface_.first_hit(sight.from + aside, sight.ray, sight.length - margin_);
-  }
 };
 
 }  // namespace

@@ -247,4 +247,9 @@ std::optional<LineOfSight> line_of_sight(const ScanSource& source, std::size_t p
   return LineOfSight{from, (p - from) / length, length, map.pitch * (map.view_from_world * p).z()};
 }
 
+std::optional<MeshHit> hidden_by(const MeshDistance& surface, const LineOfSight& sight, double margin, const Vec3& aside) {
+  if (sight.length <= margin) return {};
+  return surface.first_hit(sight.from + aside, sight.ray, sight.length - margin);
+}
+
 }  // namespace partscribe

@@ -45,6 +45,9 @@ struct LineOfSight {
 /// Of a point whose sensor is known. Where lines of sight run parallel they begin `reach` mm before it.
 std::optional<LineOfSight> line_of_sight(const ScanSource& source, std::size_t point, double reach);
 
+/// Where a surface would have hidden the point by more than `margin` mm, the line moved `aside`; nothing if it would not.
+std::optional<MeshHit> hidden_by(const MeshDistance& surface, const LineOfSight& sight, double margin, const Vec3& aside = Vec3::Zero());
+
 /// Adds even samples where a mesh has too few vertices to stand for its surface.
 ScanSource prepare_source(const Scan& scan, Context& context);
 

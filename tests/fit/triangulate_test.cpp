@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "core/number.h"
 #include "core/random.h"
 #include "fit/prepare.h"
 #include "fit/reconstruct.h"
@@ -70,7 +71,7 @@ Scan block(std::size_t count, double sigma, bool with_rays, std::uint64_t seed) 
   Scan scan;
   while (scan.cloud.size() < count) {
     Vec3 p, n = Vec3::Zero();
-    const double choice = random.uniform() * (2 * 30 * 20 + 2 * 30 * 10 + 2 * 20 * 10 + 2 * 3.141592653589793 * 7 * 6);
+    const double choice = random.uniform() * (2 * 30 * 20 + 2 * 30 * 10 + 2 * 20 * 10 + 2 * pi * 7 * 6);
     if (choice < 2200) {
       const Vec3 half(15, 10, 5);
       p = Vec3(random.uniform(-15, 15), random.uniform(-10, 10), random.uniform(-5, 5));
@@ -79,7 +80,7 @@ Scan block(std::size_t count, double sigma, bool with_rays, std::uint64_t seed) 
       p[axis] = n[axis] * half[axis];
       if (n.z() > 0 && p.head<2>().norm() < 7) p.z() += 6;
     } else {
-      const double angle = random.uniform(0, 2 * 3.141592653589793);
+      const double angle = random.uniform(0, 2 * pi);
       n = Vec3(std::cos(angle), std::sin(angle), 0);
       p = 7 * n;
       p.z() = random.uniform(5, 11);
@@ -149,7 +150,7 @@ struct Cup {
   Cup(std::size_t count, double sigma, std::uint64_t seed) {
     Random random(seed);
     while (scan.cloud.size() < count) {
-      const double angle = random.uniform(0, 2 * 3.141592653589793), choice = random.uniform();
+      const double angle = random.uniform(0, 2 * pi), choice = random.uniform();
       const Vec3 radial(std::cos(angle), std::sin(angle), 0);
       // Seen through the opening.
       const auto within = [&](double radius) {
@@ -190,7 +191,7 @@ TEST_CASE("triangulate: a cup of thin walls keeps its inside, and nothing stands
   CHECK(std::get<TriSurface>(candidate.shape).closed);
   CHECK(topology(mesh).closed());
   CHECK(topology(mesh).components == 1);
-  const double whole = 3.141592653589793 * (64 * 12 - Cup::inner * Cup::inner * 11);
+  const double whole = pi * (64 * 12 - Cup::inner * Cup::inner * 11);
   CHECK(volume(mesh) == Approx(whole).epsilon(0.03));
   const MeshDistance distance(mesh);
   CHECK(signed_distance(distance, mesh, Vec3(0, 0, 6)) > 4.5);
@@ -262,7 +263,7 @@ TEST_CASE("triangulate: a face does not reach beyond its rim into a hole that wa
         if (std::abs(wall.z()) < half && wall.x() / hole * ray.x() > 0.17) add(wall, ray);
       }
   for (int i = 0; i < 12000; ++i) {
-    const double angle = random.uniform(0, 6.283185307179586);
+    const double angle = random.uniform(0, 2 * pi);
     const Vec3 out(std::cos(angle), std::sin(angle), 0);
     add(outside * out + Vec3(0, 0, random.uniform(-half, half)), -out);
   }
@@ -345,7 +346,7 @@ TEST_CASE("triangulate: a source mesh keeps within tolerance, holes are closed, 
   // A vase: its foot is open by a ring of missing triangles.
   auto add = [&](double r, double z) {
     for (int k = 0; k < sides; ++k) {
-      const double a = 2 * 3.141592653589793 * k / sides;
+      const double a = 2 * pi * k / sides;
       scan.mesh.vertices.push_back({r * std::cos(a), r * std::sin(a), z});
     }
   };
