@@ -401,6 +401,7 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
 bool is_rough(const Search& search, const FitInput& input) {
   constexpr std::size_t many_faces = 9, some_faces = 7;
   constexpr double rough = 0.31, rough_among_strays = 0.4;  // nats per point; 0.25 where there is only noise
+  constexpr double off_among_strays = 1.15;  // sigma: of the largest local deviation
   const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
   const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
   if (!search.found) return false;
@@ -412,6 +413,9 @@ bool is_rough(const Search& search, const FitInput& input) {
   // Flat faces among strays cut the corners off a rounded block within the tolerance.
   const bool flat = body || std::holds_alternative<Box>(shape) || std::holds_alternative<Wedge>(shape);
   if (flat && among_strays(input) && misfit > rough_among_strays) return true;
+  // Straight walls among strays pass through a ring's section within the tolerance.
+  const bool walls = flat || std::holds_alternative<Extrude>(shape);
+  if (walls && among_strays(input) && e.local_max > off_among_strays * input.sampling.sigma) return true;
   if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
   return body ? body->planes.size() >= many_faces
               : std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) ||
