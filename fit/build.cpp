@@ -410,16 +410,17 @@ bool is_rough(const Search& search, const FitInput& input) {
   const CandidateEvidence& e = search.evidence;
   const double misfit = (e.misfit - nats_per_stray * double(e.unexplained)) / double(input.cloud.size());
   if (body && body->planes.size() >= some_faces && facets == 0 && misfit > rough) return true;
-  // Flat faces among strays cut the corners off a rounded block within the tolerance.
   const bool flat = body || std::holds_alternative<Box>(shape) || std::holds_alternative<Wedge>(shape);
-  if (flat && among_strays(input) && misfit > rough_among_strays) return true;
-  // Straight walls among strays pass through a ring's section within the tolerance.
-  const bool walls = flat || std::holds_alternative<Extrude>(shape);
-  if (walls && among_strays(input) && e.local_max > off_among_strays * input.sampling.sigma) return true;
+  const bool plate = std::holds_alternative<Extrude>(shape);
+  if (among_strays(input)) {
+    // Flat faces cut the corners off a rounded block within the tolerance, and straight walls pass through a ring's section.
+    if (flat && misfit > rough_among_strays) return true;
+    if ((flat || plate) && e.local_max > off_among_strays * input.sampling.sigma) return true;
+  }
   if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
   return body ? body->planes.size() >= many_faces
-              : std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) ||
-                    std::holds_alternative<Extrude>(shape) || std::holds_alternative<Ellipsoid>(shape);
+              : plate || std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) ||
+                    std::holds_alternative<Ellipsoid>(shape);
 }
 
 /// A scan, with or without its strays, and what was found in it.
