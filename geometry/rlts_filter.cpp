@@ -330,6 +330,31 @@ void put(const RangeHeights& h, int r, int c, const WindowFacet& facet, float si
 
 constexpr WindowFacet rejected_facet{0, 0, 0, 1, RltsModel::rejected};
 
+/// Whether a sample lies on the surfaces of two or more pixels beside it, one of them known well. Where a bent edge
+/// passes, or three faces meet, no two planes explain its own window, but one of theirs may hold it.
+bool continues_neighbours(const RangeHeights& h, const FilteredImage& out, int r, int c, float sigma) {
+  constexpr double limit = 3;  // deviations
+  constexpr int enough = 2;
+  constexpr float well_known = 0.55F;  // of the noise: surfaces of a handful of samples can be drawn through anything
+  const double own = h.grid.row(r)[c];
+  int agreeing = 0;
+  bool known = false;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) {
+      if (r + y < 0 || c + x < 0 || r + y >= h.height_px || c + x >= h.width) continue;
+      const std::size_t i = index_of(h, r + y, c + x);
+      const RltsModel model = out.model[i];
+      if (model != RltsModel::plane && model != RltsModel::quadric && model != RltsModel::side) continue;
+      const double there = h.height(out.depth[i]), scale = h.mm_per_height(there);
+      const double expected = there - (x * out.slope_column[i] + y * out.slope_row[i]) / scale;
+      const double noise = std::hypot(static_cast<double>(sigma), out.sigma[i] / scale);
+      if (std::abs(own - expected) > limit * noise) continue;
+      ++agreeing;
+      known = known || out.sigma[i] <= well_known * out.raw_sigma[i];
+    }
+  return agreeing >= enough && known;
+}
+
 /// The bit whose flip brings a rejected code back to the surface around it; -1 if there is none.
 int flipped_bit(const RangeImage& image, const RangeHeights& h, const Planes& planes, int r, int c, float sigma) {
   if (planes.count.row(r)[c] < 8 || fitness(planes, r, c, sigma) != Fitness::plane) return -1;
@@ -383,6 +408,7 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
   });
   const CurvatureMap curvatures(h, window_curvatures(h, planes, fit, sigma), sigma);
   const Fitter fitter{h, heights, screen, planes, slopes, curvatures};
+  PaddedGrid<std::uint8_t> unexplained(h.width, h.height_px, 0);
   each_row(h, context, [&](int r) {
     for (int c = 0; c < h.width; ++c) {
       if (std::isnan(h.grid.row(r)[c])) continue;
@@ -393,12 +419,19 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
         facet = smooth ? fitter.smooth(r, c, s, fit.row(r)[c]) : fitter.broken(r, c, s);
         // A sample that agrees with no surface around it has only met three others in a line.
         const bool alone = facet.model == RltsModel::raw && planes.count.row(r)[c] > 6;
+        unexplained.row(r)[c] = alone;
         // Nor does anything return from a surface so steep: it bridges a step.
         if (alone || h.incidence(r, c, h.grid.row(r)[c], facet.slope_x, facet.slope_y) > steepest)
           facet = rejected_facet;
       }
       put(h, r, c, facet, s, out);
     }
+  });
+  // Only pixels with a surface of their own are asked, so that the order does not matter.
+  each_row(h, context, [&](int r) {
+    for (int c = 0; c < h.width; ++c)
+      if (unexplained.row(r)[c] && continues_neighbours(h, out, r, c, sigma.row(r)[c]))
+        put(h, r, c, {0, 0, 0, 1, RltsModel::raw}, sigma.row(r)[c], out);
   });
   count(image, h, &planes, &sigma, out);
   return out;
