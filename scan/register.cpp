@@ -176,14 +176,25 @@ struct Judged {
 };
 
 /// True poses leave 0.01 of range images and 0.11 of unorganised real views. Without guesses only shape speaks against
-/// chance, so that range images have to agree better. So have two of them whom nobody else contradicts, the more motions
-/// their shape leaves free: a cap lies on any other cap (true places left up to 0.03 with three free motions, 0.07 with two).
-double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, const JointResult& joint, std::size_t views) {
-  constexpr double usual = 0.15;
-  if (!surface.organised) return usual;
+/// chance, so that range images have to agree better; but a part full of edges leaves up to 0.07 of a view, and of all its views
+/// much: three times what is usual among them may be left of one. So have two of them whom nobody else contradicts, the more
+/// motions their shape leaves free: a cap lies on any other cap (true places left up to 0.03 with three free motions, 0.07 with
+/// two). `usual`: the middle of what all views leave.
+double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, const JointResult& joint, std::size_t views, double usual) {
+  constexpr double at_most = 0.15, by_shape = 0.04, of_usual = 3;
+  if (!surface.organised) return at_most;
   const std::size_t free = views == 2 ? joint.free_directions.size() : 0;
-  const double of_shape = free >= 3 ? 0.03 : free == 2 ? 0.1 : usual;
-  return options.arrangement == Arrangement::unknown ? std::min(0.04, of_shape) : of_shape;
+  const double of_free = free >= 3 ? 0.03 : free == 2 ? 0.1 : at_most;
+  if (options.arrangement != Arrangement::unknown) return of_free;
+  return std::min(views > 2 ? std::max(by_shape, of_usual * usual) : by_shape, of_free);
+}
+
+/// Without guesses a view of hardly more than one face lies on any other face; but then the rest of what it shows, and what
+/// others show, would face sensors that saw nothing there. True poses left up to 0.04 of range images, real ones included,
+/// views laid on the wrong face 0.06 and more.
+double most_unanswered(const RegisterOptions& options, const ViewSurface& surface) {
+  constexpr double by_shape = 0.05;
+  return options.arrangement == Arrangement::unknown && surface.organised ? std::min(by_shape, options.max_unanswered) : options.max_unanswered;
 }
 
 /// Each fixes a pose by its noise; with a handful, chance does.
@@ -194,16 +205,29 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
              const RegisterOptions& options, Registration& result) {
   Judged judged;
   const double reach = confirm_reach(surfaces);
+  std::vector<Agreement> agreements(surfaces.size());
+  std::vector<double> disagreements;
+  for (const std::size_t v : used) {
+    if (used.size() < 2) break;
+    agreements[v] = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
+    disagreements.push_back(agreements[v].disagreement());
+  }
+  const double usual_disagreement = median(std::move(disagreements));
+  // One view that lies wrong leaves answers open in its neighbours too, but each of these only with that one: the worst leaves first.
+  std::size_t least_answered = used.front();
+  for (const std::size_t v : used)
+    if (v != used.front() && agreements[v].unanswered() > most_unanswered(options, surfaces[v]) &&
+        (least_answered == used.front() || agreements[v].all_missing > agreements[least_answered].all_missing))
+      least_answered = v;
   for (const std::size_t v : used) {
     RegisteredView& view = result.views[v];
     view.world_from_view = joint.poses[v], view.covariance = joint.covariance_of(v);
-    Agreement found;
+    const Agreement& found = agreements[v];
     if (used.size() > 1) {
-      found = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
       view.overlap = found.overlap(), view.residual_median = found.residual, view.seen_through = found.seen_through();
     }
     std::string reason;
-    const double most_elsewhere = most_disagreement(options, surfaces[v], joint, used.size());
+    const double most_elsewhere = most_disagreement(options, surfaces[v], joint, used.size(), usual_disagreement);
     const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
     const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
     if (v != used.front()) {
@@ -215,8 +239,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
       else if (found.disagreement() > most_elsewhere)
         reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere);
-      else if (found.unanswered() > options.max_unanswered)
-        reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered);
+      else if (v == least_answered)
+        reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(most_unanswered(options, surfaces[v]));
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
         reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";
     }
@@ -378,11 +402,11 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     used = judged.good;
   }
   // Without guesses a few views may agree by chance.
-  if (options.arrangement == Arrangement::unknown && used.size() * 3 < views.size() * 2)
+  if (options.arrangement == Arrangement::unknown && !enough_agree(used.size(), views.size()))
     for (const std::size_t v : used) {
       if (v == used.front()) continue;
       result.views[v].status = ViewStatus::refused;
-      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected two thirds where no poses are known";
+      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected three quarters where no poses are known";
     }
   result.center = joint.center, result.covariance = with_free_motions(joint);
   for (const auto& row : joint.gap)

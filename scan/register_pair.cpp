@@ -263,6 +263,7 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
     if (!theirs.points.empty())
       result.back_through = std::max(result.back_through, static_cast<int>(double(back) * result.samples / double(theirs.points.size())));
     result.missing = std::max(result.missing, missing);
+    result.all_missing += missing;
   }
   for (std::size_t i = 0; i < confirmed.size(); ++i)
     if (confirmed[i]) ++result.confirmed, residuals.push_back(best[i]);

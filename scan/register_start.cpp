@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "scan/register_features.h"
 #include "scan/register_joint.h"
+#include "scan/register_planes.h"
 
 namespace partscribe {
 namespace {
@@ -517,7 +518,9 @@ std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfac
   for (const std::size_t v : usable) radius += surfaces[v].radius / static_cast<double>(usable.size()), spacing = std::max(spacing, surfaces[v].spacing);
   const double cell = std::max(radius / 16, 2 * spacing);
   std::vector<std::unique_ptr<Features>> features(surfaces.size());
-  for (const std::size_t v : usable) features[v] = features_of(surfaces[v], cell);
+  constexpr std::size_t most_planes = 12, most_of_features = 24, most_of_planes = 16;
+  std::vector<std::vector<ViewPlane>> planes(surfaces.size());
+  for (const std::size_t v : usable) features[v] = features_of(surfaces[v], cell), planes[v] = planes_of(surfaces[v], most_planes);
   std::vector<PairCandidates> pairs;
   for (const std::size_t a : usable)
     for (const std::size_t b : usable)
@@ -528,7 +531,11 @@ std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfac
       const std::vector<Pose> poses(surfaces.size());
       const std::vector<std::size_t> target{pair.target};
       const Placement placement{surfaces, poses, target, reach};
-      pair.found = PoseSearch(placement, pair.source, 1).from(feature_poses(*features[pair.source], *features[pair.target], 24));
+      // Histograms of normals tell the faces of a block apart poorly; planes know nothing of what is round.
+      std::vector<Pose> starts = feature_poses(*features[pair.source], *features[pair.target], most_of_features);
+      const std::vector<Pose> by_planes = plane_poses(planes[pair.source], planes[pair.target], surfaces, pair.source, pair.target, reach, most_of_planes);
+      starts.insert(starts.end(), by_planes.begin(), by_planes.end());
+      pair.found = PoseSearch(placement, pair.source, 1).from(starts);
     }
   }, 1);
   return pairs;
@@ -618,10 +625,12 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     if (growth.placed.size() > most) most = growth.placed.size(), result = std::move(growth.result);
   }
   // Few views that agree among themselves may do so by chance; of many that is unlikely.
-  if (3 * most < 2 * usable.size()) {
+  if (!enough_agree(most, usable.size())) {
     for (const std::size_t v : usable) {
       result.placed[v] = v == usable.front();
-      if (!result.placed[v]) result.reason[v] = "only " + std::to_string(most) + " of " + std::to_string(usable.size()) + " views can be laid over one another by their features; expected two thirds";
+      if (result.placed[v]) continue;
+      const std::string own = result.reason[v].empty() ? "" : "; of this view: " + result.reason[v];
+      result.reason[v] = "only " + std::to_string(most) + " of " + std::to_string(usable.size()) + " views can be laid over one another by their shapes; expected three quarters" + own;
     }
     result.poses = none;
   }

@@ -11,6 +11,7 @@
 #include "scan/register_joint.h"
 #include "scan/register_pair.h"
 #include "scan/register_paper.h"
+#include "scan/register_planes.h"
 #include "scan/simulate.h"
 
 using namespace partscribe;
@@ -41,11 +42,23 @@ Surface convex(const std::vector<Side>& sides, double reach) {
   return surface;
 }
 
-/// A block that nothing turns onto itself: every corner is cut differently.
-Surface cut_block() {
+std::vector<Side> block_sides() {
   std::vector<Side> sides;
   for (int k = 0; k < 3; ++k)
     for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 14.0 + 3 * k});
+  return sides;
+}
+
+/// A block with little beside its large faces: two edges and a corner are cut off.
+Surface plain_block() {
+  std::vector<Side> sides = block_sides();
+  sides.push_back({Vec3(1, 0.8, 0).normalized(), 14}), sides.push_back({Vec3(0, -1, 0.7).normalized(), 18}), sides.push_back({Vec3(-1, 1, 1).normalized(), 18});
+  return convex(sides, 22);
+}
+
+/// A block that nothing turns onto itself: every corner is cut differently.
+Surface cut_block() {
+  std::vector<Side> sides = block_sides();
   const auto cut = [&](const Vec3& n, double d) { sides.push_back({n.normalized(), d}); };
   cut({1, 1, 1}, 20), cut({1, -1, 0.6}, 19), cut({-1, 0.7, 1}, 22), cut({-0.6, -1, 1}, 18);
   cut({1, 0.5, -1}, 21), cut({-1, -1, -0.8}, 20.5), cut({0.4, -1, -1}, 23), cut({-1, 1, -0.5}, 19.5);
@@ -223,6 +236,44 @@ TEST_CASE("register: without any poses the features do, or it is refused") {
   for (auto& view : block.views) view.guess.reset();
   const Registration doubtful = run(block.views, unknown);
   CHECK(off_truth(doubtful, block.truth).angle < 1 * pi / 180);
+}
+
+TEST_CASE("register: without any poses a block is put together by its planes") {
+  RegisterOptions unknown;
+  unknown.arrangement = Arrangement::unknown;
+  auto options = small();
+  options.resolution = 90;
+  Case block = scan_of(plain_block(), options, 0, 0);
+  for (auto& view : block.views) view.guess.reset();
+  const Registration found = run(block.views, unknown);
+  for (const auto& view : found.views) UNSCOPED_INFO(view.reason);
+  CHECK(count(found, ViewStatus::registered) >= 5);
+  CHECK(off_truth(found, block.truth).angle < 0.5 * pi / 180);
+}
+
+TEST_CASE("register: planes of a view are its faces, and lay one view onto another") {
+  auto options = small();
+  options.bit_error = 0;
+  const Case block = scan_of(cut_block(), options, 0, 0);
+  Context context;
+  const std::vector<ViewSurface> surfaces = view_surfaces(block.views, 1000, context);
+  const std::vector<ViewPlane> first = planes_of(surfaces[0], 12);
+  REQUIRE(first.size() >= 3);
+  // Each is a face of the block: its distance from the block's middle is one of those that it was made with.
+  for (const ViewPlane& plane : first) {
+    const double from_middle = plane.offset + (block.truth[0].rotation * plane.normal).dot(block.truth[0].translation);
+    const auto faces = {14.0, 17.0, 20.0, 20.0, 19.0, 22.0, 18.0, 21.0, 20.5, 23.0, 19.5};
+    CHECK(std::any_of(faces.begin(), faces.end(), [&](double d) { return std::abs(from_middle - d) < 0.05; }));
+  }
+  // The view beside it shares two faces at least; one of the poses is near enough to start from.
+  std::size_t beside = 1;
+  for (std::size_t v = 1; v < block.truth.size(); ++v)
+    if (block.truth[v].rotation.col(2).dot(block.truth[0].rotation.col(2)) > block.truth[beside].rotation.col(2).dot(block.truth[0].rotation.col(2))) beside = v;
+  const auto poses = plane_poses(planes_of(surfaces[beside], 12), first, surfaces, beside, 0, 0.2, 16);
+  const Pose truth = block.truth[0].inverse() * block.truth[beside];
+  CHECK(std::any_of(poses.begin(), poses.end(), [&](const Pose& p) {
+    return rotation_vector(truth.rotation.transpose() * p.rotation).norm() < 0.05 && (p * surfaces[beside].center - truth * surfaces[beside].center).norm() < 0.2 * surfaces[beside].radius;
+  }));
 }
 
 TEST_CASE("register: a turntable's axis and step are found from views without poses") {
