@@ -73,9 +73,9 @@ struct MeshDistance::Parts {
   }
 
   MeshHit hit_at(const Vec3& query, const NearestSlot& best, Sign sign) const {
-    ensure(best.slot != no_triangle, "no nearest triangle: the query or the mesh is not finite");
+    ensure(best.triangle != no_triangle, "no nearest triangle: the query or the mesh is not finite");
     MeshHit hit;
-    hit.triangle = tree.triangle[best.slot];
+    hit.triangle = best.triangle;
     hit.distance = std::sqrt(best.sq_distance);
     if (sign == Sign::none) {
       // The leaf is at hand; the mesh may be far away in memory.
@@ -111,7 +111,7 @@ std::optional<MeshHit> MeshDistance::closest_within(const Vec3& query, double bo
   NearestSlot best;
   best.sq_distance = std::min(bound * bound, std::numeric_limits<double>::max());
   search_nearest(parts_->tree, query, best);
-  if (best.slot == no_triangle) return std::nullopt;
+  if (best.triangle == no_triangle) return std::nullopt;
   return parts_->hit_at(query, best, Sign::none);
 }
 
@@ -190,12 +190,9 @@ std::optional<MeshHit> MeshDistance::first_hit(const Vec3& ray_origin, const Vec
     }
     return enter <= leave ? enter : std::numeric_limits<double>::infinity();
   };
-  auto try_leaf = [&](std::uint32_t first, std::uint32_t count) {
-    const double* at = tree.corners.get() + 9 * std::size_t(first);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      auto corner = [&](std::uint32_t c) {
-        return Vec3(at[3 * c * count + i], at[(3 * c + 1) * count + i], at[(3 * c + 2) * count + i]);
-      };
+  auto try_leaf = [&](const TriangleTree::Leaf& leaf) {
+    for (std::size_t i = 0; i < leaf.count; ++i) {
+      auto corner = [&](std::size_t c) { return TriangleTree::corner(leaf, i, c); };
       const Vec3 a = corner(0), ab = corner(1) - a, ac = corner(2) - a, across = direction.cross(ac);
       const double determinant = ab.dot(across);
       if (determinant == 0) continue;
@@ -208,7 +205,7 @@ std::optional<MeshHit> MeshDistance::first_hit(const Vec3& ray_origin, const Vec
       const double v = direction.dot(q) / determinant;
       if (!(v >= -hair && u + v <= 1 + hair)) continue;
       const double t = ac.dot(q) / determinant;
-      const std::uint32_t triangle = tree.triangle[first + i];
+      const std::uint32_t triangle = leaf.triangle[i];
       if (t > 0 && (t < best_t || (t == best_t && triangle < best_triangle))) best_t = t, best_triangle = triangle;
     }
   };
@@ -223,7 +220,7 @@ std::optional<MeshHit> MeshDistance::first_hit(const Vec3& ray_origin, const Vec
     const Pending here = pending[--top];
     if (here.t > best_t) continue;
     if (TriangleTree::is_leaf(here.child)) {
-      try_leaf(TriangleTree::first_of(here.child), TriangleTree::count_of(here.child));
+      try_leaf(tree.leaf(here.child));
       continue;
     }
     const TriangleTree::Node& node = tree.nodes[here.child];

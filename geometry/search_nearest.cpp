@@ -107,7 +107,7 @@ void triangles_within(const TriangleTree& tree, const Vec3& query, double distan
 
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint) {
   NearestSlot best;
-  if (hint.slot != no_triangle) versions().search_leaf(tree, query, hint.first, hint.count, best);
+  if (hint.triangle != no_triangle) versions().search_leaf(tree, query, hint.leaf, best);
   return best;
 }
 

@@ -17,8 +17,9 @@ inline constexpr std::uint32_t no_triangle = std::numeric_limits<std::uint32_t>:
 /// The best place of a search so far.
 struct NearestSlot {
   double sq_distance = std::numeric_limits<double>::max();  ///< what is farther does not count
-  std::uint32_t slot = no_triangle;
-  std::uint32_t first = 0, count = 0;  ///< its leaf
+  std::uint32_t triangle = no_triangle;                     ///< of the mesh
+  std::uint32_t leaf = no_triangle;                         ///< the reference of its leaf
+  std::uint32_t lane = 0;                                   ///< its place there
 };
 
 /// Boxes are single precision and rounded outward, relative to `origin`; corners keep every bit of the mesh.
@@ -31,25 +32,35 @@ struct TriangleTree {
     std::uint32_t child[width];  ///< index of a node, or leaf_ref
     std::uint32_t children;
   };
-  /// A leaf's first slot and its number of triangles in one word.
-  static std::uint32_t leaf_ref(std::uint32_t first, std::uint32_t count) { return 1u << 31 | (count - 1) << 28 | first; }
-  static bool is_leaf(std::uint32_t ref) { return ref >> 31; }
-  static std::uint32_t first_of(std::uint32_t ref) { return ref & ((1u << 28) - 1); }
-  static std::uint32_t count_of(std::uint32_t ref) { return (ref >> 28 & 7) + 1; }
+  /// What precedes the vertices of a leaf. Neighbours share vertices: with each stored once a leaf is less than half
+  /// as large as with three per triangle, and memory is what a search in a large mesh waits for.
+  struct alignas(64) Leaf {
+    std::uint8_t count, vertices;
+    std::uint8_t unused[6];
+    /// The vertices of each triangle, sorted by place, so that two triangles compute an edge that they share with the
+    /// same bits. Lanes from `count` on repeat the last triangle.
+    std::uint8_t corner[3][width];
+    std::uint32_t triangle[width];  ///< of the mesh
+
+    /// Coordinate k of vertex v stands at k * vertices + v.
+    const double* coordinates() const { return reinterpret_cast<const double*>(this + 1); }
+  };
+  static_assert(sizeof(Leaf) == 64);
+  static constexpr std::uint32_t leaf_bit = 1u << 31;
+  static bool is_leaf(std::uint32_t ref) { return ref & leaf_bit; }
   static constexpr std::size_t most_triangles = std::size_t(1) << 28;
 
   Vec3 origin = Vec3::Zero();
-  std::vector<Node> nodes;              ///< the first one is the root; none without triangles
-  /// For the leaf of `count` triangles from slot `first`: coordinate k of corner c of its i-th triangle stands at
-  /// 9 first + (3 c + k) count + i. The corners of a triangle are sorted, so that two triangles compute an edge that
-  /// they share with the same bits.
-  std::unique_ptr<double[]> corners;
-  std::vector<std::uint32_t> triangle;  ///< of the mesh, by slot
+  std::vector<Node> nodes;         ///< the first one is the root; none without triangles
+  std::unique_ptr<Leaf[]> leaves;  ///< in units of their heads: a leaf is one of them and its vertices behind it
+  std::size_t leaf_units = 0;
 
+  const Leaf& leaf(std::uint32_t ref) const { return leaves[ref & ~leaf_bit]; }
   /// Corner c, in sorted order, of the triangle where a search ended.
-  Vec3 corner(const NearestSlot& at, std::size_t c) const {
-    const double* x = corners.get() + 9 * std::size_t(at.first) + 3 * c * at.count + (at.slot - at.first);
-    return {x[0], x[at.count], x[2 * at.count]};
+  Vec3 corner(const NearestSlot& at, std::size_t c) const { return corner(leaf(at.leaf), at.lane, c); }
+  static Vec3 corner(const Leaf& leaf, std::size_t lane, std::size_t c) {
+    const double* x = leaf.coordinates() + leaf.corner[c][lane];
+    return {x[0], x[leaf.vertices], x[2 * std::size_t(leaf.vertices)]};
   }
   std::size_t bytes() const;
 };
