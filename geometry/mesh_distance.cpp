@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::size_t chunk_size = std::size_t(1) << 20;  // queries sorted together
 constexpr std::size_t block_size = 2048;                  // queries of one thread in a row
-constexpr std::size_t batch_size = Frontier::most_queries;
-constexpr double far = 2;  // times the size of a batch: from there its queries have the same triangles in view
+constexpr std::size_t batch_size = 512;                   // queries searched together
 
 /// Where on a triangle the nearest point lies: 0 inside, 1..3 edge k-1, 4..6 corner k-4.
 struct Foot {
@@ -148,19 +147,13 @@ void MeshDistance::for_each_closest(std::span<const Vec3> queries, int threads, 
     parallel_for(order.size(), threads, [&](std::size_t begin, std::size_t end) {
       std::array<Vec3, batch_size> batch;
       std::array<NearestSlot, batch_size> found;
-      NearestSlot best;
       for (std::size_t i = begin; i < end; i += batch_size) {
         const std::size_t count = std::min(batch_size, end - i);
         // Fetched together, the queries wait for memory once and not one after the other.
         Box3 box;
         for (std::size_t k = 0; k < count; ++k) batch[k] = chunk[order[i + k]], box.add(batch[k]);
         ensure(box.low.allFinite() && box.high.allFinite(), "a query is not finite");
-        // No query of the box is farther from the mesh than its centre is, and half the box.
-        best = start_from(parts_->tree, box.center(), best);
-        search_nearest(parts_->tree, box.center(), best);
-        const double size = box.diagonal(), distance = std::sqrt(best.sq_distance);
-        const Frontier frontier = frontier_of(parts_->tree, box, distance + 0.5 * size);
-        search_nearest(parts_->tree, frontier, {batch.data(), count}, distance > far * size ? &best : nullptr, found.data());
+        search_nearest(parts_->tree, {batch.data(), count}, found.data());
         for (std::size_t k = 0; k < count; ++k) take(start + order[i + k], parts_->hit_at(batch[k], found[k], sign));
       }
     }, block_size);

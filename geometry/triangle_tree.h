@@ -79,22 +79,9 @@ struct NearSlot {
 /// Appends every triangle no farther than `distance`, in any order.
 void triangles_within(const TriangleTree& tree, const Vec3& query, double distance, std::vector<NearSlot>& found);
 
-/// The parts of a tree that matter to queries that lie close together.
-struct Frontier {
-  static constexpr int most = 32;
-  static constexpr int most_queries = 32;  ///< that are searched together
-  std::array<TriangleTree::Node, most / TriangleTree::width> blocks;  ///< their boxes as if they were children
-  int used = 0;
-};
-
-/// All within `reach` of a box of queries, as fine as there is room. An answer for a query in the box is complete
-/// when it is no farther than `reach`.
-Frontier frontier_of(const TriangleTree& tree, const Box3& queries, double reach);
-
-/// As search_nearest for each query from nothing, in these parts only; some of them at once take less time than in turn.
-/// `hint`: the answer for a query close by; a good start for queries that are far from the surface and close together.
-void search_nearest(const TriangleTree& tree, const Frontier& frontier, std::span<const Vec3> queries, const NearestSlot* hint,
-                    NearestSlot* best);
+/// As search_nearest for each query from nothing. The closer together those lie that follow each other, the less time
+/// each takes: they share their way down the tree, and what one waits for the others do not.
+void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, NearestSlot* best);
 
 /// `best` as if the leaf of `hint` were all there is; a good start for a query close to the one that ended in `hint`.
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint);
