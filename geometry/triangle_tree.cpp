@@ -305,7 +305,12 @@ class Builder {
     const int count = static_cast<int>(range.size());
     for (int i = 0; i < count; ++i) {
       const std::uint32_t t = items_[range.begin + std::size_t(i)].triangle();
-      head.triangle[i] = t;
+      int at = i;
+      for (; at > 0 && head.triangle[at - 1] > t; --at) head.triangle[at] = head.triangle[at - 1];
+      head.triangle[at] = t;
+    }
+    for (int i = 0; i < count; ++i) {
+      const std::uint32_t t = head.triangle[i];
       std::uint8_t c[3];
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t index = mesh_.triangles[t][std::size_t(k)];

@@ -40,7 +40,7 @@ struct TriangleTree {
     /// The vertices of each triangle, sorted by place, so that two triangles compute an edge that they share with the
     /// same bits. Lanes from `count` on repeat the last triangle.
     std::uint8_t corner[3][width];
-    std::uint32_t triangle[width];  ///< of the mesh
+    std::uint32_t triangle[width];  ///< of the mesh, in order
 
     /// Coordinate k of vertex v stands at k * vertices + v.
     const double* coordinates() const { return reinterpret_cast<const double*>(this + 1); }
