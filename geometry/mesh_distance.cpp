@@ -145,7 +145,7 @@ void MeshDistance::for_each_closest(std::span<const Vec3> queries, int threads, 
     const auto chunk = queries.subspan(start, std::min(chunk_size, queries.size() - start));
     const std::vector<std::uint32_t> order = spatial_order(chunk, threads);
     parallel_for(order.size(), threads, [&](std::size_t begin, std::size_t end) {
-      std::array<Vec3, batch_size> batch;
+      std::array<Vec3, batch_size> batch, points;
       std::array<NearestSlot, batch_size> found;
       for (std::size_t i = begin; i < end; i += batch_size) {
         const std::size_t count = std::min(batch_size, end - i);
@@ -154,7 +154,15 @@ void MeshDistance::for_each_closest(std::span<const Vec3> queries, int threads, 
         for (std::size_t k = 0; k < count; ++k) batch[k] = chunk[order[i + k]], box.add(batch[k]);
         ensure(box.low.allFinite() && box.high.allFinite(), "a query is not finite");
         search_nearest(parts_->tree, {batch.data(), count}, found.data());
-        for (std::size_t k = 0; k < count; ++k) take(start + order[i + k], parts_->hit_at(batch[k], found[k], sign));
+        if (sign == Sign::inside_negative) {
+          for (std::size_t k = 0; k < count; ++k) take(start + order[i + k], parts_->hit_at(batch[k], found[k], sign));
+          continue;
+        }
+        for (std::size_t k = 0; k < count; ++k)
+          ensure(found[k].triangle != no_triangle, "no nearest triangle: the query or the mesh is not finite");
+        nearest_points(parts_->tree, {batch.data(), count}, found.data(), points.data());
+        for (std::size_t k = 0; k < count; ++k)
+          take(start + order[i + k], {std::sqrt(found[k].sq_distance), found[k].triangle, points[k]});
       }
     }, block_size);
   }

@@ -91,15 +91,16 @@ struct Versions {
   decltype(&baseline::search_together) search_together = baseline::search_together;
   decltype(&baseline::leaf) search_leaf = baseline::leaf;
   decltype(&baseline::collect) collect = baseline::collect;
+  decltype(&baseline::feet) feet = baseline::feet;
   Versions() {
 #if PARTSCRIBE_VECTOR_VERSIONS
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
       search = avx512::search, search_together = avx512::search_together, search_leaf = avx512::leaf,
-      collect = avx512::collect;
+      collect = avx512::collect, feet = avx512::feet;
     else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
       search = avx2::search, search_together = avx2::search_together, search_leaf = avx2::leaf,
-      collect = avx2::collect;
+      collect = avx2::collect, feet = avx2::feet;
 #endif
   }
 };
@@ -120,6 +121,10 @@ void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, Nea
   constexpr std::size_t most = std::size_t(most_together) * most_in_view;
   for (std::size_t i = 0; i < queries.size(); i += most)
     versions().search_together(tree, queries.data() + i, static_cast<int>(std::min(most, queries.size() - i)), best + i);
+}
+
+void nearest_points(const TriangleTree& tree, std::span<const Vec3> queries, const NearestSlot* found, Vec3* points) {
+  versions().feet(tree, queries.data(), found, static_cast<int>(queries.size()), points);
 }
 
 void triangles_within(const TriangleTree& tree, const Vec3& query, double distance, std::vector<NearSlot>& found) {

@@ -72,6 +72,9 @@ TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads);
 /// on the mesh and the query alone: not on the tree, on what `best` held, or on the machine's instructions.
 void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best);
 
+/// Where searches ended: the nearest points of the triangles found.
+void nearest_points(const TriangleTree& tree, std::span<const Vec3> queries, const NearestSlot* found, Vec3* points);
+
 struct NearSlot {
   double sq_distance = 0;
   std::uint32_t triangle = 0;
