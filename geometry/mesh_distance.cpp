@@ -150,9 +150,7 @@ void MeshDistance::for_each_closest(std::span<const Vec3> queries, int threads, 
       for (std::size_t i = begin; i < end; i += batch_size) {
         const std::size_t count = std::min(batch_size, end - i);
         // Fetched together, the queries wait for memory once and not one after the other.
-        Box3 box;
-        for (std::size_t k = 0; k < count; ++k) batch[k] = chunk[order[i + k]], box.add(batch[k]);
-        ensure(box.low.allFinite() && box.high.allFinite(), "a query is not finite");
+        for (std::size_t k = 0; k < count; ++k) batch[k] = chunk[order[i + k]];
         search_nearest(parts_->tree, {batch.data(), count}, found.data());
         if (sign == Sign::inside_negative) {
           for (std::size_t k = 0; k < count; ++k) take(start + order[i + k], parts_->hit_at(batch[k], found[k], sign));
