@@ -85,24 +85,33 @@ class Builder {
     const std::size_t task_size = std::max(least_task, count / 64);
     Part top;
     grow(all, top, task_size);
-    std::vector<Part> parts(tasks_.size());
-    parallel_for(tasks_.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) grow(tasks_[i].range, parts[i], 0);
-    }, 1);
-    items_ = {};
-    std::size_t nodes = top.nodes.size(), units = top.leaves.size();
-    for (const auto& part : parts) nodes += part.nodes.size(), units += part.leaves.size();
-    ensure(units + spare < TriangleTree::leaf_bit, "the leaves of a mesh take more than 137 GB");
-    tree_.nodes.reserve(nodes);
-    tree_.leaves = std::make_unique_for_overwrite<TriangleTree::Leaf[]>(units + spare);
-    tree_.leaf_units = units + spare;
+    // More than most meshes need; what is not written to costs nothing.
+    tree_.nodes.reserve(top.nodes.size() + count / 16);
+    tree_.leaves.reserve(count + spare);
     append(top);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      tree_.nodes[tasks_[i].node].child[tasks_[i].lane] = static_cast<std::uint32_t>(tree_.nodes.size());
-      append(parts[i]);
-      parts[i] = {};
+    auto hang = [&](const Task& task, const Part& part) {
+      tree_.nodes[task.node].child[task.lane] = static_cast<std::uint32_t>(tree_.nodes.size());
+      append(part);
+    };
+    if (threads_ == 1) {
+      Part part;  // stays in the cache
+      for (const Task& task : tasks_) {
+        part.nodes.clear(), part.leaves.clear();
+        grow(task.range, part, 0);
+        hang(task, part);
+      }
+    } else {
+      std::vector<Part> parts(tasks_.size());
+      parallel_for(tasks_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) grow(tasks_[i].range, parts[i], 0);
+      }, 1);
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        hang(tasks_[i], parts[i]);
+        parts[i] = {};
+      }
     }
-    std::memset(static_cast<void*>(tree_.leaves.get() + units), 0, spare * sizeof(TriangleTree::Leaf));
+    tree_.leaves.resize(tree_.leaves.size() + spare);
+    ensure(tree_.leaves.size() < TriangleTree::leaf_bit, "the leaves of a mesh take more than 137 GB");
     return std::move(tree_);
   }
 
@@ -124,19 +133,16 @@ class Builder {
   TriangleTree tree_;
   std::vector<Item> items_;
   std::vector<Task> tasks_;
-  std::size_t used_units_ = 0;
 
   /// References within a part count from its own beginning.
   void append(const Part& part) {
-    const auto first_node = static_cast<std::uint32_t>(tree_.nodes.size()), first_unit = static_cast<std::uint32_t>(used_units_);
+    const auto first_node = static_cast<std::uint32_t>(tree_.nodes.size()), first_unit = static_cast<std::uint32_t>(tree_.leaves.size());
     for (auto node : part.nodes) {
       for (std::uint32_t lane = 0; lane < node.children; ++lane)
         node.child[lane] += TriangleTree::is_leaf(node.child[lane]) ? first_unit : first_node;
       tree_.nodes.push_back(node);
     }
-    if (!part.leaves.empty())
-      std::memcpy(static_cast<void*>(tree_.leaves.get() + used_units_), part.leaves.data(), part.leaves.size() * sizeof(TriangleTree::Leaf));
-    used_units_ += part.leaves.size();
+    tree_.leaves.insert(tree_.leaves.end(), part.leaves.begin(), part.leaves.end());
   }
 
   void make_items() {
@@ -355,7 +361,7 @@ class Builder {
 }  // namespace
 
 std::size_t TriangleTree::bytes() const {
-  return nodes.capacity() * sizeof(Node) + leaf_units * sizeof(Leaf);
+  return nodes.size() * sizeof(Node) + leaves.size() * sizeof(Leaf);
 }
 
 TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads) { return Builder(mesh, threads).build(); }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -51,9 +50,8 @@ struct TriangleTree {
   static constexpr std::size_t most_triangles = std::size_t(1) << 28;
 
   Vec3 origin = Vec3::Zero();
-  std::vector<Node> nodes;         ///< the first one is the root; none without triangles
-  std::unique_ptr<Leaf[]> leaves;  ///< in units of their heads: a leaf is one of them and its vertices behind it
-  std::size_t leaf_units = 0;
+  std::vector<Node> nodes;   ///< the first one is the root; none without triangles
+  std::vector<Leaf> leaves;  ///< in units of their heads: a leaf is one of them and its vertices behind it
 
   const Leaf& leaf(std::uint32_t ref) const { return leaves[ref & ~leaf_bit]; }
   /// Corner c, in sorted order, of the triangle where a search ended.
@@ -62,7 +60,7 @@ struct TriangleTree {
     const double* x = leaf.coordinates() + leaf.corner[c][lane];
     return {x[0], x[leaf.vertices], x[2 * std::size_t(leaf.vertices)]};
   }
-  std::size_t bytes() const;
+  std::size_t bytes() const;  ///< in use
 };
 
 /// The same tree for any number of threads.
