@@ -86,55 +86,64 @@ inline unsigned mask_bits(const RealMask& m) { return _mm512_movepi64_mask(std::
 #pragma GCC pop_options
 #endif
 
-/// The widest version that this machine runs.
 struct Versions {
-  decltype(&baseline::search) search = baseline::search;
-  decltype(&baseline::search_together) search_together = baseline::search_together;
-  decltype(&baseline::leaf) search_leaf = baseline::leaf;
-  decltype(&baseline::collect) collect = baseline::collect;
-  decltype(&baseline::feet) feet = baseline::feet;
-  Versions() {
-#if PARTSCRIBE_VECTOR_VERSIONS
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-      search = avx512::search, search_together = avx512::search_together, search_leaf = avx512::leaf,
-      collect = avx512::collect, feet = avx512::feet;
-    else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
-      search = avx2::search, search_together = avx2::search_together, search_leaf = avx2::leaf,
-      collect = avx2::collect, feet = avx2::feet;
-#endif
-  }
+  decltype(&baseline::search) search;
+  decltype(&baseline::search_together) search_together;
+  decltype(&baseline::leaf) search_leaf;
+  decltype(&baseline::collect) collect;
+  decltype(&baseline::feet) feet;
 };
 
-const Versions& versions() {
-  static const Versions chosen;
-  return chosen;
+const Versions& versions(Instructions instructions) {
+#define VERSIONS(set) {set::search, set::search_together, set::leaf, set::collect, set::feet}
+#if PARTSCRIBE_VECTOR_VERSIONS
+  static constexpr Versions all[] = {VERSIONS(baseline), VERSIONS(avx2), VERSIONS(avx512)};
+#else
+  static constexpr Versions all[] = {VERSIONS(baseline), VERSIONS(baseline), VERSIONS(baseline)};
+#endif
+#undef VERSIONS
+  return all[static_cast<std::size_t>(instructions)];
+}
+
+Instructions supported() {
+#if PARTSCRIBE_VECTOR_VERSIONS
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+    return Instructions::avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi")) return Instructions::avx2;
+#endif
+  return Instructions::baseline;
 }
 
 }  // namespace
 
-void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best) {
-  if (!tree.nodes.empty()) versions().search(tree, query, best);
+Instructions widest_instructions() {
+  static const Instructions widest = supported();
+  return widest;
 }
 
-void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, NearestSlot* best) {
+void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best, Instructions instructions) {
+  if (!tree.nodes.empty()) versions(instructions).search(tree, query, best);
+}
+
+void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, NearestSlot* best, Instructions instructions) {
   if (tree.nodes.empty()) return;
   constexpr std::size_t most = std::size_t(most_together) * most_in_view;
   for (std::size_t i = 0; i < queries.size(); i += most)
-    versions().search_together(tree, queries.data() + i, static_cast<int>(std::min(most, queries.size() - i)), best + i);
+    versions(instructions).search_together(tree, queries.data() + i, static_cast<int>(std::min(most, queries.size() - i)), best + i);
 }
 
-void nearest_points(const TriangleTree& tree, std::span<const Vec3> queries, const NearestSlot* found, Vec3* points) {
-  versions().feet(tree, queries.data(), found, static_cast<int>(queries.size()), points);
+void nearest_points(const TriangleTree& tree, std::span<const Vec3> queries, const NearestSlot* found, Vec3* points, Instructions instructions) {
+  versions(instructions).feet(tree, queries.data(), found, static_cast<int>(queries.size()), points);
 }
 
 void triangles_within(const TriangleTree& tree, const Vec3& query, double distance, std::vector<NearSlot>& found) {
-  if (!tree.nodes.empty()) versions().collect(tree, query, distance * distance, found);
+  if (!tree.nodes.empty()) versions(widest_instructions()).collect(tree, query, distance * distance, found);
 }
 
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint) {
   NearestSlot best;
-  if (hint.triangle != no_triangle) versions().search_leaf(tree, query, hint.leaf, best);
+  if (hint.triangle != no_triangle) versions(widest_instructions()).search_leaf(tree, query, hint.leaf, best);
   return best;
 }
 

@@ -28,7 +28,7 @@ struct TriangleTree {
 
   struct alignas(32) Node {
     float low[3][width], high[3][width];
-    std::uint32_t child[width];  ///< index of a node, or leaf_ref
+    std::uint32_t child[width];  ///< index of a node, or with leaf_bit the place of a leaf
     std::uint32_t children;
   };
   /// What precedes the vertices of a leaf. Neighbours share vertices: with each stored once a leaf is less than half
@@ -66,12 +66,19 @@ struct TriangleTree {
 /// The same tree for any number of threads.
 TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads);
 
+/// What searches are compiled for. Answers are the same to the bit.
+enum class Instructions { baseline, avx2, avx512 };
+/// The widest that this machine runs.
+Instructions widest_instructions();
+
 /// Improves `best` by every triangle that is nearer, or as near and of lower index in the mesh. The answer depends
 /// on the mesh and the query alone: not on the tree, on what `best` held, or on the machine's instructions.
-void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best);
+void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best,
+                    Instructions instructions = widest_instructions());
 
 /// Where searches ended: the nearest points of the triangles found.
-void nearest_points(const TriangleTree& tree, std::span<const Vec3> queries, const NearestSlot* found, Vec3* points);
+void nearest_points(const TriangleTree& tree, std::span<const Vec3> queries, const NearestSlot* found, Vec3* points,
+                    Instructions instructions = widest_instructions());
 
 struct NearSlot {
   double sq_distance = 0;
@@ -82,7 +89,9 @@ void triangles_within(const TriangleTree& tree, const Vec3& query, double distan
 
 /// As search_nearest for each query from nothing. The closer together those lie that follow each other, the less time
 /// each takes: they share their way down the tree, and what one waits for the others do not.
-void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, NearestSlot* best);
+/// Every query must be finite.
+void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, NearestSlot* best,
+                    Instructions instructions = widest_instructions());
 
 /// `best` as if the leaf of `hint` were all there is; a good start for a query close to the one that ended in `hint`.
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint);
