@@ -22,7 +22,8 @@ namespace {
 
 constexpr int most_together = 32;  // queries that share a frontier
 constexpr double far = 2;          // times the size of their box: from there queries have the same triangles in view
-constexpr int most_in_view = 16;   // boxes of them whose centres are searched together
+constexpr int most_in_view = 32;   // boxes of them whose centres are searched together
+static_assert(most_in_view <= most_together);
 
 /// The parts of a tree that matter to queries that lie close together.
 struct Frontier {
