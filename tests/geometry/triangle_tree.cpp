@@ -99,6 +99,7 @@ std::vector<Trial> trials() {
     for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   }
   all.push_back({"smaller than a float can be", scaled(waves(16, 1), 1e-42), {}});
+  all.push_back({"squares that are hardly floats", scaled(waves(16, 1), 1e-21), {}});
   all.push_back({"squares that vanish", scaled(waves(12, 1), 1e-170), {}});
   all.push_back({"larger than the square of a float can be", scaled(waves(16, 1), 1e25), {}});
   // Each triangle four times: ties everywhere.
