@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::size_t chunk_size = std::size_t(1) << 20;  // queries sorted together
 constexpr std::size_t block_size = 2048;                  // queries of one thread in a row
-constexpr std::size_t batch_size = Frontier::most_queries;
-constexpr double far = 2;  // times the size of a batch: from there its queries have the same triangles in view
+constexpr std::size_t batch_size = 1024;                  // queries searched together
 
 /// Where on a triangle the nearest point lies: 0 inside, 1..3 edge k-1, 4..6 corner k-4.
 struct Foot {
@@ -73,9 +72,9 @@ struct MeshDistance::Parts {
   }
 
   MeshHit hit_at(const Vec3& query, const NearestSlot& best, Sign sign) const {
-    ensure(best.slot != no_triangle, "no nearest triangle: the query or the mesh is not finite");
+    ensure(best.triangle != no_triangle, "no nearest triangle: the query or the mesh is not finite");
     MeshHit hit;
-    hit.triangle = tree.triangle[best.slot];
+    hit.triangle = best.triangle;
     hit.distance = std::sqrt(best.sq_distance);
     if (sign == Sign::none) {
       // The leaf is at hand; the mesh may be far away in memory.
@@ -111,7 +110,7 @@ std::optional<MeshHit> MeshDistance::closest_within(const Vec3& query, double bo
   NearestSlot best;
   best.sq_distance = std::min(bound * bound, std::numeric_limits<double>::max());
   search_nearest(parts_->tree, query, best);
-  if (best.slot == no_triangle) return std::nullopt;
+  if (best.triangle == no_triangle) return std::nullopt;
   return parts_->hit_at(query, best, Sign::none);
 }
 
@@ -146,22 +145,30 @@ void MeshDistance::for_each_closest(std::span<const Vec3> queries, int threads, 
     const auto chunk = queries.subspan(start, std::min(chunk_size, queries.size() - start));
     const std::vector<std::uint32_t> order = spatial_order(chunk, threads);
     parallel_for(order.size(), threads, [&](std::size_t begin, std::size_t end) {
-      std::array<Vec3, batch_size> batch;
+      std::array<Vec3, batch_size> batch, points;
       std::array<NearestSlot, batch_size> found;
-      NearestSlot best;
       for (std::size_t i = begin; i < end; i += batch_size) {
         const std::size_t count = std::min(batch_size, end - i);
         // Fetched together, the queries wait for memory once and not one after the other.
-        Box3 box;
-        for (std::size_t k = 0; k < count; ++k) batch[k] = chunk[order[i + k]], box.add(batch[k]);
-        ensure(box.low.allFinite() && box.high.allFinite(), "a query is not finite");
-        // No query of the box is farther from the mesh than its centre is, and half the box.
-        best = start_from(parts_->tree, box.center(), best);
-        search_nearest(parts_->tree, box.center(), best);
-        const double size = box.diagonal(), distance = std::sqrt(best.sq_distance);
-        const Frontier frontier = frontier_of(parts_->tree, box, distance + 0.5 * size);
-        search_nearest(parts_->tree, frontier, {batch.data(), count}, distance > far * size ? &best : nullptr, found.data());
-        for (std::size_t k = 0; k < count; ++k) take(start + order[i + k], parts_->hit_at(batch[k], found[k], sign));
+        for (std::size_t k = 0; k < count; ++k) batch[k] = chunk[order[i + k]];
+        search_nearest(parts_->tree, {batch.data(), count}, found.data());
+        if (sign == Sign::inside_negative) {
+          // The mesh itself may be far away in memory.
+          const TriangleMesh& mesh = parts_->mesh;
+          auto known = [&](std::size_t k) { return found[k].triangle != no_triangle; };
+          for (std::size_t k = 0; k < count; ++k)
+            if (known(k)) __builtin_prefetch(&mesh.triangles[found[k].triangle]);
+          for (std::size_t k = 0; k < count; ++k)
+            if (known(k))
+              for (const auto vertex : mesh.triangles[found[k].triangle]) __builtin_prefetch(&mesh.vertices[vertex]);
+          for (std::size_t k = 0; k < count; ++k) take(start + order[i + k], parts_->hit_at(batch[k], found[k], sign));
+          continue;
+        }
+        for (std::size_t k = 0; k < count; ++k)
+          ensure(found[k].triangle != no_triangle, "no nearest triangle: the query or the mesh is not finite");
+        nearest_points(parts_->tree, {batch.data(), count}, found.data(), points.data());
+        for (std::size_t k = 0; k < count; ++k)
+          take(start + order[i + k], {std::sqrt(found[k].sq_distance), found[k].triangle, points[k]});
       }
     }, block_size);
   }
@@ -190,12 +197,9 @@ std::optional<MeshHit> MeshDistance::first_hit(const Vec3& ray_origin, const Vec
     }
     return enter <= leave ? enter : std::numeric_limits<double>::infinity();
   };
-  auto try_leaf = [&](std::uint32_t first, std::uint32_t count) {
-    const double* at = tree.corners.get() + 9 * std::size_t(first);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      auto corner = [&](std::uint32_t c) {
-        return Vec3(at[3 * c * count + i], at[(3 * c + 1) * count + i], at[(3 * c + 2) * count + i]);
-      };
+  auto try_leaf = [&](const TriangleTree::Leaf& leaf) {
+    for (std::size_t i = 0; i < leaf.count; ++i) {
+      auto corner = [&](std::size_t c) { return TriangleTree::corner(leaf, i, c); };
       const Vec3 a = corner(0), ab = corner(1) - a, ac = corner(2) - a, across = direction.cross(ac);
       const double determinant = ab.dot(across);
       if (determinant == 0) continue;
@@ -208,7 +212,7 @@ std::optional<MeshHit> MeshDistance::first_hit(const Vec3& ray_origin, const Vec
       const double v = direction.dot(q) / determinant;
       if (!(v >= -hair && u + v <= 1 + hair)) continue;
       const double t = ac.dot(q) / determinant;
-      const std::uint32_t triangle = tree.triangle[first + i];
+      const std::uint32_t triangle = leaf.triangle[i];
       if (t > 0 && (t < best_t || (t == best_t && triangle < best_triangle))) best_t = t, best_triangle = triangle;
     }
   };
@@ -223,7 +227,7 @@ std::optional<MeshHit> MeshDistance::first_hit(const Vec3& ray_origin, const Vec
     const Pending here = pending[--top];
     if (here.t > best_t) continue;
     if (TriangleTree::is_leaf(here.child)) {
-      try_leaf(TriangleTree::first_of(here.child), TriangleTree::count_of(here.child));
+      try_leaf(tree.leaf(here.child));
       continue;
     }
     const TriangleTree::Node& node = tree.nodes[here.child];

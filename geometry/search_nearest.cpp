@@ -20,9 +20,24 @@
 namespace partscribe {
 namespace {
 
+constexpr int most_together = 32;  // queries that share a frontier
+constexpr double far = 2;          // times the size of their box: from there queries have the same triangles in view
+constexpr int most_in_view = 32;   // boxes of them whose centres are searched together
+static_assert(most_in_view <= most_together);
+
+/// The parts of a tree that matter to queries that lie close together.
+struct Frontier {
+  static constexpr int most = 32;
+  alignas(64) float low[3][most], high[3][most];
+  alignas(64) std::uint32_t child[most];
+  int used;
+};
+
 namespace baseline {
 #define LANES 2
 #define BOXES 4
+#define WIDE 4
+typedef std::int32_t WideMask __attribute__((vector_size(16)));
 typedef std::int32_t FloatMask __attribute__((vector_size(16)));
 typedef std::int64_t RealMask __attribute__((vector_size(16)));
 inline unsigned mask_bits(const FloatMask& m) { return (m[0] & 1u) | (m[1] & 2u) | (m[2] & 4u) | (m[3] & 8u); }
@@ -30,6 +45,7 @@ inline unsigned mask_bits(const RealMask& m) { return static_cast<unsigned>((m[0
 #include "geometry/search_nearest.inc"
 #undef LANES
 #undef BOXES
+#undef WIDE
 }  // namespace baseline
 
 #if PARTSCRIBE_VECTOR_VERSIONS
@@ -38,6 +54,8 @@ inline unsigned mask_bits(const RealMask& m) { return static_cast<unsigned>((m[0
 namespace avx2 {
 #define LANES 4
 #define BOXES 8
+#define WIDE 8
+typedef std::int32_t WideMask __attribute__((vector_size(32)));
 typedef std::int32_t FloatMask __attribute__((vector_size(32)));
 typedef std::int64_t RealMask __attribute__((vector_size(32)));
 inline unsigned mask_bits(const FloatMask& m) { return static_cast<unsigned>(_mm256_movemask_ps(std::bit_cast<__m256>(m))); }
@@ -45,6 +63,7 @@ inline unsigned mask_bits(const RealMask& m) { return static_cast<unsigned>(_mm2
 #include "geometry/search_nearest.inc"
 #undef LANES
 #undef BOXES
+#undef WIDE
 }  // namespace avx2
 #pragma GCC pop_options
 
@@ -53,120 +72,80 @@ inline unsigned mask_bits(const RealMask& m) { return static_cast<unsigned>(_mm2
 namespace avx512 {
 #define LANES 8
 #define BOXES 8
+#define WIDE 16
+typedef std::int32_t WideMask __attribute__((vector_size(64)));
 typedef std::int32_t FloatMask __attribute__((vector_size(32)));
 typedef std::int64_t RealMask __attribute__((vector_size(64)));
 inline unsigned mask_bits(const FloatMask& m) { return static_cast<unsigned>(_mm256_movemask_ps(std::bit_cast<__m256>(m))); }
+inline unsigned mask_bits(const WideMask& m) { return _mm512_movepi32_mask(std::bit_cast<__m512i>(m)); }
 inline unsigned mask_bits(const RealMask& m) { return _mm512_movepi64_mask(std::bit_cast<__m512i>(m)); }
 #include "geometry/search_nearest.inc"
 #undef LANES
 #undef BOXES
+#undef WIDE
 }  // namespace avx512
 #pragma GCC pop_options
 #endif
 
-/// The widest version that this machine runs.
 struct Versions {
-  decltype(&baseline::search) search = baseline::search;
-  decltype(&baseline::search_together) search_together = baseline::search_together;
-  decltype(&baseline::leaf) search_leaf = baseline::leaf;
-  decltype(&baseline::boxes) boxes_within = baseline::boxes;
-  decltype(&baseline::collect) collect = baseline::collect;
-  Versions() {
-#if PARTSCRIBE_VECTOR_VERSIONS
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-      search = avx512::search, search_together = avx512::search_together, search_leaf = avx512::leaf, boxes_within = avx512::boxes,
-      collect = avx512::collect;
-    else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
-      search = avx2::search, search_together = avx2::search_together, search_leaf = avx2::leaf, boxes_within = avx2::boxes,
-      collect = avx2::collect;
-#endif
-  }
+  decltype(&baseline::search) search;
+  decltype(&baseline::search_together) search_together;
+  decltype(&baseline::leaf) search_leaf;
+  decltype(&baseline::collect) collect;
+  decltype(&baseline::feet) feet;
 };
 
-const Versions& versions() {
-  static const Versions chosen;
-  return chosen;
+const Versions& versions(Instructions instructions) {
+#define VERSIONS(set) {set::search, set::search_together, set::leaf, set::collect, set::feet}
+#if PARTSCRIBE_VECTOR_VERSIONS
+  static constexpr Versions all[] = {VERSIONS(baseline), VERSIONS(avx2), VERSIONS(avx512)};
+#else
+  static constexpr Versions all[] = {VERSIONS(baseline), VERSIONS(baseline), VERSIONS(baseline)};
+#endif
+#undef VERSIONS
+  return all[static_cast<std::size_t>(instructions)];
+}
+
+Instructions supported() {
+#if PARTSCRIBE_VECTOR_VERSIONS
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+    return Instructions::avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi")) return Instructions::avx2;
+#endif
+  return Instructions::baseline;
 }
 
 }  // namespace
 
-void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best) {
-  if (!tree.nodes.empty()) versions().search(tree, query, best);
+Instructions widest_instructions() {
+  static const Instructions widest = supported();
+  return widest;
 }
 
-void search_nearest(const TriangleTree& tree, const Frontier& frontier, std::span<const Vec3> queries, const NearestSlot* hint,
-                    NearestSlot* best) {
-  ensure(queries.size() <= Frontier::most_queries, "more queries together than there is room for");
-  versions().search_together(tree, frontier, queries.data(), static_cast<int>(queries.size()), hint, best);
+void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best, Instructions instructions) {
+  if (!tree.nodes.empty()) versions(instructions).search(tree, query, best);
+}
+
+void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, NearestSlot* best, Instructions instructions) {
+  if (tree.nodes.empty()) return;
+  constexpr std::size_t most = std::size_t(most_together) * most_in_view;
+  for (std::size_t i = 0; i < queries.size(); i += most)
+    versions(instructions).search_together(tree, queries.data() + i, static_cast<int>(std::min(most, queries.size() - i)), best + i);
+}
+
+void nearest_points(const TriangleTree& tree, std::span<const Vec3> queries, const NearestSlot* found, Vec3* points, Instructions instructions) {
+  versions(instructions).feet(tree, queries.data(), found, static_cast<int>(queries.size()), points);
 }
 
 void triangles_within(const TriangleTree& tree, const Vec3& query, double distance, std::vector<NearSlot>& found) {
-  if (!tree.nodes.empty()) versions().collect(tree, query, distance * distance, found);
+  if (!tree.nodes.empty()) versions(widest_instructions()).collect(tree, query, distance * distance, found);
 }
 
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint) {
   NearestSlot best;
-  if (hint.slot != no_triangle) versions().search_leaf(tree, query, hint.first, hint.count, best);
+  if (hint.triangle != no_triangle) versions(widest_instructions()).search_leaf(tree, query, hint.leaf, best);
   return best;
-}
-
-Frontier frontier_of(const TriangleTree& tree, const Box3& queries, double reach) {
-  // Boxes are relative to the origin; what is rounded here is covered by a margin.
-  double size = 0;
-  float low[3], high[3];
-  for (int k = 0; k < 3; ++k) {
-    const double l = queries.low[k] - tree.origin[k], h = queries.high[k] - tree.origin[k];
-    size = std::max({size, std::abs(l), std::abs(h)});
-    low[k] = static_cast<float>(l), high[k] = static_cast<float>(h);
-  }
-  const double far = (reach + 2e-7 * size) * (1 + 1e-6);
-  const auto bound = static_cast<float>(far * far);
-
-  struct Entry {
-    const TriangleTree::Node* node;
-    int lane;
-  };
-  std::array<Entry, Frontier::most> entries;
-  int count = 0, next = 0;
-  auto open = [&](const TriangleTree::Node& node) {
-    alignas(32) float sq[TriangleTree::width];
-    unsigned bits = versions().boxes_within(node, low, high, bound, sq);
-    if (count + std::popcount(bits) > Frontier::most) return false;
-    for (; bits; bits &= bits - 1) entries[static_cast<std::size_t>(count++)] = {&node, std::countr_zero(bits)};
-    return true;
-  };
-  open(tree.nodes[0]);
-  // Level by level, as long as there is room: a node gives way to those of its children that are near enough.
-  std::array<Entry, Frontier::most> closed;
-  int leaves = 0;
-  while (next < count) {
-    const Entry entry = entries[static_cast<std::size_t>(next++)];
-    if (!TriangleTree::is_leaf(entry.node->child[entry.lane]) && leaves + (count - next) + TriangleTree::width <= Frontier::most) {
-      // Room is made by moving what is waiting to the front.
-      std::copy(entries.begin() + next, entries.begin() + count, entries.begin());
-      count -= next, next = 0;
-      open(tree.nodes[entry.node->child[entry.lane]]);
-    } else {
-      closed[static_cast<std::size_t>(leaves++)] = entry;
-    }
-  }
-  Frontier frontier;
-  frontier.used = (leaves + TriangleTree::width - 1) / TriangleTree::width;
-  for (int b = 0; b < frontier.used; ++b) {
-    TriangleTree::Node& block = frontier.blocks[static_cast<std::size_t>(b)];
-    const int children = std::min(TriangleTree::width, leaves - b * TriangleTree::width);
-    block.children = static_cast<std::uint32_t>(children);
-    for (int lane = 0; lane < TriangleTree::width; ++lane) {
-      const Entry entry = closed[static_cast<std::size_t>(std::min(b * TriangleTree::width + lane, leaves - 1))];
-      for (int k = 0; k < 3; ++k) {
-        block.low[k][lane] = entry.node->low[k][entry.lane];
-        block.high[k][lane] = entry.node->high[k][entry.lane];
-      }
-      block.child[lane] = entry.node->child[entry.lane];
-    }
-  }
-  return frontier;
 }
 
 }  // namespace partscribe

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "core/ensure.h"
 #include "core/parallel.h"
@@ -12,6 +13,7 @@ namespace partscribe {
 namespace {
 
 constexpr std::size_t few = 48;              // triangles that are sorted into fewer bins
+constexpr std::size_t many = 1024;           // triangles of which not all are sorted into bins
 constexpr int sah_depth = 48;                // below it splits are by count, so that the stack of a search is bounded
 constexpr std::size_t least_task = 8192;     // triangles; smaller subtrees are not worth a task of their own
 
@@ -78,37 +80,48 @@ class Builder {
     if (count == 0) return std::move(tree_);
     ensure(count <= TriangleTree::most_triangles, "a mesh of more than 268 million triangles");
     make_items();
-    tree_.triangle.resize(count);
-    tree_.corners = std::make_unique_for_overwrite<double[]>(9 * count + 16);
-    std::fill_n(tree_.corners.get() + 9 * count, 16, 0.0);  // whole vectors are loaded
     Range all = measured(0, count);
     // The upper levels first; what hangs below them is built by tasks, whose nodes are then put in a row.
     const std::size_t task_size = std::max(least_task, count / 64);
-    std::vector<TriangleTree::Node> top;
+    Part top;
     grow(all, top, task_size);
-    std::vector<std::vector<TriangleTree::Node>> parts(tasks_.size());
-    parallel_for(tasks_.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) grow(tasks_[i].range, parts[i], 0);
-    }, 1);
-    std::size_t total = top.size();
-    for (const auto& part : parts) total += part.size();
-    tree_.nodes.reserve(total);
-    tree_.nodes = std::move(top);
-    tree_.nodes.reserve(total);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const auto offset = static_cast<std::uint32_t>(tree_.nodes.size());
-      tree_.nodes[tasks_[i].node].child[tasks_[i].lane] = offset;
-      for (auto& node : parts[i]) {
-        for (std::uint32_t lane = 0; lane < node.children; ++lane)
-          if (!TriangleTree::is_leaf(node.child[lane])) node.child[lane] += offset;
-        tree_.nodes.push_back(node);
+    // More than most meshes need; what is not written to costs nothing.
+    tree_.nodes.reserve(top.nodes.size() + count / 16);
+    tree_.leaves.reserve(count + spare);
+    append(top);
+    auto hang = [&](const Task& task, const Part& part) {
+      tree_.nodes[task.node].child[task.lane] = static_cast<std::uint32_t>(tree_.nodes.size());
+      append(part);
+    };
+    if (threads_ == 1) {
+      Part part;  // stays in the cache
+      for (const Task& task : tasks_) {
+        part.nodes.clear(), part.leaves.clear();
+        grow(task.range, part, 0);
+        hang(task, part);
       }
-      parts[i] = {};
+    } else {
+      std::vector<Part> parts(tasks_.size());
+      parallel_for(tasks_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) grow(tasks_[i].range, parts[i], 0);
+      }, 1);
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        hang(tasks_[i], parts[i]);
+        parts[i] = {};
+      }
     }
+    tree_.leaves.resize(tree_.leaves.size() + spare);
+    ensure(tree_.leaves.size() < TriangleTree::leaf_bit, "the leaves of a mesh take more than 137 GB");
     return std::move(tree_);
   }
 
  private:
+  static constexpr std::size_t spare = 8;  // behind the last leaf: whole vectors are loaded
+
+  struct Part {
+    std::vector<TriangleTree::Node> nodes;
+    std::vector<TriangleTree::Leaf> leaves;
+  };
   struct Task {
     Range range;
     std::uint32_t node;
@@ -120,6 +133,17 @@ class Builder {
   TriangleTree tree_;
   std::vector<Item> items_;
   std::vector<Task> tasks_;
+
+  /// References within a part count from its own beginning.
+  void append(const Part& part) {
+    const auto first_node = static_cast<std::uint32_t>(tree_.nodes.size()), first_unit = static_cast<std::uint32_t>(tree_.leaves.size());
+    for (auto node : part.nodes) {
+      for (std::uint32_t lane = 0; lane < node.children; ++lane)
+        node.child[lane] += TriangleTree::is_leaf(node.child[lane]) ? first_unit : first_node;
+      tree_.nodes.push_back(node);
+    }
+    tree_.leaves.insert(tree_.leaves.end(), part.leaves.begin(), part.leaves.end());
+  }
 
   void make_items() {
     const Box3 bounds = mesh_.bounds();
@@ -153,9 +177,9 @@ class Builder {
     return range;
   }
 
-  /// Fills `nodes` with the subtree of `range`; children of at least `task_size` are grown too, smaller ones become
+  /// Fills `into` with the subtree of `range`; children of at least `task_size` are grown too, smaller ones become
   /// tasks (0: everything is grown). Returns its node.
-  std::uint32_t grow(const Range& range, std::vector<TriangleTree::Node>& nodes, std::size_t task_size) {
+  std::uint32_t grow(const Range& range, Part& into, std::size_t task_size) {
     std::array<Range, TriangleTree::width> child;
     int children = 1;
     child[0] = range;
@@ -173,8 +197,8 @@ class Builder {
       if (parent.size() < few) split<6>(parent, child[widest], child[children++]);
       else split<16>(parent, child[widest], child[children++]);
     }
-    const auto index = static_cast<std::uint32_t>(nodes.size());
-    nodes.emplace_back();
+    const auto index = static_cast<std::uint32_t>(into.nodes.size());
+    into.nodes.emplace_back();
     TriangleTree::Node node{};
     node.children = static_cast<std::uint32_t>(children);
     for (int lane = 0; lane < TriangleTree::width; ++lane)
@@ -185,15 +209,14 @@ class Builder {
     for (int lane = 0; lane < children; ++lane) {
       const Range& part = child[lane];
       if (part.size() <= TriangleTree::width) {
-        make_leaf(part.begin, part.size());
-        node.child[lane] = TriangleTree::leaf_ref(static_cast<std::uint32_t>(part.begin), static_cast<std::uint32_t>(part.size()));
+        node.child[lane] = make_leaf(part, into.leaves);
       } else if (part.size() < task_size) {
         tasks_.push_back({part, index, lane});
       } else {
-        node.child[lane] = grow(part, nodes, task_size);
+        node.child[lane] = grow(part, into, task_size);
       }
     }
-    nodes[index] = node;
+    into.nodes[index] = node;
     return index;
   }
 
@@ -216,7 +239,10 @@ class Builder {
       }
       Box boxes[3][bins];
       std::uint32_t counts[3][bins] = {};
-      for (std::size_t i = range.begin; i < range.end; ++i) {
+      // Of very many, some tell where to cut.
+      const std::size_t step = range.size() < many ? 1 : range.size() < 8 * many ? 4 : 16;
+      const auto total = static_cast<std::uint32_t>((range.size() + step - 1) / step);
+      for (std::size_t i = range.begin; i < range.end; i += step) {
         const Item& item = items_[i];
         for (int n = 0; n < axis_count; ++n) {
           const int axis = axes[n];
@@ -240,7 +266,7 @@ class Builder {
         for (int b = 0; b + 1 < bins; ++b) {
           box.add(boxes[axis][b].low, boxes[axis][b].high);
           count += counts[axis][b];
-          if (count == 0 || count == range.size()) continue;
+          if (count == 0 || count == total) continue;
           const float cost = box.half_area() * static_cast<float>(count) + right_cost[b + 1];
           if (cost < best_cost) best_cost = cost, best_axis = axis, best_bin = b;
         }
@@ -278,25 +304,64 @@ class Builder {
     return std::clamp(static_cast<int>((item.twice_center(axis) - low) * scale), 0, bins - 1);
   }
 
-  void make_leaf(std::size_t first, std::size_t count) {
-    double* at = tree_.corners.get() + 9 * first;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t t = items_[first + i].triangle();
-      tree_.triangle[first + i] = t;
-      const auto& corner = mesh_.triangles[t];
-      const Vec3* c[3] = {&mesh_.vertices[corner[0]], &mesh_.vertices[corner[1]], &mesh_.vertices[corner[2]]};
-      if (lexicographically_less(*c[1], *c[0])) std::swap(c[0], c[1]);
-      if (lexicographically_less(*c[2], *c[1])) std::swap(c[1], c[2]);
-      if (lexicographically_less(*c[1], *c[0])) std::swap(c[0], c[1]);
-      for (int k = 0; k < 9; ++k) at[std::size_t(k) * count + i] = (*c[k / 3])[k % 3];
+  std::uint32_t make_leaf(const Range& range, std::vector<TriangleTree::Leaf>& leaves) const {
+    constexpr int width = TriangleTree::width;
+    TriangleTree::Leaf head{};
+    // Vertices by index first; what stands at the same place is one vertex even where a mesh is not welded.
+    std::uint32_t known[3 * width];
+    Vec3 place[3 * width];
+    int indices = 0, vertices = 0;
+    std::uint8_t vertex_of[3 * width];
+    const int count = static_cast<int>(range.size());
+    for (int i = 0; i < count; ++i) {
+      const std::uint32_t t = items_[range.begin + std::size_t(i)].triangle();
+      int at = i;
+      for (; at > 0 && head.triangle[at - 1] > t; --at) head.triangle[at] = head.triangle[at - 1];
+      head.triangle[at] = t;
     }
+    for (int i = 0; i < count; ++i) {
+      const std::uint32_t t = head.triangle[i];
+      std::uint8_t c[3];
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t index = mesh_.triangles[t][std::size_t(k)];
+        int at = 0;
+        while (at < indices && known[at] != index) ++at;
+        if (at == indices) {
+          known[indices] = index;
+          place[vertices] = mesh_.vertices[index];
+          int same = 0;
+          while (std::memcmp(&place[same], &place[vertices], sizeof(Vec3)) != 0) ++same;
+          vertex_of[indices++] = static_cast<std::uint8_t>(same);
+          vertices += same == vertices;
+        }
+        c[k] = vertex_of[at];
+      }
+      auto sort = [&](std::uint8_t& a, std::uint8_t& b) {
+        if (lexicographically_less(place[b], place[a])) std::swap(a, b);
+      };
+      sort(c[0], c[1]), sort(c[1], c[2]), sort(c[0], c[1]);
+      for (int k = 0; k < 3; ++k) head.corner[k][i] = c[k];
+    }
+    for (int i = count; i < width; ++i) {
+      head.triangle[i] = head.triangle[count - 1];
+      for (auto& corner : head.corner) corner[i] = corner[count - 1];
+    }
+    head.count = static_cast<std::uint8_t>(count), head.vertices = static_cast<std::uint8_t>(vertices);
+    const std::size_t first = leaves.size(), units = (3 * sizeof(double) * std::size_t(vertices) + sizeof head - 1) / sizeof head;
+    leaves.resize(first + 1 + units);
+    leaves[first] = head;
+    double coordinates[9 * width];
+    for (int v = 0; v < vertices; ++v)
+      for (int k = 0; k < 3; ++k) coordinates[k * vertices + v] = place[v][k];
+    std::memcpy(static_cast<void*>(&leaves[first + 1]), coordinates, 3 * sizeof(double) * std::size_t(vertices));
+    return TriangleTree::leaf_bit | static_cast<std::uint32_t>(first);
   }
 };
 
 }  // namespace
 
 std::size_t TriangleTree::bytes() const {
-  return nodes.capacity() * sizeof(Node) + triangle.size() * (9 * sizeof(double) + sizeof(std::uint32_t));
+  return nodes.size() * sizeof(Node) + leaves.size() * sizeof(Leaf);
 }
 
 TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads) { return Builder(mesh, threads).build(); }

@@ -37,9 +37,9 @@ class Search {
     // The triangles where the last query ended bound this one from the start.
     slot_ = start_from(parts_.tree, query, slot_);
     search_nearest(parts_.tree, query, slot_);
-    ensure(slot_.slot != no_triangle, "a query is not finite");
+    ensure(slot_.triangle != no_triangle, "a query is not finite");
     const double nearest = std::sqrt(slot_.sq_distance);
-    try_triangle(parts_.tree.triangle[slot_.slot]);
+    try_triangle(slot_.triangle);
     // Whatever can hold a nearer place lies within this reach of the mesh.
     double reach = std::min(best_, nearest + parts_.most_slack) + parts_.most_slack;
     for (;;) {
