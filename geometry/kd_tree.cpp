@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/ensure.h"
+#include "core/large_memory.h"
 #include "core/parallel.h"
 #include "geometry/kd_leaves.h"
 
@@ -117,8 +118,8 @@ struct Scratch {
 
 struct KdTree::Tree {
   std::size_t finite = 0;
-  std::vector<Leaf> leaves;
-  std::vector<Node> nodes;
+  LargeVector<Leaf> leaves;
+  LargeVector<Node> nodes;
 
   struct Item {
     Vec3 point;
@@ -126,7 +127,7 @@ struct KdTree::Tree {
   };
 
   explicit Tree(const std::vector<Vec3>& points) {
-    std::vector<Item> items;
+    LargeVector<Item> items;
     items.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       if (points[i].allFinite()) items.push_back({points[i], static_cast<std::uint32_t>(i)});
@@ -136,7 +137,7 @@ struct KdTree::Tree {
     if (finite > 0) build(items, 0, leaves.size());
   }
 
-  std::uint32_t build(std::vector<Item>& items, std::size_t first, std::size_t last) {
+  std::uint32_t build(LargeVector<Item>& items, std::size_t first, std::size_t last) {
     const auto begin = items.begin() + static_cast<std::ptrdiff_t>(first * leaf_size);
     const auto end = items.begin() + static_cast<std::ptrdiff_t>(std::min(last * leaf_size, items.size()));
     Box3 box;

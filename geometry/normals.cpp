@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/ensure.h"
+#include "core/large_memory.h"
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
@@ -202,8 +203,8 @@ Nodes averaged(const Ordered& in, double spacing) {
 struct Neighbourhoods {
   std::size_t rows = 0;                // neighbours of each at most, itself the first
   std::vector<std::uint32_t> order;    // the point of a place
-  std::vector<PlaneNode> nodes;        // by place, filled up to whole blocks, and one that is nobody's neighbour
-  std::vector<std::uint32_t> links;    // by block; places
+  LargeVector<PlaneNode> nodes;        // by place, filled up to whole blocks, and one that is nobody's neighbour
+  LargeVector<std::uint32_t> links;    // by block; places
   std::vector<double> sq_reach;        // of the farthest neighbour
   std::vector<float> third;            // distance of the third neighbour
   double spacing = 0;
@@ -280,7 +281,7 @@ void weighted_normals(Neighbourhoods& near, std::size_t rows, const std::vector<
   struct Planes {
     double x[plane_block], y[plane_block], z[plane_block], spread[plane_block];
   };
-  std::vector<Planes> next(near.blocks());
+  LargeVector<Planes> next(near.blocks());
   std::vector<std::uint8_t> resting(near.blocks(), 0);
   rows = std::min(rows, near.rows);
   constexpr std::size_t together = 128;
@@ -318,11 +319,12 @@ void weighted_normals(Neighbourhoods& near, std::size_t rows, const std::vector<
   }
 }
 
-std::vector<Vec3> normals_of(const Neighbourhoods& near) {
-  std::vector<Vec3> result(near.order.size());
-  for (std::size_t k = 0; k < near.order.size(); ++k)
-    result[near.order[k]] = Vec3(near.nodes[k].nx, near.nodes[k].ny, near.nodes[k].nz);
-  return result;
+/// Fills in those that are zero.
+void complete(const Neighbourhoods& near, std::vector<Vec3>& normals) {
+  for (std::size_t k = 0; k < near.order.size(); ++k) {
+    Vec3& normal = normals[near.order[k]];
+    if (!(normal.squaredNorm() > 0)) normal = Vec3(near.nodes[k].nx, near.nodes[k].ny, near.nodes[k].nz);
+  }
 }
 
 /// Every point takes the normal of the node whose plane it lies on best, averaged with like-minded ones nearby.
@@ -371,7 +373,7 @@ std::vector<std::uint8_t> outliers(Neighbourhoods& near, const std::vector<Vec3>
   }
   // 0.05 rad: what the normals themselves may be wrong by. Normals of a mesh's vertices are means over its edges, so
   // any of the planes may hold.
-  const SupportRule rule{sigmas * sigma, 0.05, given};
+  const SupportRule rule{sigmas * sigma, 0.05, given, needed};
   parallel_for(near.blocks(), threads, [&](std::size_t begin, std::size_t end) {
     double support[plane_block];
     std::array<float, looked_at> around;
@@ -437,11 +439,10 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
       const double radius = std::max(by_count, std::min(by_noise, usual_size(in.points) / 50));
       const double in_radius = pi * radius * radius / (level.pitch * level.pitch);
       const auto slope_error = [&](double reach, double points) { return 2 * level.sigma / (reach * std::sqrt(points)); };
-      std::vector<Vec3> found;
       if (radius < 1.45 * by_count) {
         if (near.rows == 0) near = close(neighbours);
         weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours), options.rounds, context.threads);
-        found = normals_of(near);
+        complete(near, normals);
       } else {
         const double spacing = radius / 3.2;
         Nodes nodes = averaged(in, spacing);
@@ -449,13 +450,11 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
         Neighbourhoods around = neighbourhoods(nodes.points, node_tree, 72, 72, radius, context.threads);
         for (std::size_t k = 0; k < around.order.size(); ++k) around.nodes[k].weight = nodes.weights[around.order[k]];
         weighted_normals(around, 72, nodes.rays, level.sigma, slope_error(radius, in_radius), options.rounds, context.threads);
-        nodes.normals = normals_of(around);
-        found = normals_from_nodes(in, nodes, node_tree, spacing, level.sigma, context.threads);
-      }
-      for (std::size_t i = 0; i < found.size(); ++i) {
-        if (normals[i].squaredNorm() > 0) continue;
-        normals[i] = found[i];
-        if (!in.rays.empty() && normals[i].dot(in.rays[i]) > 0) normals[i] = -normals[i];
+        nodes.normals.assign(nodes.points.size(), Vec3::Zero());
+        complete(around, nodes.normals);
+        const auto found = normals_from_nodes(in, nodes, node_tree, spacing, level.sigma, context.threads);
+        for (std::size_t i = 0; i < found.size(); ++i)
+          if (!(normals[i].squaredNorm() > 0)) normals[i] = !in.rays.empty() && found[i].dot(in.rays[i]) > 0 ? Vec3(-found[i]) : found[i];
       }
     }
     context.report("normals", 0.8);

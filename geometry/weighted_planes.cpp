@@ -21,6 +21,7 @@ namespace baseline {
 #define LANES 2
 typedef double Pair __attribute__((vector_size(16)));
 inline Pair root(const Pair& x) { return Pair{std::sqrt(x[0]), std::sqrt(x[1])}; }
+inline bool none_below(const Pair& a, const Pair& b) { return a[0] >= b[0] && a[1] >= b[1]; }
 #include "geometry/weighted_planes.inc"
 #undef LANES
 }  // namespace baseline
@@ -31,6 +32,7 @@ inline Pair root(const Pair& x) { return Pair{std::sqrt(x[0]), std::sqrt(x[1])};
 namespace avx2 {
 #define LANES 4
 inline __m256d root(const __m256d& x) { return _mm256_sqrt_pd(x); }
+inline bool none_below(const __m256d& a, const __m256d& b) { return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ)) == 0; }
 #include "geometry/weighted_planes.inc"
 #undef LANES
 }  // namespace avx2
@@ -41,6 +43,7 @@ inline __m256d root(const __m256d& x) { return _mm256_sqrt_pd(x); }
 namespace avx512 {
 #define LANES 8
 inline __m512d root(const __m512d& x) { return _mm512_sqrt_pd(x); }
+inline bool none_below(const __m512d& a, const __m512d& b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ) == 0; }
 #include "geometry/weighted_planes.inc"
 #undef LANES
 }  // namespace avx512

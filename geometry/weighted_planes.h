@@ -46,6 +46,7 @@ struct SupportRule {
   double tolerance;   ///< mm from the plane
   double slope;       ///< and this much for each mm of distance
   bool either_plane;  ///< one of the two planes is enough
+  double needed;      ///< counting ends when all eight have so many
 };
 
 /// How many of the neighbours in rows [1, rows) lie on one surface with each of eight nodes: the plane whose normal is

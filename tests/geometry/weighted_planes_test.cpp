@@ -123,7 +123,7 @@ TEST_CASE("weighted planes: points of a plane without noise give its normal, and
 TEST_CASE("weighted planes: support is counted as the rule says, point by point") {
   for (const bool either : {true, false}) {
     const Sheet sheet(60, 13, 0.1, 5);
-    const SupportRule rule{0.1, 0.05, either};
+    const SupportRule rule{0.1, 0.05, either, 100};
     double support[plane_block];
     count_support(sheet.block(), rule, support);
     double all = 0;
@@ -141,6 +141,9 @@ TEST_CASE("weighted planes: support is counted as the rule says, point by point"
       CHECK(support[i] == expected);
       all += support[i];
     }
+    double enough[plane_block];
+    count_support(sheet.block(), {0.1, 0.05, either, 3}, enough);
+    for (std::size_t i = 0; i < plane_block; ++i) CHECK((enough[i] >= 3) == (support[i] >= 3));
     CHECK(all > 10);
     CHECK(all < 12 * 8 - 10);
   }
