@@ -169,7 +169,7 @@ struct KdTree::Tree {
   /// The nearest of all points of one leaf. Each reaches about as far as the one before, so that is tried first.
   void nearest_of_leaf(std::size_t number, std::size_t count, Scratch& scratch,
                        const std::function<void(std::uint32_t, std::span<const Neighbour>)>& use) const {
-    constexpr double margin = 1.25, far = 8;  // of squared distances
+    constexpr double margin = 1.2, far = 8;  // of squared distances
     auto& [c, boxes, complete, sq_reach, list] = scratch;
     const Leaf& leaf = leaves[number];
     const std::size_t size = std::min(finite - number * leaf_size, leaf_size);

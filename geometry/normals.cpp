@@ -119,7 +119,9 @@ QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Ne
 }
 
 /// The noise along the normal and the pitch, from the smallest neighbourhoods that are wider than the noise is thick.
-Level sampling_level(const std::vector<Vec3>& points, const KdTree& tree, int threads) {
+/// `nearest(i, count, list)` gives the neighbours of a point, itself among them.
+template <class Nearest>
+Level sampling_level(const std::vector<Vec3>& points, const Nearest& nearest, int threads) {
   Level best;
   for (std::size_t count = 14; count <= 1000 && count <= points.size(); count *= 2) {
     const auto chosen = sample(points.size(), count < 200 ? 1200 : 400);
@@ -129,7 +131,7 @@ Level sampling_level(const std::vector<Vec3>& points, const KdTree& tree, int th
         [&](std::size_t begin, std::size_t end) {
           std::vector<Neighbour> near;
           for (std::size_t i = begin; i < end; ++i) {
-            tree.nearest(points[chosen[i]], count, near);
+            nearest(chosen[i], count, near);
             scales[i] = quadric_scale(points, near, count);
           }
         },
@@ -203,6 +205,7 @@ Nodes averaged(const Ordered& in, double spacing) {
 struct Neighbourhoods {
   std::size_t rows = 0;                // neighbours of each at most, itself the first
   std::vector<std::uint32_t> order;    // the point of a place
+  std::vector<std::uint32_t> place;    // of a point
   LargeVector<PlaneNode> nodes;        // by place, filled up to whole blocks, and one that is nobody's neighbour
   LargeVector<std::uint32_t> links;    // by block; places
   std::vector<double> sq_reach;        // of the farthest neighbour
@@ -212,6 +215,17 @@ struct Neighbourhoods {
   std::size_t blocks() const { return sq_reach.size() / plane_block; }
   PlaneBlock block(std::size_t b, std::size_t count) const {
     return {nodes.data(), b * plane_block, links.data() + b * plane_block * rows, count};
+  }
+  /// The first `count` of the neighbours of a point; there are so many.
+  void nearest(std::uint32_t point, std::size_t count, std::vector<Neighbour>& result) const {
+    result.clear();
+    const std::size_t own = place[point];
+    const std::uint32_t* link = links.data() + own / plane_block * plane_block * rows + own % plane_block;
+    for (std::size_t k = 0; k < count; ++k) {
+      const PlaneNode& other = nodes[link[plane_block * k]];
+      const double x = nodes[own].x - other.x, y = nodes[own].y - other.y, z = nodes[own].z - other.z;
+      result.push_back({order[link[plane_block * k]], x * x + y * y + z * z});
+    }
   }
 };
 
@@ -226,7 +240,8 @@ Neighbourhoods neighbourhoods(const std::vector<Vec3>& points, const KdTree& tre
   result.links.assign(padded * rows, static_cast<std::uint32_t>(padded));
   result.sq_reach.assign(padded, 0);
   result.third.assign(padded, 0);
-  std::vector<std::uint32_t> place(n);
+  std::vector<std::uint32_t>& place = result.place;
+  place.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
     const Vec3& p = points[result.order[k]];
     place[result.order[k]] = static_cast<std::uint32_t>(k);
@@ -427,10 +442,18 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
     const auto close = [&](std::size_t count) {
       return neighbourhoods(in.points, tree, std::max(count, looked_at + 1), count, 0, context.threads);
     };
+    // Of a small cloud the samples are a good part: their neighbours are found with those of all others.
+    constexpr std::size_t small = 50000;
     Neighbourhoods near;
-    Level level = sampling_level(in.points, tree, context.threads);
+    if (in.points.size() < small) near = close(neighbours);
+    const auto nearest = [&](std::uint32_t i, std::size_t count, std::vector<Neighbour>& found) {
+      if (count <= near.rows) near.nearest(i, count, found);
+      else tree.nearest(in.points[i], count, found);
+    };
+    Level level = sampling_level(in.points, nearest, context.threads);
     summary.sigma = level.sigma;
-    if (level.pitch == 0) near = close(neighbours), level.pitch = near.spacing;
+    if (level.pitch == 0 && near.rows == 0) near = close(neighbours);
+    if (level.pitch == 0) level.pitch = near.spacing;
     if (!all_known) {
       // Radius: `neighbours` points, five times the noise, and noise that turns a plane by less than 0.03 rad (slope
       // error sigma / (r / 2 sqrt(points in r))); a fixed number of points fails where they are dense and noisy.

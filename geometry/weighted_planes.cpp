@@ -43,6 +43,9 @@ inline bool none_below(const __m256d& a, const __m256d& b) { return _mm256_movem
 namespace avx512 {
 #define LANES 8
 inline __m512d root(const __m512d& x) { return _mm512_sqrt_pd(x); }
+inline __m512d halves(const double* low, const double* high) {
+  return _mm512_mask_broadcast_f64x4(_mm512_maskz_broadcast_f64x4(0x0f, _mm256_loadu_pd(low)), 0xf0, _mm256_loadu_pd(high));
+}
 inline bool none_below(const __m512d& a, const __m512d& b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ) == 0; }
 #include "geometry/weighted_planes.inc"
 #undef LANES
