@@ -13,6 +13,7 @@
 
 // Vectors stay inside this file; how they would be passed between files does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
+#pragma GCC diagnostic ignored "-Wuninitialized"  // what the compiler's own header leaves open on purpose
 
 namespace partscribe {
 namespace {
@@ -44,7 +45,7 @@ namespace avx512 {
 #define LANES 8
 inline __m512d root(const __m512d& x) { return _mm512_sqrt_pd(x); }
 inline __m512d halves(const double* low, const double* high) {
-  return _mm512_mask_broadcast_f64x4(_mm512_maskz_broadcast_f64x4(0x0f, _mm256_loadu_pd(low)), 0xf0, _mm256_loadu_pd(high));
+  return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1);
 }
 inline bool none_below(const __m512d& a, const __m512d& b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ) == 0; }
 #include "geometry/weighted_planes.inc"
