@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/ensure.h"
+#include "core/large_memory.h"
 
 namespace partscribe {
 namespace {
@@ -47,13 +48,13 @@ std::uint64_t key_of(double x) {
 }
 
 /// By counting digits, the last first.
-void sort_by_key(std::vector<Keyed>& items) {
+void sort_by_key(LargeVector<Keyed>& items) {
   constexpr int digits = 6, bits = 11;
   constexpr std::size_t values = std::size_t(1) << bits;
   std::vector<std::uint32_t> counts(digits * values, 0);
   for (const Keyed& item : items)
     for (int d = 0; d < digits; ++d) ++counts[d * values + (item.key >> (bits * d) & (values - 1))];
-  std::vector<Keyed> other(items.size());
+  LargeVector<Keyed> other(items.size());
   for (int d = 0; d < digits; ++d) {
     std::uint32_t* const from = counts.data() + d * values;
     if (from[items.front().key >> (bits * d) & (values - 1)] == items.size()) continue;  // all alike
@@ -70,7 +71,7 @@ void sort_by_coordinates(const std::vector<Vec3>& points, std::vector<std::uint3
     return c != 0 ? c < 0 : a < b;
   };
   if (order.size() < 2000) return std::sort(order.begin(), order.end(), before);
-  std::vector<Keyed> items(order.size());
+  LargeVector<Keyed> items(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) items[k] = {key_of(points[order[k]].x()), order[k]};
   sort_by_key(items);
   // Equal ones: all points of a column of an image have one x.
