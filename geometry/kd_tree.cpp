@@ -6,31 +6,20 @@
 #include <limits>
 
 #include "core/ensure.h"
+#include "core/large_memory.h"
 #include "core/parallel.h"
+#include "geometry/kd_leaves.h"
 
 namespace partscribe {
 namespace {
 
-constexpr std::size_t leaf_size = 16;
+using Leaf = KdLeaf;
+constexpr std::size_t leaf_size = Leaf::size;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool nearer(const Neighbour& a, const Neighbour& b) {
   return a.sq_distance != b.sq_distance ? a.sq_distance < b.sq_distance : a.index < b.index;
 }
-
-/// The points of one leaf by coordinate; what is not filled lies at infinity.
-struct Leaf {
-  std::array<double, leaf_size> x, y, z;
-  std::array<std::uint32_t, leaf_size> index;
-
-  void sq_distances(const Vec3& p, double* result) const {
-    const double px = p.x(), py = p.y(), pz = p.z();
-    for (std::size_t k = 0; k < leaf_size; ++k) {
-      const double dx = px - x[k], dy = py - y[k], dz = pz - z[k];
-      result[k] = dx * dx + dy * dy + dz * dz;
-    }
-  }
-};
 
 /// Boxes are looked at in pairs of coordinates: comparisons that the compiler turns into jumps cost half of a search.
 typedef double Two __attribute__((vector_size(16)));
@@ -92,94 +81,45 @@ class Nearest {
   double worst_ = std::numeric_limits<double>::max();  // so that what lies at infinity is never added
 };
 
-/// Points that may be among the nearest.
-struct Candidates {
-  std::vector<double> sq_distance;  // filled up with infinity
-  std::vector<std::uint32_t> index, place;
-  std::size_t size = 0;
-
-  void reserve(std::size_t count) {
-    if (index.size() >= count + leaf_size) return;
-    sq_distance.resize(2 * count + leaf_size), index.resize(2 * count + leaf_size);
-  }
-  /// Those of a leaf that are not farther than `limit`; without branches, for nobody can foretell which.
-  void add(const Leaf& leaf, const Vec3& query, double limit) {
-    double distances[leaf_size];
-    leaf.sq_distances(query, distances);
-    std::size_t at = size;
-    double* const to = sq_distance.data();
-    std::uint32_t* const from = index.data();
-    for (std::size_t k = 0; k < leaf_size; ++k) {
-      to[at] = distances[k], from[at] = leaf.index[k];
-      at += distances[k] <= limit;
-    }
-    size = at;
-  }
-};
-
-/// How many candidates are nearer than each: without branches, four at a time.
-__attribute__((always_inline)) inline void count_nearer(const Candidates& c, std::uint32_t* place) {
-  typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
-  typedef long long Counts __attribute__((vector_size(32)));
-  const double* const d = c.sq_distance.data();
-  for (std::size_t i = 0; i < c.size; ++i) {
-    const Four own = {d[i], d[i], d[i], d[i]};
-    Counts count{};
-    for (std::size_t j = 0; j < c.size; j += 4) count -= *reinterpret_cast<const Four*>(d + j) < own;
-    place[i] = static_cast<std::uint32_t>(count[0] + count[1] + count[2] + count[3]);
-  }
-}
-void count_nearer_plain(const Candidates& c, std::uint32_t* place) { count_nearer(c, place); }
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void count_nearer_avx2(const Candidates& c, std::uint32_t* place) { count_nearer(c, place); }
-#endif
-void count_nearer_best(const Candidates& c, std::uint32_t* place) {
-#if defined(__x86_64__)
-  static const bool wide = __builtin_cpu_supports("avx2");
-  if (wide) return count_nearer_avx2(c, place);
-#endif
-  count_nearer_plain(c, place);
-}
-
-/// The nearest `count` of the candidates, nearest first.
-void take_nearest(Candidates& c, std::size_t count, std::vector<Neighbour>& list) {
-  constexpr std::size_t most_counted = 400;  // beyond, sorting is faster
-  if (c.size > most_counted) {
-    list.resize(c.size);
+/// Puts the nearest `count` of the candidates first in the list, nearest first; what follows them there means nothing.
+void take_nearest(KdCandidates& c, std::size_t count, std::vector<Neighbour>& list) {
+  constexpr std::size_t most_ranked = 400;  // beyond, sorting is faster
+  if (list.size() < c.size) list.resize(c.size);
+  if (c.size > most_ranked) {
+    const auto first = list.begin(), last = first + static_cast<std::ptrdiff_t>(count);
     for (std::size_t k = 0; k < c.size; ++k) list[k] = {c.index[k], c.sq_distance[k]};
-    std::nth_element(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(count - 1), list.end(), nearer);
-    std::sort(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(count), nearer);
-    list.resize(count);
-    return;
+    std::nth_element(first, last - 1, first + static_cast<std::ptrdiff_t>(c.size), nearer);
+    std::sort(first, last, nearer);
+  } else if (rank_candidates(c)) {
+    for (std::size_t k = 0; k < c.size; ++k) list[c.place[k]] = {c.index[k], c.sq_distance[k]};
+  } else {
+    // Equally far ones share a place: they move on to the free ones behind it, and are put in order of their indices.
+    constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
+    for (std::size_t k = 0; k < c.size; ++k) list[k].index = nobody;
+    for (std::size_t k = 0; k < c.size; ++k) {
+      std::size_t at = c.place[k];
+      while (list[at].index != nobody) ++at;
+      const Neighbour item{c.index[k], c.sq_distance[k]};
+      for (; at > c.place[k] && list[at - 1].index > item.index; --at) list[at] = list[at - 1];
+      list[at] = item;
+    }
   }
-  for (std::size_t k = c.size; k < c.size + 4; ++k) c.sq_distance[k] = infinity;
-  c.place.resize(c.size);
-  count_nearer_best(c, c.place.data());
-  // Equally far ones share a place: they move on to free ones, and are put in order of their indices.
-  constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-  list.assign(c.size, {nobody, 0});
-  bool ties = false;
-  for (std::size_t k = 0; k < c.size; ++k) {
-    std::size_t at = c.place[k];
-    while (list[at].index != nobody) ++at, ties = true;
-    list[at] = {c.index[k], c.sq_distance[k]};
-  }
-  if (ties) std::sort(list.begin(), list.end(), nearer);
-  list.resize(count);
 }
 
 struct Scratch {
-  Candidates candidates;
+  KdCandidates candidates;
+  KdBoxes boxes;               // of leaves near the one that is asked
+  double complete = -1;        // squared distance up to which they are all there
+  double sq_reach = -1;        // of the point asked last
   std::vector<Neighbour> list;
-  std::vector<std::uint32_t> others, chosen;  // nodes, leaves
 };
 
 }  // namespace
 
 struct KdTree::Tree {
   std::size_t finite = 0;
-  std::vector<Leaf> leaves;
-  std::vector<Node> nodes;
+  LargeVector<Leaf> leaves;
+  LargeVector<Node> nodes;
 
   struct Item {
     Vec3 point;
@@ -187,7 +127,7 @@ struct KdTree::Tree {
   };
 
   explicit Tree(const std::vector<Vec3>& points) {
-    std::vector<Item> items;
+    LargeVector<Item> items;
     items.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       if (points[i].allFinite()) items.push_back({points[i], static_cast<std::uint32_t>(i)});
@@ -197,7 +137,7 @@ struct KdTree::Tree {
     if (finite > 0) build(items, 0, leaves.size());
   }
 
-  std::uint32_t build(std::vector<Item>& items, std::size_t first, std::size_t last) {
+  std::uint32_t build(LargeVector<Item>& items, std::size_t first, std::size_t last) {
     const auto begin = items.begin() + static_cast<std::ptrdiff_t>(first * leaf_size);
     const auto end = items.begin() + static_cast<std::ptrdiff_t>(std::min(last * leaf_size, items.size()));
     Box3 box;
@@ -226,51 +166,50 @@ struct KdTree::Tree {
     return own;
   }
 
-  /// The nearest of all points of one leaf. One is asked in full; what it found bounds what the others can find.
+  /// The nearest of all points of one leaf. Each reaches about as far as the one before, so that is tried first.
   void nearest_of_leaf(std::size_t number, std::size_t count, Scratch& scratch,
                        const std::function<void(std::uint32_t, std::span<const Neighbour>)>& use) const {
-    auto& [c, list, others, chosen] = scratch;
+    constexpr double margin = 1.2, far = 8;  // of squared distances
+    auto& [c, boxes, complete, sq_reach, list] = scratch;
     const Leaf& leaf = leaves[number];
     const std::size_t size = std::min(finite - number * leaf_size, leaf_size);
-    std::array<double, leaf_size> reach;  // of the points so far: distance of the last of the nearest
-    double widest = 0;                    // that `others` are complete to
+    std::array<double, leaf_size> reaches;  // squared; of the points so far
+    complete = -1;
     for (std::size_t k = 0; k < size; ++k) {
       const Vec3 query(leaf.x[k], leaf.y[k], leaf.z[k]);
-      double apart[leaf_size];
-      leaf.sq_distances(query, apart);
-      double limit;
-      if (k == 0) {
-        list.resize(count);
-        Nearest near(list.data(), count);
-        visit(query, [&] { return near.worst(); }, [&](const Leaf& other) { near.add(other, query); });
-        limit = near.worst();
-      } else {
+      const auto enough_within = [&](double limit) {
+        if (!(limit <= std::numeric_limits<double>::max())) return false;
+        if (limit > complete) complete = collect(number, limit, boxes);
+        points_within(leaves.data(), boxes, query, limit, c);
+        return c.size >= count;
+      };
+      bool found = sq_reach >= 0 && enough_within(margin * sq_reach);
+      if (!found && k > 0) {
+        // What a point of the leaf has found bounds what its neighbours can find.
+        double apart[leaf_size];
+        leaf.sq_distances(query, apart);
         std::size_t next = 0;
         for (std::size_t j = 1; j < k; ++j) next = apart[j] < apart[next] ? j : next;
-        limit = reach[next] + std::sqrt(apart[next]);
-        limit = std::min(limit * limit * (1 + 1e-12) + std::numeric_limits<double>::min(), std::numeric_limits<double>::max());
-        if (limit > widest) widest = collect(number, limit, others);
-        c.size = 0;
-        // Chosen without branches first, for half of them would be foretold wrong.
-        chosen.resize(others.size());
-        std::size_t asked = 0;
-        for (const std::uint32_t other : others) {
-          const Node& node = nodes[other];
-          chosen[asked] = node.first;
-          asked += node.sq_distance(query) <= limit;
-        }
-        c.reserve(asked * leaf_size + 8);
-        for (std::size_t j = 0; j < asked; ++j) c.add(leaves[chosen[j]], query, limit);
-        take_nearest(c, count, list);
-        limit = list.back().sq_distance;
+        const double bound = std::sqrt(reaches[next]) + std::sqrt(apart[next]);
+        const double limit = bound * bound * (1 + 1e-12) + std::numeric_limits<double>::min();
+        found = limit < far * reaches[next] && enough_within(limit);
       }
-      reach[k] = std::sqrt(limit);
-      use(leaf.index[k], list);
+      std::size_t size_found = count;
+      if (found) {
+        take_nearest(c, count, list);
+      } else {
+        if (list.size() < count) list.resize(count);
+        Nearest near(list.data(), count);
+        visit(query, [&] { return near.worst(); }, [&](const Leaf& other) { near.add(other, query); });
+        size_found = near.size();
+      }
+      reaches[k] = sq_reach = size_found == count ? list[count - 1].sq_distance : infinity;
+      use(leaf.index[k], std::span(list.data(), size_found));
     }
   }
 
   /// All leaves within `sq_distance` of one; returns what they are complete to.
-  double collect(std::size_t number, double sq_distance, std::vector<std::uint32_t>& result) const {
+  double collect(std::size_t number, double sq_distance, KdBoxes& result) const {
     sq_distance *= 1.5;  // for the next ones, too
     std::uint32_t own = 0;
     while (!nodes[own].is_leaf()) own = number < nodes[nodes[own].left].last ? nodes[own].left : nodes[own].right;
@@ -279,13 +218,16 @@ struct KdTree::Tree {
     std::size_t count_open = 1;
     open[0] = 0;
     while (count_open > 0) {
-      const std::uint32_t at = open[--count_open];
-      if (nodes[at].sq_distance(nodes[own]) > sq_distance) continue;
-      if (nodes[at].is_leaf())
-        result.push_back(at);
-      else
-        open[count_open++] = nodes[at].right, open[count_open++] = nodes[at].left;
+      const Node& node = nodes[open[--count_open]];
+      if (node.sq_distance(nodes[own]) > sq_distance) continue;
+      if (node.is_leaf()) {
+        const double low[3] = {node.low_xy[0], node.low_xy[1], node.low_z[0]}, high[3] = {node.high_xy[0], node.high_xy[1], node.high_z[0]};
+        result.add(low, high, node.first);
+      } else {
+        open[count_open++] = node.right, open[count_open++] = node.left;
+      }
     }
+    result.fill_up();
     return sq_distance;
   }
 
@@ -344,6 +286,14 @@ void KdTree::nearest_of_each(std::size_t count, int threads,
         for (std::size_t i = begin; i < end; ++i) tree.nearest_of_leaf(i, count, scratch, use);
       },
       64);
+}
+
+std::vector<std::uint32_t> KdTree::order() const {
+  std::vector<std::uint32_t> result;
+  result.reserve(tree_->leaves.size() * leaf_size);
+  for (const Leaf& leaf : tree_->leaves) result.insert(result.end(), leaf.index.begin(), leaf.index.end());
+  result.resize(tree_->finite);
+  return result;
 }
 
 void KdTree::within(const Vec3& query, double radius, std::vector<Neighbour>& result) const {

@@ -30,6 +30,8 @@ class KdTree {
   /// points side by side are asked together. `use(i, neighbours)` is called once for every finite point, on any thread.
   void nearest_of_each(std::size_t count, int threads,
                        const std::function<void(std::uint32_t, std::span<const Neighbour>)>& use) const;
+  /// The finite points leaf by leaf, in the order in which nearest_of_each comes to them: neighbours lie together.
+  std::vector<std::uint32_t> order() const;
   /// All points within `radius`, nearest first.
   void within(const Vec3& query, double radius, std::vector<Neighbour>& result) const;
   /// Index of the nearest point; the set must not be empty.

@@ -8,11 +8,13 @@
 #include <span>
 
 #include "core/ensure.h"
+#include "core/large_memory.h"
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "geometry/kd_tree.h"
 #include "geometry/thin.h"
+#include "geometry/weighted_planes.h"
 
 namespace partscribe {
 namespace {
@@ -34,31 +36,17 @@ Ordered ordered(const PointCloud& cloud) {
   return result;
 }
 
-/// At most `count` indices, evenly spread over [0, size).
+/// The k-th of `count` indices evenly spread over [0, size).
+std::size_t sampled(std::size_t k, std::size_t size, std::size_t count) { return (2 * k + 1) * size / (2 * count); }
+
 std::vector<std::uint32_t> sample(std::size_t size, std::size_t count) {
   std::vector<std::uint32_t> result;
   const std::size_t n = std::min(size, count);
-  for (std::size_t i = 0; i < n; ++i) result.push_back(static_cast<std::uint32_t>((2 * i + 1) * size / (2 * n)));
+  for (std::size_t i = 0; i < n; ++i) result.push_back(static_cast<std::uint32_t>(sampled(i, size, n)));
   return result;
 }
 
-double nearest_spacing(const std::vector<Vec3>& points, const KdTree& tree, int threads) {
-  const auto chosen = sample(points.size(), 20000);
-  std::vector<double> distances(chosen.size(), -1);
-  parallel_for(chosen.size(), threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
-    for (std::size_t i = begin; i < end; ++i) {
-      tree.nearest(points[chosen[i]], 4, near);
-      for (const Neighbour& n : near)
-        if (n.sq_distance > 0) {
-          distances[i] = std::sqrt(n.sq_distance);
-          break;
-        }
-    }
-  });
-  std::erase_if(distances, [](double d) { return d < 0; });
-  return median(distances);
-}
+constexpr std::size_t spacing_samples = 20000;
 
 /// What the neighbourhoods of one size say.
 struct Level {
@@ -131,7 +119,9 @@ QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Ne
 }
 
 /// The noise along the normal and the pitch, from the smallest neighbourhoods that are wider than the noise is thick.
-Level sampling_level(const std::vector<Vec3>& points, const KdTree& tree, int threads) {
+/// `nearest(i, count, list)` gives the neighbours of a point, itself among them.
+template <class Nearest>
+Level sampling_level(const std::vector<Vec3>& points, const Nearest& nearest, int threads) {
   Level best;
   for (std::size_t count = 14; count <= 1000 && count <= points.size(); count *= 2) {
     const auto chosen = sample(points.size(), count < 200 ? 1200 : 400);
@@ -141,7 +131,7 @@ Level sampling_level(const std::vector<Vec3>& points, const KdTree& tree, int th
         [&](std::size_t begin, std::size_t end) {
           std::vector<Neighbour> near;
           for (std::size_t i = begin; i < end; ++i) {
-            tree.nearest(points[chosen[i]], count, near);
+            nearest(chosen[i], count, near);
             scales[i] = quadric_scale(points, near, count);
           }
         },
@@ -161,11 +151,27 @@ Level sampling_level(const std::vector<Vec3>& points, const KdTree& tree, int th
   return best;
 }
 
+/// Diagonal of the box without the outermost hundredth on every side.
+double usual_size(const std::vector<Vec3>& points) {
+  const auto chosen = sample(points.size(), 20000);
+  std::vector<double> values(chosen.size());
+  Vec3 size;
+  for (int k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < chosen.size(); ++i) values[i] = points[chosen[i]][k];
+    const auto at = [&](std::size_t hundredths) {
+      const auto place = values.begin() + static_cast<std::ptrdiff_t>(values.size() * hundredths / 100);
+      std::nth_element(values.begin(), place, values.end());
+      return *place;
+    };
+    size[k] = at(99) - at(1);
+  }
+  return size.norm();
+}
+
 /// Points with weights whose neighbourhoods are planes wide enough for good normals.
 struct Nodes {
   std::vector<Vec3> points, rays, normals;
   std::vector<double> weights;
-  double radius = 0;
 };
 
 /// Means over cubes of edge `spacing`. `points` are in coordinate order already.
@@ -195,74 +201,150 @@ Nodes averaged(const Ordered& in, double spacing) {
   return nodes;
 }
 
-/// Reweighted PCA over all nodes, round by round (every round reads the normals of the round before).
-void weighted_normals(Nodes& nodes, std::size_t cap, double sigma, int rounds, int threads) {
-  const std::size_t n = nodes.points.size();
-  const KdTree tree(nodes.points);
-  std::vector<std::uint32_t> links(n * cap), counts(n);
-  std::vector<double> reach(n), spread(n, 0);
-  tree.nearest_of_each(cap, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
-    std::size_t count = near.size();
-    while (nodes.radius > 0 && count > 14 && near[count - 1].sq_distance > nodes.radius * nodes.radius) --count;
-    counts[i] = static_cast<std::uint32_t>(count);
-    reach[i] = std::sqrt(near[count - 1].sq_distance);
-    for (std::size_t k = 0; k < count; ++k) links[i * cap + k] = near[k].index;
+/// Points in the order of a tree's leaves, with their nearest neighbours: what lies together is worked on together.
+struct Neighbourhoods {
+  std::size_t rows = 0;                // neighbours of each at most, itself the first
+  std::vector<std::uint32_t> order;    // the point of a place
+  std::vector<std::uint32_t> place;    // of a point
+  LargeVector<PlaneNode> nodes;        // by place, filled up to whole blocks, and one that is nobody's neighbour
+  LargeVector<std::uint32_t> links;    // by block; places
+  std::vector<double> sq_reach;        // of the farthest neighbour
+  std::vector<float> third;            // distance of the third neighbour
+  double spacing = 0;
+
+  std::size_t blocks() const { return sq_reach.size() / plane_block; }
+  PlaneBlock block(std::size_t b, std::size_t count) const {
+    return {nodes.data(), b * plane_block, links.data() + b * plane_block * rows, count};
+  }
+  /// The first `count` of the neighbours of a point; there are so many.
+  void nearest(std::uint32_t point, std::size_t count, std::vector<Neighbour>& result) const {
+    result.clear();
+    const std::size_t own = place[point];
+    const std::uint32_t* link = links.data() + own / plane_block * plane_block * rows + own % plane_block;
+    for (std::size_t k = 0; k < count; ++k) {
+      const PlaneNode& other = nodes[link[plane_block * k]];
+      const double x = nodes[own].x - other.x, y = nodes[own].y - other.y, z = nodes[own].z - other.z;
+      result.push_back({order[link[plane_block * k]], x * x + y * y + z * z});
+    }
+  }
+};
+
+/// `rows` neighbours, and beyond the first 14 only those within `radius`; the reach is of the first `used`.
+Neighbourhoods neighbourhoods(const std::vector<Vec3>& points, const KdTree& tree, std::size_t rows, std::size_t used,
+                              double radius, int threads) {
+  const std::size_t n = points.size(), padded = (n + plane_block - 1) / plane_block * plane_block;
+  Neighbourhoods result;
+  result.rows = rows = std::min(rows, n);
+  result.order = tree.order();
+  result.nodes.resize(padded + 1);
+  result.links.assign(padded * rows, static_cast<std::uint32_t>(padded));
+  result.sq_reach.assign(padded, 0);
+  result.third.assign(padded, 0);
+  std::vector<std::uint32_t>& place = result.place;
+  place.resize(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec3& p = points[result.order[k]];
+    place[result.order[k]] = static_cast<std::uint32_t>(k);
+    result.nodes[k].x = p.x(), result.nodes[k].y = p.y(), result.nodes[k].z = p.z(), result.nodes[k].weight = 1;
+  }
+  for (std::size_t k = n; k <= padded; ++k)
+    result.nodes[k].x = points[0].x(), result.nodes[k].y = points[0].y(), result.nodes[k].z = points[0].z();
+  const std::size_t samples = std::min(n, spacing_samples);
+  std::vector<double> gaps(samples, -1);
+  tree.nearest_of_each(rows, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
+    const std::size_t own = place[i];
+    std::uint32_t* const to = result.links.data() + own / plane_block * plane_block * rows + own % plane_block;
+    std::size_t count = std::min(used, near.size());
+    while (radius > 0 && count > 14 && near[count - 1].sq_distance > radius * radius) --count;
+    result.sq_reach[own] = near[count - 1].sq_distance;
+    if (count == std::min(used, near.size())) count = near.size();
+    // Itself first, also where many points coincide.
+    to[0] = static_cast<std::uint32_t>(own);
+    std::size_t at = 1;
+    for (std::size_t k = 0; k < count && at < count; ++k) {
+      if (near[k].index == i) continue;
+      if (at == 3) result.third[own] = static_cast<float>(std::sqrt(near[k].sq_distance));
+      to[plane_block * at++] = place[near[k].index];
+    }
+    const std::size_t slot = i * samples / n;
+    if (sampled(slot, n, samples) == i)
+      for (std::size_t k = 0; k < std::min<std::size_t>(4, near.size()) && gaps[slot] < 0; ++k)
+        if (near[k].sq_distance > 0) gaps[slot] = std::sqrt(near[k].sq_distance);
   });
-  const bool signed_normals = !nodes.rays.empty();
-  nodes.normals.assign(n, Vec3::Zero());
-  std::vector<Vec3> next(n, Vec3::Zero());
+  std::erase_if(gaps, [](double d) { return d < 0; });
+  result.spacing = median(gaps);
+  return result;
+}
+
+/// What the closed form leaves open: points on a line, or in one place.
+Vec3 any_direction(const FoundPlanes& found, std::size_t lane) {
+  const auto m = [&](std::size_t i) { return found.moments[i][lane]; };
+  Mat3 cov;
+  cov << m(0), m(3), m(4), m(3), m(1), m(5), m(4), m(5), m(2);
+  if (!cov.allFinite()) return Vec3::Zero();
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(cov);
+  const Vec3 normal = eigen.eigenvectors().col(0);
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  return normal[axis] < 0 ? Vec3(-normal) : normal;
+}
+
+/// Reweighted PCA over all nodes, round by round (every round reads the normals of the round before). Nodes that a round
+/// turned by less than `rest` (rad) stay as they are: near edges all rounds are needed, elsewhere they only follow the noise.
+void weighted_normals(Neighbourhoods& near, std::size_t rows, const std::vector<Vec3>& rays, double sigma, double rest, int rounds,
+                      int threads) {
+  struct Planes {
+    double x[plane_block], y[plane_block], z[plane_block], spread[plane_block];
+  };
+  LargeVector<Planes> next(near.blocks());
+  std::vector<std::uint8_t> resting(near.blocks(), 0);
+  rows = std::min(rows, near.rows);
+  constexpr std::size_t together = 128;
+  const auto lanes = [&](std::size_t b) { return std::min(plane_block, near.order.size() - b * plane_block); };
   for (int round = 0; round < std::max(rounds, 1); ++round) {
-    parallel_for(n, threads, [&](std::size_t begin, std::size_t end) {
-      std::vector<double> weights(cap);
-      for (std::size_t i = begin; i < end; ++i) {
-        const Vec3& p = nodes.points[i];
-        const Vec3 normal = nodes.normals[i];
-        const double spatial = 1 / (2 * std::max(0.3 * reach[i] * reach[i], 1e-300));
-        const double width = std::max(3 * sigma, spread[i]);
-        double sum = 0;
-        Vec3 mean = Vec3::Zero();
-        for (std::size_t k = 0; k < counts[i]; ++k) {
-          const std::uint32_t j = links[i * cap + k];
-          const Vec3 d = nodes.points[j] - p;
-          double w = nodes.weights[j] * std::exp(-d.squaredNorm() * spatial);
-          if (round > 0) {
-            const double along = normal.dot(nodes.normals[j]);
-            const double agree = signed_normals ? std::max(along, 0.0) : std::abs(along);
-            const double off = normal.dot(d) / std::max(width, 1e-300);
-            w *= agree * agree * agree * agree * std::exp(-0.5 * off * off);
-          }
-          weights[k] = w;
-          sum += w;
-          mean += w * d;
+    parallel_for(near.blocks(), threads, [&](std::size_t begin, std::size_t end) {
+      FoundPlanes found;
+      for (std::size_t b = begin; b < end; ++b) {
+        if (resting[b]) continue;
+        weighted_planes(near.block(b, rows), {&near.sq_reach[b * plane_block], 3 * sigma, round == 0, rays.empty()}, found);
+        Planes& to = next[b];
+        for (std::size_t l = 0; l < lanes(b); ++l) {
+          Vec3 normal(found.x[l], found.y[l], found.z[l]);
+          if (!normal.allFinite()) normal = any_direction(found, l);
+          if (!rays.empty() && normal.dot(rays[near.order[b * plane_block + l]]) > 0) normal = -normal;
+          to.x[l] = normal.x(), to.y[l] = normal.y(), to.z[l] = normal.z();
+          to.spread[l] = std::isfinite(found.spread[l]) ? found.spread[l] : 0;
         }
-        if (!(sum > 0)) {
-          next[i] = normal;
-          continue;
-        }
-        mean /= sum;
-        Mat3 cov = Mat3::Zero();
-        double total = 0;
-        for (std::size_t k = 0; k < counts[i]; ++k) {
-          const Vec3 d = nodes.points[links[i * cap + k]] - p - mean;
-          cov += weights[k] * d * d.transpose();
-          total += weights[k];
-        }
-        const Eigen::SelfAdjointEigenSolver<Mat3> eigen(cov / total);
-        next[i] = eigen.eigenvectors().col(0);
-        spread[i] = std::sqrt(std::max(eigen.eigenvalues()[0], 0.0));
-        // The largest component positive: a sign that does not depend on the solver's.
-        Eigen::Index axis = 0;
-        next[i].cwiseAbs().maxCoeff(&axis);
-        if (signed_normals ? next[i].dot(nodes.rays[i]) > 0 : next[i][axis] < 0) next[i] = -next[i];
       }
-    });
-    nodes.normals.swap(next);
+    }, together);
+    parallel_for(near.blocks(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b) {
+        if (resting[b]) continue;
+        const Planes& from = next[b];
+        double most = 0;
+        for (std::size_t l = 0; l < lanes(b); ++l) {
+          PlaneNode& node = near.nodes[b * plane_block + l];
+          const double x = from.x[l] - node.nx, y = from.y[l] - node.ny, z = from.z[l] - node.nz;
+          most = std::max(most, x * x + y * y + z * z);
+          node.nx = from.x[l], node.ny = from.y[l], node.nz = from.z[l], node.spread = from.spread[l];
+        }
+        resting[b] = most < rest * rest;
+      }
+    }, together);
+  }
+}
+
+/// Fills in those that are zero.
+void complete(const Neighbourhoods& near, std::vector<Vec3>& normals) {
+  for (std::size_t k = 0; k < near.order.size(); ++k) {
+    Vec3& normal = normals[near.order[k]];
+    if (!(normal.squaredNorm() > 0)) normal = Vec3(near.nodes[k].nx, near.nodes[k].ny, near.nodes[k].nz);
   }
 }
 
 /// Every point takes the normal of the node whose plane it lies on best, averaged with like-minded ones nearby.
-std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, double spacing, double sigma, int threads) {
-  const KdTree tree(nodes.points);
+std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, const KdTree& tree, double spacing, double sigma,
+                                     int threads) {
   std::vector<Vec3> result(in.points.size(), Vec3::Zero());
   parallel_for(in.points.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
@@ -291,47 +373,42 @@ std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, doub
   return result;
 }
 
+constexpr std::size_t looked_at = 12;  // neighbours of an outlier
+
 /// Marks points that lie on no neighbour's surface, or that stand alone.
-std::vector<std::uint8_t> outliers(const Ordered& in, const KdTree& tree, const std::vector<Vec3>& normals,
-                                   double spacing, double sigma, double sigmas, bool given, int threads) {
-  constexpr std::size_t looked_at = 12, needed = 3;
-  const std::size_t n = in.points.size();
+std::vector<std::uint8_t> outliers(Neighbourhoods& near, const std::vector<Vec3>& normals, double sigma, double sigmas,
+                                   bool given, int threads) {
+  constexpr double needed = 3;
+  const std::size_t n = near.order.size();
   std::vector<std::uint8_t> result(n, 0);
   if (n < 50) return result;
-  // Isolation is judged against the neighbours' own distances: sparse regions are no outliers.
-  std::vector<float> third(n);
-  std::vector<std::uint32_t> links(n * looked_at);
-  tree.nearest_of_each(looked_at + 1, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
-    std::size_t at = 0;
-    for (const Neighbour& m : near)
-      if (m.index != i && at < looked_at) {
-        if (at == 2) third[i] = static_cast<float>(std::sqrt(m.sq_distance));
-        links[i * looked_at + at++] = m.index;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec3& normal = normals[near.order[k]];
+    near.nodes[k].nx = normal.x(), near.nodes[k].ny = normal.y(), near.nodes[k].nz = normal.z();
+  }
+  // 0.05 rad: what the normals themselves may be wrong by. Normals of a mesh's vertices are means over its edges, so
+  // any of the planes may hold.
+  const SupportRule rule{sigmas * sigma, 0.05, given, needed};
+  parallel_for(near.blocks(), threads, [&](std::size_t begin, std::size_t end) {
+    double support[plane_block];
+    std::array<float, looked_at> around;
+    for (std::size_t b = begin; b < end; ++b) {
+      const PlaneBlock block = near.block(b, looked_at + 1);
+      count_support(block, rule, support);
+      for (std::size_t l = 0; l < plane_block; ++l) {
+        const std::size_t k = b * plane_block + l;
+        if (k >= n) break;
+        bool alone = near.third[k] > 3 * near.spacing;
+        if (alone) {
+          // Isolation is judged against the neighbours' own distances: sparse regions are no outliers.
+          for (std::size_t m = 0; m < looked_at; ++m) around[m] = near.third[block.links[plane_block * (m + 1) + l]];
+          std::nth_element(around.begin(), around.begin() + looked_at / 2, around.end());
+          alone = near.third[k] > 3 * around[looked_at / 2];
+        }
+        result[near.order[k]] = support[l] < needed || alone;
       }
-  });
-  parallel_for(n, threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<float> around(looked_at);
-    for (std::size_t i = begin; i < end; ++i) {
-      std::size_t support = 0;
-      for (std::size_t k = 0; k < looked_at; ++k) {
-        const std::uint32_t j = links[i * looked_at + k];
-        around[k] = third[j];
-        const Vec3 d = in.points[i] - in.points[j];
-        const double along = normals[i].dot(normals[j]);
-        // The mean of two normals is exact on circles, so that curvature does not count; across an edge only the
-        // neighbour's own plane is asked. 0.05 rad: what the normals themselves may be wrong by.
-        const Vec3 normal =
-            std::abs(along) > 0.7 ? Vec3((along > 0 ? normals[i] : -normals[i]) + normals[j]).normalized() : normals[j];
-        double off = std::abs(normal.dot(d));
-        // Normals of a mesh's vertices are means over its edges, so any of the planes may hold.
-        if (given) off = std::min({off, std::abs(normals[i].dot(d)), std::abs(normals[j].dot(d))});
-        if (off <= sigmas * sigma + 0.05 * d.norm()) ++support;
-      }
-      std::nth_element(around.begin(), around.begin() + looked_at / 2, around.end());
-      const bool alone = third[i] > 3 * spacing && third[i] > 3 * around[looked_at / 2];
-      result[i] = support < needed || alone;
     }
-  });
+  }, 128);
   return result;
 }
 
@@ -361,49 +438,52 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
   if (in.points.size() >= 3) {
     context.report("normals", 0);
     const KdTree tree(in.points);
-    summary.spacing = nearest_spacing(in.points, tree, context.threads);
-    Level level = sampling_level(in.points, tree, context.threads);
-    if (level.pitch == 0) level.pitch = summary.spacing;
+    const auto neighbours = static_cast<std::size_t>(std::max(options.neighbours, 6));
+    const auto close = [&](std::size_t count) {
+      return neighbourhoods(in.points, tree, std::max(count, looked_at + 1), count, 0, context.threads);
+    };
+    // Of a small cloud the samples are a good part: their neighbours are found with those of all others.
+    constexpr std::size_t small = 50000;
+    Neighbourhoods near;
+    if (in.points.size() < small) near = close(neighbours);
+    const auto nearest = [&](std::uint32_t i, std::size_t count, std::vector<Neighbour>& found) {
+      if (count <= near.rows) near.nearest(i, count, found);
+      else tree.nearest(in.points[i], count, found);
+    };
+    Level level = sampling_level(in.points, nearest, context.threads);
     summary.sigma = level.sigma;
+    if (level.pitch == 0 && near.rows == 0) near = close(neighbours);
+    if (level.pitch == 0) level.pitch = near.spacing;
     if (!all_known) {
       // Radius: `neighbours` points, five times the noise, and noise that turns a plane by less than 0.03 rad (slope
       // error sigma / (r / 2 sqrt(points in r))); a fixed number of points fails where they are dense and noisy.
-      std::array<std::vector<double>, 3> axis;
-      for (const std::uint32_t i : sample(in.points.size(), 20000))
-        for (int k = 0; k < 3; ++k) axis[k].push_back(in.points[i][k]);
-      Vec3 size;
-      for (int k = 0; k < 3; ++k) {
-        std::sort(axis[k].begin(), axis[k].end());
-        size[k] = axis[k][axis[k].size() * 99 / 100] - axis[k][axis[k].size() / 100];
-      }
       const double by_count = std::sqrt(options.neighbours / pi) * level.pitch;
       const double by_noise = std::max(5 * level.sigma, std::sqrt(2 * level.sigma * level.pitch / (1.77 * 0.03)));
-      const double radius = std::max(by_count, std::min(by_noise, size.norm() / 50));
-      Nodes nodes;
-      std::vector<Vec3> found;
+      const double radius = std::max(by_count, std::min(by_noise, usual_size(in.points) / 50));
+      const double in_radius = pi * radius * radius / (level.pitch * level.pitch);
+      const auto slope_error = [&](double reach, double points) { return 2 * level.sigma / (reach * std::sqrt(points)); };
       if (radius < 1.45 * by_count) {
-        nodes.points = in.points;
-        nodes.rays = in.rays;
-        nodes.weights.assign(in.points.size(), 1);
-        weighted_normals(nodes, static_cast<std::size_t>(std::max(options.neighbours, 6)), level.sigma, options.rounds,
-                         context.threads);
-        found = std::move(nodes.normals);
+        if (near.rows == 0) near = close(neighbours);
+        weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours), options.rounds, context.threads);
+        complete(near, normals);
       } else {
         const double spacing = radius / 3.2;
-        nodes = averaged(in, spacing);
-        nodes.radius = radius;
-        weighted_normals(nodes, 72, level.sigma, options.rounds, context.threads);
-        found = normals_from_nodes(in, nodes, spacing, level.sigma, context.threads);
-      }
-      for (std::size_t i = 0; i < found.size(); ++i) {
-        if (normals[i].squaredNorm() > 0) continue;
-        normals[i] = found[i];
-        if (!in.rays.empty() && normals[i].dot(in.rays[i]) > 0) normals[i] = -normals[i];
+        Nodes nodes = averaged(in, spacing);
+        const KdTree node_tree(nodes.points);
+        Neighbourhoods around = neighbourhoods(nodes.points, node_tree, 72, 72, radius, context.threads);
+        for (std::size_t k = 0; k < around.order.size(); ++k) around.nodes[k].weight = nodes.weights[around.order[k]];
+        weighted_normals(around, 72, nodes.rays, level.sigma, slope_error(radius, in_radius), options.rounds, context.threads);
+        nodes.normals.assign(nodes.points.size(), Vec3::Zero());
+        complete(around, nodes.normals);
+        const auto found = normals_from_nodes(in, nodes, node_tree, spacing, level.sigma, context.threads);
+        for (std::size_t i = 0; i < found.size(); ++i)
+          if (!(normals[i].squaredNorm() > 0)) normals[i] = !in.rays.empty() && found[i].dot(in.rays[i]) > 0 ? Vec3(-found[i]) : found[i];
       }
     }
     context.report("normals", 0.8);
-    const auto flags =
-        outliers(in, tree, normals, summary.spacing, level.sigma, options.outlier_sigmas, all_known, context.threads);
+    if (near.rows == 0) near = close(looked_at + 1);
+    summary.spacing = near.spacing;
+    const auto flags = outliers(near, normals, level.sigma, options.outlier_sigmas, all_known, context.threads);
     const auto count = static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
     // The vertices of a sparse mesh are no samples of its surface: with given normals, a share beyond any scanner's
     // outlier rate says that the test does not apply.

@@ -21,7 +21,8 @@ struct SamplingSummary {
 
 /// Fills cloud.normals (unit; turned against the rays where there are any), cloud.sigma (all equal to the
 /// summary's sigma unless known already) and cloud.rejected. Weighted PCA: `reference`: weights
-/// exp(-d^2/18 s^2) max(0, n.n_j)^4 in a radius fixed from noise and spacing.
+/// exp(-d^2/18 s^2) max(0, n.n_j)^4 in a radius fixed from noise and spacing. Normals that a round turned by less than the noise
+/// turns them take no part in the rounds that follow.
 SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options, Context& context);
 
 }  // namespace partscribe

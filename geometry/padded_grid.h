@@ -1,6 +1,7 @@
 /// A grid with a border of two cells, so that windows need no case for the edge of an image.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -11,6 +12,8 @@ class PaddedGrid {
  public:
   PaddedGrid(int width, int height, T fill)
       : stride_(width + 4), cells_(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height + 4), fill) {}
+
+  void fill(T value) { std::fill(cells_.begin(), cells_.end(), value); }
 
   /// row(r)[c] is good for r and c from -2 to two beyond the image.
   T* row(int r) { return cells_.data() + (r + 2) * static_cast<std::ptrdiff_t>(stride_) + 2; }

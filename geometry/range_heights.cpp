@@ -25,15 +25,17 @@ RangeHeights::RangeHeights(const RangeImage& image)
   };
   double sum = 0;
   for (const std::uint16_t code : image.codes)
-    if (usable(code)) sum += depth_of(code), ++returns;
-  if (returns > 0 && pinhole) reference_ = sum / static_cast<double>(returns);
-  for (int r = 0; r < height_px; ++r)
-    for (int c = 0; c < width; ++c) {
-      const std::uint16_t code =
-          image.codes[static_cast<std::size_t>(r) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c)];
-      if (!usable(code)) continue;
-      grid.row(r)[c] = static_cast<float>(pinhole ? height(depth_of(code)) : static_cast<double>(code));
+    if (usable(code)) {
+      if (pinhole) sum += depth_of(code);
+      ++returns;
     }
+  if (returns > 0 && pinhole) reference_ = sum / static_cast<double>(returns);
+  for (int r = 0; r < height_px; ++r) {
+    const std::uint16_t* from = image.codes.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(width);
+    float* to = grid.row(r);
+    for (int c = 0; c < width; ++c)
+      if (usable(from[c])) to[c] = pinhole ? static_cast<float>(height(depth_of(from[c]))) : static_cast<float>(from[c]);
+  }
 }
 
 double RangeHeights::depth(double h) const {

@@ -41,22 +41,24 @@ double difference(const RangeHeights& heights, int r, int c, int dr, int dc) {
   return std::abs(d) / third_difference_norm * heights.mm_per_height(z[1]);
 }
 
-/// Every so manieth row and column that some 10,000 differences are left.
-int stride_of(const RangeHeights& heights) {
-  return std::max(1, static_cast<int>(std::sqrt(static_cast<double>(heights.returns) / 5000)));
+/// Every so manieth row and column that two differences of each of so many returns are left.
+int stride_of(const RangeHeights& heights, int samples) {
+  return std::max(1, static_cast<int>(std::sqrt(static_cast<double>(heights.returns) / samples)));
 }
 
 double quantisation_mm(const RangeHeights& heights) { return quantisation * heights.mm_per_height(0); }
 
 }  // namespace
 
-RangeNoise even_noise(const RangeHeights& heights) {
+RangeNoise even_noise(const RangeHeights& heights, int samples) {
   std::vector<double> sizes;
-  const int stride = stride_of(heights);
+  const int stride = stride_of(heights, samples);
   for (int r = 0; r < heights.height_px; r += stride)
-    for (int c = r / stride % stride; c < heights.width; c += stride)
+    for (int c = r / stride % stride; c < heights.width; c += stride) {
+      if (std::isnan(heights.grid.row(r)[c])) continue;
       for (const auto& [dr, dc] : {std::pair{0, 1}, std::pair{1, 0}})
         if (const double d = difference(heights, r, c, dr, dc); d >= 0) sizes.push_back(d);
+    }
   return {bulk_scale(sizes, quantisation_mm(heights)), 0};
 }
 
@@ -65,7 +67,7 @@ RangeNoise sloped_noise(const RangeHeights& heights, const PaddedGrid<float>& ke
   constexpr std::array<double, 9> ends = {1.15, 1.35, 1.7, 2.2, 3, 4.5, 7, 11, 20};
   std::array<std::vector<double>, 9> sizes;
   std::array<double, 9> sums{};
-  const int stride = stride_of(heights);
+  const int stride = stride_of(heights, 5000);
   for (int r = 0; r < heights.height_px; r += stride)
     for (int c = r / stride % stride; c < heights.width; c += stride)
       for (const auto& [dr, dc] : {std::pair{0, 1}, std::pair{1, 0}}) {

@@ -7,8 +7,9 @@
 
 namespace partscribe {
 
-/// One level for the whole image, in mm. Third differences, so that neither slope nor curvature counts as noise.
-RangeNoise even_noise(const RangeHeights& heights);
+/// One level for the whole image, in mm, from about `samples` returns. Third differences, so that neither slope nor curvature
+/// counts as noise.
+RangeNoise even_noise(const RangeHeights& heights, int samples = 5000);
 
 /// Level and growth with 1 / cos^2 of the incidence, from kept samples only.
 RangeNoise sloped_noise(const RangeHeights& heights, const PaddedGrid<float>& kept, const PaddedGrid<float>& incidence);

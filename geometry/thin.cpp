@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "core/ensure.h"
+#include "core/large_memory.h"
 
 namespace partscribe {
 namespace {
@@ -33,11 +36,59 @@ std::vector<std::uint32_t> usable(const std::vector<Vec3>& points, const std::ve
   return result;
 }
 
+/// Whole numbers in the order of the coordinates that they stand for.
+struct Keyed {
+  std::uint64_t key;
+  std::uint32_t index;
+};
+
+std::uint64_t key_of(double x) {
+  const auto bits = std::bit_cast<std::uint64_t>(x + 0.0);  // both zeros are one
+  return bits >> 63 ? ~bits : bits | std::uint64_t(1) << 63;
+}
+
+/// By counting digits, the last first.
+void sort_by_key(LargeVector<Keyed>& items) {
+  constexpr int digits = 6, bits = 11;
+  constexpr std::size_t values = std::size_t(1) << bits;
+  std::vector<std::uint32_t> counts(digits * values, 0);
+  for (const Keyed& item : items)
+    for (int d = 0; d < digits; ++d) ++counts[d * values + (item.key >> (bits * d) & (values - 1))];
+  LargeVector<Keyed> other(items.size());
+  for (int d = 0; d < digits; ++d) {
+    std::uint32_t* const from = counts.data() + d * values;
+    if (from[items.front().key >> (bits * d) & (values - 1)] == items.size()) continue;  // all alike
+    std::uint32_t sum = 0;
+    for (std::size_t v = 0; v < values; ++v) sum += std::exchange(from[v], sum);
+    for (const Keyed& item : items) other[from[item.key >> (bits * d) & (values - 1)]++] = item;
+    items.swap(other);
+  }
+}
+
 void sort_by_coordinates(const std::vector<Vec3>& points, std::vector<std::uint32_t>& order) {
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  const auto before = [&](std::uint32_t a, std::uint32_t b) {
     const int c = compared(points[a], points[b]);
     return c != 0 ? c < 0 : a < b;
+  };
+  if (order.size() < 2000) return std::sort(order.begin(), order.end(), before);
+  LargeVector<Keyed> items(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) items[k] = {key_of(points[order[k]].x()), order[k]};
+  sort_by_key(items);
+  // Equal ones: all points of a column of an image have one x.
+  const auto each_run = [](auto first, auto last, const auto& use) {
+    for (auto end = first; first != last; first = end) {
+      while (end != last && end->key == first->key) ++end;
+      if (end - first > 1) use(first, end);
+    }
+  };
+  each_run(items.begin(), items.end(), [&](auto first, auto last) {
+    for (auto i = first; i != last; ++i) i->key = key_of(points[i->index].y());
+    std::sort(first, last, [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+    each_run(first, last, [&](auto begin, auto end) {
+      std::sort(begin, end, [&](const Keyed& a, const Keyed& b) { return before(a.index, b.index); });
+    });
   });
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = items[k].index;
 }
 
 /// How many cubes of edge `spacing` hold a point; stops counting above `limit`.

@@ -224,6 +224,42 @@ PARTSCRIBE_INLINE void facets_body(const std::array<const float*, 5>& heights,
   for (; i < count; ++i) facets_at<float>(heights, weights, i, out);
 }
 
+template <class F>
+PARTSCRIBE_INLINE void on_lines_at(const std::array<const float*, 5>& rows, float tolerance, int i, float* weight, float* height) {
+  constexpr int step[4][2] = {{0, 1}, {1, 0}, {1, 1}, {1, -1}};
+  const F zero{}, one = zero + 1.F, limit = zero + tolerance;
+  const F own = load<F>(rows[2] + i);
+  F agrees = zero, asked = zero, nearest = zero + std::numeric_limits<float>::infinity(), between = zero;
+#pragma GCC unroll 4
+  for (int d = 0; d < 4; ++d) {
+    const int down = step[d][0], right = step[d][1];
+    const F before = load<F>(rows[static_cast<std::size_t>(2 - down)] + i - right),
+            after = load<F>(rows[static_cast<std::size_t>(2 + down)] + i + right),
+            first = load<F>(rows[static_cast<std::size_t>(2 - 2 * down)] + i - 2 * right),
+            last = load<F>(rows[static_cast<std::size_t>(2 + 2 * down)] + i + 2 * right);
+    // The second is right on parabolas, too; NaN, and so no line, where one is missing.
+    const F mean = (before + after) * 0.5F, wide = mean + (mean - (first + last) * 0.5F) * (1.F / 3);
+    const F off = mean - own, off_wide = wide - own, climb = before - after;
+    const F size = select(off < zero, -off, off), size_wide = select(off_wide < zero, -off_wide, off_wide);
+    const F apart = select(climb < zero, -climb, climb);
+    agrees = select(size <= limit, one, agrees);
+    agrees = select(size_wide <= limit, one, agrees);
+    asked = select(mean == mean, one, asked);
+    between = select(apart < nearest, mean, between);
+    nearest = select(apart < nearest, apart, nearest);
+  }
+  const F kept = select(own == own, select(asked > zero, agrees, one), zero);
+  store<F>(weight + i, kept);
+  store<F>(height + i, select(kept > zero, own, select(nearest < std::numeric_limits<float>::infinity(), between, select(own == own, own, zero))));
+}
+
+PARTSCRIBE_INLINE void on_lines_body(const std::array<const float*, 5>& rows, float tolerance, int count, float* weight,
+                                     float* height) {
+  int i = 0;
+  for (; i + width_of<Lanes> <= count; i += width_of<Lanes>) on_lines_at<Lanes>(rows, tolerance, i, weight, height);
+  for (; i < count; ++i) on_lines_at<float>(rows, tolerance, i, weight, height);
+}
+
 using SideMasks = std::array<std::array<float, side_count>, 25>;
 
 SideMasks side_masks() {
@@ -290,6 +326,10 @@ PARTSCRIBE_AVX2 void facets_avx2(const std::array<const float*, 5>& heights, con
                                  int count, const FacetRow& out) {
   facets_body(heights, weights, count, out);
 }
+PARTSCRIBE_AVX2 void on_lines_avx2(const std::array<const float*, 5>& rows, float tolerance, int count, float* weight,
+                                   float* height) {
+  on_lines_body(rows, tolerance, count, weight, height);
+}
 PARTSCRIBE_AVX2 void split_avx2(const std::array<float, 25>& heights, const std::array<float, 25>& weights,
                                 const SideMasks& masks, Sides& out) {
   split_body(heights, weights, masks, out);
@@ -311,6 +351,13 @@ void facets(const std::array<const float*, 5>& heights, const std::array<const f
   if (has_avx2()) return facets_avx2(heights, weights, count, out);
 #endif
   facets_body(heights, weights, count, out);
+}
+
+void samples_on_lines(const std::array<const float*, 5>& rows, float tolerance, int count, float* weight, float* height) {
+#ifdef PARTSCRIBE_AVX2
+  if (has_avx2()) return on_lines_avx2(rows, tolerance, count, weight, height);
+#endif
+  on_lines_body(rows, tolerance, count, weight, height);
 }
 
 bool on_side(int side, int x, int y) {

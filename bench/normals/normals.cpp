@@ -16,6 +16,7 @@
 #include "bench/normals/plane_normal.h"
 #include "core/files.h"
 #include "core/statistics.h"
+#include "geometry/grid_normals.h"
 #include "geometry/kd_tree.h"
 #include "geometry/normals.h"
 #include "geometry/rlts_filter.h"
@@ -83,8 +84,26 @@ double status_kb(const char* name) {
   return 0;
 }
 
-/// `run` gives normals of the places `truth` speaks of. In a process of its own, so that every memory peak is its own.
-Score measure(const std::function<std::vector<Vec3>()>& run, const std::vector<Vec3>& truth, const std::vector<std::uint8_t>& edge, std::size_t points) {
+/// In whatever form a method gives them; what it takes to compare them is not its time.
+struct Normals {
+  Normals(std::vector<Vec3> some) : all(std::move(some)) {}
+  Normals(std::vector<Eigen::Vector3f> some) : single(std::move(some)) {}
+
+  /// Of the places truth speaks of: those in the list, or all in order.
+  std::vector<Vec3> at(const std::vector<std::uint32_t>& places, std::size_t count) {
+    for (const Eigen::Vector3f& n : single) all.push_back(n.cast<double>());
+    if (places.size() != all.size()) return std::move(all);
+    std::vector<Vec3> result(count, Vec3::Zero());
+    for (std::size_t k = 0; k < places.size(); ++k) result[places[k]] = all[k];
+    return result;
+  }
+  std::vector<Vec3> all;
+  std::vector<Eigen::Vector3f> single;
+};
+using Run = std::function<Normals()>;
+
+/// In a process of its own, so that every memory peak is its own.
+Score measure(const Run& run, const std::vector<std::uint32_t>& places, const std::vector<Vec3>& truth, const std::vector<std::uint8_t>& edge, std::size_t points) {
   int ends[2];
   if (pipe(ends) != 0) return {};
   malloc_trim(0);
@@ -94,10 +113,11 @@ Score measure(const std::function<std::vector<Vec3>()>& run, const std::vector<V
     std::ofstream("/proc/self/clear_refs") << "5";
     const double before = status_kb("VmRSS:");
     const std::clock_t start = std::clock();
-    const std::vector<Vec3> normals = run();
+    Normals found = run();
     Score s;
     s.us = 1e6 * double(std::clock() - start) / CLOCKS_PER_SEC / double(points);
     s.megabytes = (status_kb("VmHWM:") - before) / 1024;
+    const std::vector<Vec3> normals = found.at(places, truth.size());
     std::vector<double> off;
     double square = 0;
     std::size_t inside = 0;
@@ -123,18 +143,18 @@ Score measure(const std::function<std::vector<Vec3>()>& run, const std::vector<V
 
 struct Method {
   std::string name;
-  std::function<std::vector<Vec3>()> run;
+  Run run;
 };
 
 /// All methods in turn and back again; medians of the times.
-std::vector<Score> measure_all(const std::vector<Method>& methods, int rounds, const std::vector<Vec3>& truth, const std::vector<std::uint8_t>& edge,
+std::vector<Score> measure_all(const std::vector<Method>& methods, int rounds, const std::vector<std::uint32_t>& places, const std::vector<Vec3>& truth, const std::vector<std::uint8_t>& edge,
                                std::size_t points) {
   std::vector<Score> scores(methods.size());
   std::vector<std::vector<double>> times(methods.size());
   for (int round = 0; round < rounds; ++round)
     for (std::size_t k = 0; k < methods.size(); ++k) {
       const std::size_t m = round % 2 ? methods.size() - 1 - k : k;
-      scores[m] = measure(methods[m].run, truth, edge, points);
+      scores[m] = measure(methods[m].run, places, truth, edge, points);
       times[m].push_back(scores[m].us);
     }
   for (std::size_t m = 0; m < methods.size(); ++m) scores[m].us = median(times[m]);
@@ -198,7 +218,7 @@ void clouds(const Model& model, const std::string& name) {
       }
       if (count == 10) methods.push_back({"Partscribe, support from noise and edges", [&] { return robust(scene.points); }});
       std::printf("\n**%s, %zu points, pitch %.4f mm, sigma 0.01 mm, %d neighbours**\n\n%s", name.c_str(), scene.points.size(), scene.image.pitch_x, count, head);
-      const auto scores = measure_all(methods, size > 5e5 ? 3 : count == 10 ? 7 : 3, truth, edge, scene.points.size());
+      const auto scores = measure_all(methods, size > 5e5 ? 3 : count == 10 ? 7 : 3, {}, truth, edge, scene.points.size());
       for (std::size_t m = 0; m < methods.size(); ++m) print(methods[m].name, scores[m]);
     }
   }
@@ -213,21 +233,12 @@ void images(const Model& model, const std::string& name) {
     std::printf("\n**%s, organised, %zu points, pitch %.3f mm, sigma %g mm, bit errors 0.001; a plane through 5x5: %.3f deg at normal incidence**\n\n%s", name.c_str(),
                 scene.points.size(), scene.image.pitch_x, sigma, std::sqrt(2.0) * sigma / (7.07 * scene.image.pitch_x) * 180 / 3.14159265358979, head);
     std::vector<Method> methods = {{"Partscribe, with the range image filter", [&] { return of_filter(scene.image); }}};
-    methods.push_back({"Partscribe, cloud, support from noise and edges", [&] {
-                         const auto found = robust(scene.points);
-                         std::vector<Vec3> result(scene.grid.size(), Vec3::Zero());
-                         for (std::size_t k = 0; k < found.size(); ++k) result[scene.pixel[k]] = found[k];
-                         return result;
-                       }});
+    methods.push_back({"Partscribe, planes through 5x5", [&] { return grid_normals(scene.image, {}, 1); }});
+    methods.push_back({"Partscribe, cloud, support from noise and edges", [&] { return robust(scene.points); }});
     for (const auto& m : peers::pcl_grid_methods()) methods.push_back({m.name, [&, m] { return m.normals(scene.grid, scene.image.width, scene.image.height); }});
     for (const auto& m : {peers::nanoflann_methods().front()})
-      methods.push_back({m.name + ", 25 neighbours", [&, m] {
-                           const auto found = m.normals(scene.points, 25);
-                           std::vector<Vec3> result(scene.grid.size(), Vec3::Zero());
-                           for (std::size_t k = 0; k < found.size(); ++k) result[scene.pixel[k]] = found[k];
-                           return result;
-                         }});
-    const auto scores = measure_all(methods, 7, truth, scene.edge, scene.points.size());
+      methods.push_back({m.name + ", 25 neighbours", [&, m] { return m.normals(scene.points, 25); }});
+    const auto scores = measure_all(methods, 7, scene.pixel, truth, scene.edge, scene.points.size());
     for (std::size_t m = 0; m < methods.size(); ++m) print(methods[m].name, scores[m]);
   }
 }

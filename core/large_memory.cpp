@@ -1,0 +1,29 @@
+#include "core/large_memory.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <new>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace partscribe {
+
+void* take_large_memory(std::size_t bytes) {
+  constexpr std::size_t line = 64, page = std::size_t(1) << 21;
+  // The last large page is there as a whole once it is touched: it is taken if most of it is asked for.
+  std::size_t in_pages = bytes / page * page;
+  if (in_pages > 0 && bytes - in_pages > page / 4 * 3) in_pages += page;
+  const std::size_t step = in_pages > 0 ? page : line;  // what is asked for beyond `bytes` stays untouched, and is never there
+  void* const memory = std::aligned_alloc(step, (std::max<std::size_t>(bytes, 1) + step - 1) / step * step);
+  if (!memory) throw std::bad_alloc();
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  if (in_pages > 0) static_cast<void>(madvise(memory, in_pages, MADV_HUGEPAGE));  // a refusal costs time only
+#endif
+  return memory;
+}
+
+void give_back_large_memory(void* memory) { std::free(memory); }
+
+}  // namespace partscribe

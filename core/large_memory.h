@@ -1,0 +1,28 @@
+/// Memory for arrays of many megabytes, in large pages where the system has them.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace partscribe {
+
+/// Aligned to at least a line of the cache.
+void* take_large_memory(std::size_t bytes);
+void give_back_large_memory(void* memory);
+
+/// For std::vector. Touching a page of 4 kB for the first time takes as long as finding the neighbours of ten points.
+template <class T>
+struct LargeAllocator {
+  using value_type = T;
+  LargeAllocator() = default;
+  template <class U>
+  LargeAllocator(const LargeAllocator<U>&) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(take_large_memory(count * sizeof(T))); }
+  void deallocate(T* memory, std::size_t) { give_back_large_memory(memory); }
+  friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
+};
+
+template <class T>
+using LargeVector = std::vector<T, LargeAllocator<T>>;
+
+}  // namespace partscribe
