@@ -189,13 +189,10 @@ double most_disagreement(const RegisterOptions& options, const ViewSurface& surf
   return std::min(views > 2 ? std::max(by_shape, of_usual * usual) : by_shape, of_free);
 }
 
-/// Without guesses a view of hardly more than one face lies on any other face; but then the rest of what it shows, and what
-/// others show, would face sensors that saw nothing there. True poses left up to 0.04 of range images, real ones included,
-/// views laid on the wrong face 0.06 and more.
-double most_unanswered(const RegisterOptions& options, const ViewSurface& surface) {
-  constexpr double by_shape = 0.05;
-  return options.arrangement == Arrangement::unknown && surface.organised ? std::min(by_shape, options.max_unanswered) : options.max_unanswered;
-}
+/// Without guesses a view of hardly more than one face lies on any other face; but then what it and its neighbours show faces
+/// sensors that saw nothing there. Of the points of two views true poses left up to 0.05 so, real range images included, a view on
+/// the wrong face 0.065 and more.
+constexpr double most_unanswered_by_shape = 0.06;
 
 /// Each fixes a pose by its noise; with a handful, chance does.
 constexpr std::size_t fewest_matches = 50;
@@ -213,12 +210,20 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
     disagreements.push_back(agreements[v].disagreement());
   }
   const double usual_disagreement = median(std::move(disagreements));
-  // One view that lies wrong leaves answers open in its neighbours too, but each of these only with that one: the worst leaves first.
+  // One view that lies wrong leaves answers open between itself and its neighbours, each of these only with that one: the worst
+  // leaves first.
   std::size_t least_answered = used.front();
-  for (const std::size_t v : used)
-    if (v != used.front() && agreements[v].unanswered() > most_unanswered(options, surfaces[v]) &&
-        (least_answered == used.front() || agreements[v].all_missing > agreements[least_answered].all_missing))
-      least_answered = v;
+  int most_open = 0;
+  for (const std::size_t v : used) {
+    if (options.arrangement != Arrangement::unknown || !surfaces[v].organised || v == used.front()) continue;
+    int sum = 0, worst = 0;
+    for (const std::size_t o : used) {
+      const int open = agreements[v].missing_by[o] + agreements[o].missing_by[v];
+      sum += open, worst = std::max(worst, open);
+    }
+    // Each counts the points of the other half.
+    if (worst > 1.5 * most_unanswered_by_shape * agreements[v].samples && sum > most_open) most_open = sum, least_answered = v;
+  }
   for (const std::size_t v : used) {
     RegisteredView& view = result.views[v];
     view.world_from_view = joint.poses[v], view.covariance = joint.covariance_of(v);
@@ -239,8 +244,10 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
       else if (found.disagreement() > most_elsewhere)
         reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere);
+      else if (found.unanswered() > options.max_unanswered)
+        reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered);
       else if (v == least_answered)
-        reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(most_unanswered(options, surfaces[v]));
+        reason = "of its points and those of another view more than " + percent(most_unanswered_by_shape) + " face a sensor that saw nothing there";
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
         reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";
     }

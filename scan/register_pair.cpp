@@ -220,6 +220,7 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
   Agreement result;
   const Surfels mine = strided_surfels(surfaces[view], samples);
   result.samples = static_cast<int>(mine.points.size());
+  result.missing_by.assign(surfaces.size(), 0);
   std::vector<std::uint8_t> confirmed(mine.points.size(), 0);
   std::vector<double> residuals, best(mine.points.size(), 1e30);
   for (const std::size_t o : others) {
@@ -263,7 +264,7 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
     if (!theirs.points.empty())
       result.back_through = std::max(result.back_through, static_cast<int>(double(back) * result.samples / double(theirs.points.size())));
     result.missing = std::max(result.missing, missing);
-    result.all_missing += missing;
+    result.missing_by[o] = missing;
   }
   for (std::size_t i = 0; i < confirmed.size(); ++i)
     if (confirmed[i]) ++result.confirmed, residuals.push_back(best[i]);

@@ -72,7 +72,7 @@ struct Agreement {
   int through = 0;       ///< looked through by another view (the worst one)
   int back_through = 0;  ///< samples of others that the view itself looked through, scaled to its number of samples
   int missing = 0;       ///< faced by a sensor that returned nothing around them (the worst one)
-  int all_missing = 0;   ///< the same, summed over the views
+  std::vector<int> missing_by;  ///< the same by each of the views, whoever was asked
   int faced = 0;         ///< lie where another view measured a surface and face its sensor, summed over the views
   int odd = 0;           ///< of these, with another surface there than the view's own
   double residual = 0;   ///< median |distance| along the normal of the confirmed ones, mm

@@ -61,7 +61,8 @@ std::set<std::string> types_of(const Path& file) {
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("namespace ")) open.push_back(line.starts_with("namespace {")), unnamed += open.back();
     if (line.starts_with("}  // namespace") && !open.empty()) unnamed -= open.back(), open.pop_back();
-    const std::size_t skip = line.starts_with("struct ") ? 7 : line.starts_with("class ") ? 6 : 0;
+    std::size_t skip = line.starts_with("struct ") ? 7 : line.starts_with("class ") ? 6 : 0;
+    if (skip > 0 && line.substr(skip).starts_with("alignas(")) skip = line.find(") ", skip) + 2;
     if (skip == 0 || unnamed > 0 || line.find('{') == std::string::npos) continue;
     const std::string name = line.substr(skip, line.find_first_of(" {", skip) - skip);
     if (name.find("::") == std::string::npos) result.insert(name);
@@ -89,8 +90,8 @@ TEST_CASE("layers: no two files define types of one name") {
 TEST_CASE("layers: a type within an unnamed namespace is the file's own") {
   const TemporaryDirectory folder;
   const Path file = folder.path() / "types.cpp";
-  REQUIRE(write_file(file, "namespace a {\nnamespace {\nstruct Own {\n};\n}  // namespace\nstruct Shared {\n};\nstruct Shared::Part {\n};\n}  // namespace a\n").ok());
-  CHECK(types_of(file) == std::set<std::string>{"Shared"});
+  REQUIRE(write_file(file, "namespace a {\nnamespace {\nstruct Own {\n};\n}  // namespace\nstruct Shared {\n};\nstruct Shared::Part {\n};\nstruct alignas(64) Wide {\n};\n}  // namespace a\n").ok());
+  CHECK(types_of(file) == std::set<std::string>{"Shared", "Wide"});
 }
 
 TEST_CASE("layers: every folder includes only what stands below it") {

@@ -251,6 +251,20 @@ TEST_CASE("register: without any poses a block is put together by its planes") {
   CHECK(off_truth(found, block.truth).angle < 0.5 * pi / 180);
 }
 
+TEST_CASE("register: without any poses a face laid on a wrong face is refused for what other sensors did not see") {
+  RegisterOptions unknown;
+  unknown.arrangement = Arrangement::unknown;
+  auto options = small();
+  options.resolution = 60, options.views = "8";
+  Case block = scan_of(plain_block(), options, 0, 0);
+  for (auto& view : block.views) view.guess.reset();
+  const Registration found = run(block.views, unknown);
+  for (const auto& view : found.views) UNSCOPED_INFO(view.reason);
+  CHECK(count(found, ViewStatus::registered) >= 5);
+  CHECK(off_truth(found, block.truth).angle < 1 * pi / 180);
+  CHECK(std::any_of(found.views.begin(), found.views.end(), [](const auto& v) { return v.reason.find("a sensor that saw nothing there") != std::string::npos; }));
+}
+
 TEST_CASE("register: planes of a view are its faces, and lay one view onto another") {
   auto options = small();
   options.bit_error = 0;
