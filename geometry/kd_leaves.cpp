@@ -2,11 +2,8 @@
 
 #include <cstring>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define PARTSCRIBE_VECTOR_VERSIONS 1
+#if PARTSCRIBE_VECTOR_VERSIONS
 #include <immintrin.h>
-#else
-#define PARTSCRIBE_VECTOR_VERSIONS 0
 #endif
 
 // Vectors stay inside this file; how they would be passed between files does not matter.
@@ -83,33 +80,28 @@ inline void count_less(const Reals& a, const Reals& b, Whole& count) {
 #pragma GCC pop_options
 #endif
 
-/// The widest version that this machine runs.
 struct Versions {
-  decltype(&baseline::within) within = baseline::within;
-  decltype(&baseline::rank) rank = baseline::rank;
-  Versions() {
-#if PARTSCRIBE_VECTOR_VERSIONS
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("popcnt"))
-      within = avx512::within, rank = avx512::rank;
-    else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi"))
-      within = avx2::within, rank = avx2::rank;
-#endif
-  }
+  decltype(&baseline::within) within;
+  decltype(&baseline::rank) rank;
 };
 
-const Versions& versions() {
-  static const Versions chosen;
-  return chosen;
+const Versions& versions(Instructions instructions) {
+  static constexpr Versions plain{baseline::within, baseline::rank};
+#if PARTSCRIBE_VECTOR_VERSIONS
+  static constexpr Versions wide{avx2::within, avx2::rank}, widest{avx512::within, avx512::rank};
+  if (instructions == Instructions::avx512) return widest;
+  if (instructions == Instructions::avx2) return wide;
+#endif
+  return plain;
 }
 
 }  // namespace
 
-void points_within(const KdLeaf* leaves, const KdBoxes& boxes, const Vec3& query, double sq_limit, KdCandidates& found) {
-  versions().within(leaves, boxes, query, sq_limit, found);
+void points_within(const KdLeaf* leaves, const KdBoxes& boxes, const Vec3& query, double sq_limit, KdCandidates& found,
+                   Instructions instructions) {
+  versions(instructions).within(leaves, boxes, query, sq_limit, found);
 }
 
-bool rank_candidates(KdCandidates& candidates) { return versions().rank(candidates); }
+bool rank_candidates(KdCandidates& candidates, Instructions instructions) { return versions(instructions).rank(candidates); }
 
 }  // namespace partscribe

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/instructions.h"
 #include "geometry/vec.h"
 
 namespace partscribe {
@@ -56,9 +57,10 @@ struct KdCandidates {
 };
 
 /// All points of the leaves that are not farther than `sq_limit`, which is finite.
-void points_within(const KdLeaf* leaves, const KdBoxes& boxes, const Vec3& query, double sq_limit, KdCandidates& found);
+void points_within(const KdLeaf* leaves, const KdBoxes& boxes, const Vec3& query, double sq_limit, KdCandidates& found,
+                   Instructions instructions = widest_instructions());
 
 /// Fills `place`: how many candidates are nearer than each. True: no two are equally far.
-bool rank_candidates(KdCandidates& candidates);
+bool rank_candidates(KdCandidates& candidates, Instructions instructions = widest_instructions());
 
 }  // namespace partscribe

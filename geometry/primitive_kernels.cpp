@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "geometry/instructions.h"
+
 // The loops are written once and compiled for several processors. Lanes are fixed at 8 and products are never fused
 // into sums, so that every processor gives the same bits.
 #if defined(__GNUC__) && defined(__x86_64__)
@@ -416,19 +418,6 @@ __attribute__((target("avx512f,avx512vl,avx512dq"))) void moments_avx512(const V
 }
 #endif
 
-/// 0 plain, 1 AVX2, 2 AVX-512.
-int width() {
-#if PARTSCRIBE_WIDE
-  static const int found =
-      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") ? 2
-      : __builtin_cpu_supports("avx2")                                                                              ? 1
-                                                                                                                    : 0;
-  return found;
-#else
-  return 0;
-#endif
-}
-
 }  // namespace
 
 int unknowns_of(ChartKind kind) {
@@ -459,8 +448,8 @@ KernelEquations normal_equations(const ScaledPoints& points, const PrimitiveChar
   f.ring = chart.ring, f.tube = chart.tube;
   KernelEquations out;
 #if PARTSCRIBE_WIDE
-  if (width() == 2) return kind_avx512(chart.kind, points, f, reach, out), out;
-  if (width() == 1) return kind_avx2(chart.kind, points, f, reach, out), out;
+  if (widest_instructions() == Instructions::avx512) return kind_avx512(chart.kind, points, f, reach, out), out;
+  if (widest_instructions() == Instructions::avx2) return kind_avx2(chart.kind, points, f, reach, out), out;
 #endif
   kind_plain(chart.kind, points, f, reach, out);
   return out;
@@ -469,9 +458,9 @@ KernelEquations normal_equations(const ScaledPoints& points, const PrimitiveChar
 Moments moments(const std::vector<Vec3>& points, const double* weights, const Vec3& origin) {
   double s[10];
 #if PARTSCRIBE_WIDE
-  if (width() == 2)
+  if (widest_instructions() == Instructions::avx512)
     moments_avx512(points.data(), points.size(), weights, origin.data(), s);
-  else if (width() == 1)
+  else if (widest_instructions() == Instructions::avx2)
     moments_avx2(points.data(), points.size(), weights, origin.data(), s);
   else
 #endif

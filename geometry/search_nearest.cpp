@@ -7,11 +7,8 @@
 #include "core/ensure.h"
 #include "geometry/triangle_tree.h"
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define PARTSCRIBE_VECTOR_VERSIONS 1
+#if PARTSCRIBE_VECTOR_VERSIONS
 #include <immintrin.h>
-#else
-#define PARTSCRIBE_VECTOR_VERSIONS 0
 #endif
 
 // Vectors stay inside this file; how they would be passed between files does not matter.
@@ -106,22 +103,7 @@ const Versions& versions(Instructions instructions) {
   return all[static_cast<std::size_t>(instructions)];
 }
 
-Instructions supported() {
-#if PARTSCRIBE_VECTOR_VERSIONS
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-    return Instructions::avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi")) return Instructions::avx2;
-#endif
-  return Instructions::baseline;
-}
-
 }  // namespace
-
-Instructions widest_instructions() {
-  static const Instructions widest = supported();
-  return widest;
-}
 
 void search_nearest(const TriangleTree& tree, const Vec3& query, NearestSlot& best, Instructions instructions) {
   if (!tree.nodes.empty()) versions(instructions).search(tree, query, best);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/instructions.h"
 #include "geometry/triangle_mesh.h"
 
 namespace partscribe {
@@ -65,11 +66,6 @@ struct TriangleTree {
 
 /// The same tree for any number of threads.
 TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads);
-
-/// What searches are compiled for. Answers are the same to the bit.
-enum class Instructions { baseline, avx2, avx512 };
-/// The widest that this machine runs.
-Instructions widest_instructions();
 
 /// Improves `best` by every triangle that is nearer, or as near and of lower index in the mesh. The answer depends
 /// on the mesh and the query alone: not on the tree, on what `best` held, or on the machine's instructions.

@@ -4,11 +4,8 @@
 #include <cstring>
 #include <limits>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define PARTSCRIBE_VECTOR_VERSIONS 1
+#if PARTSCRIBE_VECTOR_VERSIONS
 #include <immintrin.h>
-#else
-#define PARTSCRIBE_VECTOR_VERSIONS 0
 #endif
 
 // Vectors stay inside this file; how they would be passed between files does not matter.
@@ -54,34 +51,29 @@ inline bool none_below(const __m512d& a, const __m512d& b) { return _mm512_cmp_p
 #pragma GCC pop_options
 #endif
 
-/// The widest version that this machine runs.
 struct Versions {
-  decltype(&baseline::weighted) weighted = baseline::weighted;
-  decltype(&baseline::support) support = baseline::support;
-  Versions() {
-#if PARTSCRIBE_VECTOR_VERSIONS
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-      weighted = avx512::weighted, support = avx512::support;
-    else if (__builtin_cpu_supports("avx2"))
-      weighted = avx2::weighted, support = avx2::support;
-#endif
-  }
+  decltype(&baseline::weighted) weighted;
+  decltype(&baseline::support) support;
 };
 
-const Versions& versions() {
-  static const Versions chosen;
-  return chosen;
+const Versions& versions(Instructions instructions) {
+  static constexpr Versions plain{baseline::weighted, baseline::support};
+#if PARTSCRIBE_VECTOR_VERSIONS
+  static constexpr Versions wide{avx2::weighted, avx2::support}, widest{avx512::weighted, avx512::support};
+  if (instructions == Instructions::avx512) return widest;
+  if (instructions == Instructions::avx2) return wide;
+#endif
+  return plain;
 }
 
 }  // namespace
 
-void weighted_planes(const PlaneBlock& block, const PlaneWeights& weights, FoundPlanes& found) {
-  versions().weighted(block, weights, found);
+void weighted_planes(const PlaneBlock& block, const PlaneWeights& weights, FoundPlanes& found, Instructions instructions) {
+  versions(instructions).weighted(block, weights, found);
 }
 
-void count_support(const PlaneBlock& block, const SupportRule& rule, double* support) {
-  versions().support(block, rule, support);
+void count_support(const PlaneBlock& block, const SupportRule& rule, double* support, Instructions instructions) {
+  versions(instructions).support(block, rule, support);
 }
 
 }  // namespace partscribe

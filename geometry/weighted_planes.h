@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "geometry/instructions.h"
+
 namespace partscribe {
 
 /// A point as its neighbours see it: one line of the cache.
@@ -40,7 +42,8 @@ struct FoundPlanes {
 /// Direction of least weighted spread of the neighbours of each of eight nodes; weights fall with the distance, with the
 /// fourth power of the cosine between normals, and with the distance from the plane of the round before. The same on
 /// every machine, in the last bit.
-void weighted_planes(const PlaneBlock& block, const PlaneWeights& weights, FoundPlanes& found);
+void weighted_planes(const PlaneBlock& block, const PlaneWeights& weights, FoundPlanes& found,
+                     Instructions instructions = widest_instructions());
 
 struct SupportRule {
   double tolerance;   ///< mm from the plane
@@ -51,6 +54,7 @@ struct SupportRule {
 
 /// How many of the neighbours in rows [1, rows) lie on one surface with each of eight nodes: the plane whose normal is
 /// the mean of the two normals (exact on circles) or, across an edge, the neighbour's own.
-void count_support(const PlaneBlock& block, const SupportRule& rule, double* support);
+void count_support(const PlaneBlock& block, const SupportRule& rule, double* support,
+                   Instructions instructions = widest_instructions());
 
 }  // namespace partscribe

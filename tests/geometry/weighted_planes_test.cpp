@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -117,6 +118,28 @@ TEST_CASE("weighted planes: points of a plane without noise give its normal, and
         else CHECK((Vec3(found.x[i], found.y[i], found.z[i]) - truth).norm() < 1e-8);
       }
     }
+  }
+}
+
+TEST_CASE("weighted planes: every set of instructions answers the same to the bit") {
+  for (const auto instructions : {Instructions::avx2, Instructions::avx512}) {
+    if (instructions > widest_instructions()) continue;
+    for (const double noise : {0.0, 0.01, 0.5})
+      for (const bool first : {true, false}) {
+        const Sheet sheet(60, 40, noise, 7);
+        FoundPlanes plain, found;
+        weighted_planes(sheet.block(), {sheet.sq_reach.data(), 0.05, first, true}, plain, Instructions::baseline);
+        weighted_planes(sheet.block(), {sheet.sq_reach.data(), 0.05, first, true}, found, instructions);
+        double plain_support[plane_block], support[plane_block];
+        count_support(sheet.block(), {0.1, 0.05, first, 100}, plain_support, Instructions::baseline);
+        count_support(sheet.block(), {0.1, 0.05, first, 100}, support, instructions);
+        for (std::size_t i = 0; i < plane_block; ++i) {
+          const auto same = [](double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); };
+          CHECK((same(plain.x[i], found.x[i]) && same(plain.y[i], found.y[i]) && same(plain.z[i], found.z[i])));
+          CHECK(same(plain.spread[i], found.spread[i]));
+          CHECK(same(plain_support[i], support[i]));
+        }
+      }
   }
 }
 
