@@ -194,6 +194,26 @@ double most_disagreement(const RegisterOptions& options, const ViewSurface& surf
 /// the wrong face 0.065 and more.
 constexpr double most_unanswered_by_shape = 0.06;
 
+/// The view for which that is so, or the reference if there is none. One view that lies wrong leaves answers open between itself
+/// and its neighbours, each of these only with that one: the one that leaves most open with all others.
+std::size_t least_answered(const std::vector<ViewSurface>& surfaces, const std::vector<Agreement>& agreements, const std::vector<std::size_t>& used,
+                           const RegisterOptions& options) {
+  std::size_t result = used.front();
+  if (options.arrangement != Arrangement::unknown) return result;
+  int most_open = 0;
+  for (const std::size_t v : used) {
+    if (!surfaces[v].organised || v == used.front()) continue;
+    int sum = 0, worst = 0;
+    for (const std::size_t o : used) {
+      const int open = agreements[v].missing_by[o] + agreements[o].missing_by[v];
+      sum += open, worst = std::max(worst, open);
+    }
+    // Each of the two counts half as many points of the other.
+    if (worst > 1.5 * most_unanswered_by_shape * agreements[v].samples && sum > most_open) most_open = sum, result = v;
+  }
+  return result;
+}
+
 /// Each fixes a pose by its noise; with a handful, chance does.
 constexpr std::size_t fewest_matches = 50;
 
@@ -205,25 +225,11 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
   std::vector<Agreement> agreements(surfaces.size());
   std::vector<double> disagreements;
   for (const std::size_t v : used) {
-    if (used.size() < 2) break;
     agreements[v] = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
     disagreements.push_back(agreements[v].disagreement());
   }
   const double usual_disagreement = median(std::move(disagreements));
-  // One view that lies wrong leaves answers open between itself and its neighbours, each of these only with that one: the worst
-  // leaves first.
-  std::size_t least_answered = used.front();
-  int most_open = 0;
-  for (const std::size_t v : used) {
-    if (options.arrangement != Arrangement::unknown || !surfaces[v].organised || v == used.front()) continue;
-    int sum = 0, worst = 0;
-    for (const std::size_t o : used) {
-      const int open = agreements[v].missing_by[o] + agreements[o].missing_by[v];
-      sum += open, worst = std::max(worst, open);
-    }
-    // Each counts the points of the other half.
-    if (worst > 1.5 * most_unanswered_by_shape * agreements[v].samples && sum > most_open) most_open = sum, least_answered = v;
-  }
+  const std::size_t unanswered = least_answered(surfaces, agreements, used, options);
   for (const std::size_t v : used) {
     RegisteredView& view = result.views[v];
     view.world_from_view = joint.poses[v], view.covariance = joint.covariance_of(v);
@@ -246,7 +252,7 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere);
       else if (found.unanswered() > options.max_unanswered)
         reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered);
-      else if (v == least_answered)
+      else if (v == unanswered)
         reason = "of its points and those of another view more than " + percent(most_unanswered_by_shape) + " face a sensor that saw nothing there";
       else if (options.tolerance > 0 && sigma > options.tolerance / 4)
         reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";

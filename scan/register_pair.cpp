@@ -272,4 +272,8 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
   return result;
 }
 
+bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double angle, double shift) {
+  return rotation_vector(a.rotation.transpose() * b.rotation).norm() < angle && (a * surface.center - b * surface.center).norm() < shift;
+}
+
 }  // namespace partscribe

@@ -90,6 +90,9 @@ struct Agreement {
 Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view,
                     const Pose& pose, const std::vector<std::size_t>& others, double reach, std::size_t samples);
 
+/// Whether two poses put the middle of a view within `shift` (mm) of one place and turn it within `angle` (rad) alike.
+bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double angle, double shift);
+
 /// The pose a share of the way from one to another along the screw that leads there.
 Pose between(const Pose& a, const Pose& b, double share);
 

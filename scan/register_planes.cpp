@@ -144,7 +144,7 @@ std::vector<Pose> plane_poses(const std::vector<ViewPlane>& source_planes, const
         if (b.normal.dot(rotation * a.normal) > parallel) shifts.push_back({b.normal, b.offset - a.offset, std::min(a.share, b.share)});
     std::stable_sort(shifts.begin(), shifts.end(), [](const Shift& a, const Shift& b) { return a.worth > b.worth; });
     // Up to three directions, the one with most on it first; what they leave open follows from how far both reach.
-    std::array<std::vector<Shift>, 3> along;
+    std::array<std::vector<double>, 3> along;
     Mat3 directions = Mat3::Zero();
     int known = 0;
     for (const Shift& s : shifts) {
@@ -157,20 +157,20 @@ std::vector<Pose> plane_poses(const std::vector<ViewPlane>& source_planes, const
         directions.col(known++) = s.normal;
       }
       const double sign = directions.col(of).dot(s.normal) < 0 ? -1 : 1;
-      if (along[std::size_t(of)].size() < most_shifts) along[std::size_t(of)].push_back({directions.col(of), sign * s.along, s.worth});
+      if (along[std::size_t(of)].size() < most_shifts) along[std::size_t(of)].push_back(sign * s.along);
     }
     if (known < 2) continue;
     if (known == 2) {
       const Vec3 free = directions.col(0).cross(directions.col(1)).normalized();
       directions.col(2) = free;
       const Extent a = extent(mine, rotation, free), b = extent(theirs, Mat3::Identity(), free);
-      for (const double s : {b.low - a.low, b.high - a.high, b.sum / b.count - a.sum / a.count}) along[2].push_back({free, s, 0});
+      for (const double s : {b.low - a.low, b.high - a.high, b.sum / b.count - a.sum / a.count}) along[2].push_back(s);
     }
     const Mat3 inverse = Mat3(directions.transpose()).inverse();
     if (!inverse.allFinite()) continue;
-    for (const Shift& x : along[0])
-      for (const Shift& y : along[1])
-        for (const Shift& z : along[2]) candidates.push_back({rotation, inverse * Vec3(x.along, y.along, z.along)});
+    for (const double x : along[0])
+      for (const double y : along[1])
+        for (const double z : along[2]) candidates.push_back({rotation, inverse * Vec3(x, y, z)});
   }
   // Many are looked at quickly, some closely.
   struct Scored {
@@ -190,9 +190,7 @@ std::vector<Pose> plane_poses(const std::vector<ViewPlane>& source_planes, const
     if (good.size() < most_judged) good.push_back(s.pose);
   for (const Scored& s : judged(good, 200, 4)) {
     if (result.size() >= most) break;
-    const bool repeated = std::any_of(result.begin(), result.end(), [&](const Pose& r) {
-      return rotation_vector(r.rotation.transpose() * s.pose.rotation).norm() < 0.05 && (r * from.center - s.pose * from.center).norm() < 0.05 * from.radius;
-    });
+    const bool repeated = std::any_of(result.begin(), result.end(), [&](const Pose& r) { return same_place(from, r, s.pose, 0.05, 0.05 * from.radius); });
     if (!repeated) result.push_back(s.pose);
   }
   return result;

@@ -61,10 +61,6 @@ struct Placement {
   }
 };
 
-bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double angle, double shift) {
-  return rotation_vector(a.rotation.transpose() * b.rotation).norm() < angle && (a * surface.center - b * surface.center).norm() < shift;
-}
-
 /// All the way from one pose to the other fits as well: a free motion, not two answers.
 bool connected(const Placement& placement, std::size_t view, const PoseCandidate& a, const PoseCandidate& b) {
   for (const double share : {0.25, 0.5, 0.75}) {

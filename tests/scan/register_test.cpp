@@ -179,6 +179,14 @@ Off off_truth(const Registration& found, const std::vector<Pose>& truth) {
   return worst;
 }
 
+/// Of views whose poses are forgotten.
+Registration run_from_nothing(Case scan) {
+  RegisterOptions unknown;
+  unknown.arrangement = Arrangement::unknown;
+  for (auto& view : scan.views) view.guess.reset();
+  return run(scan.views, unknown);
+}
+
 int count(const Registration& registration, ViewStatus status) {
   return static_cast<int>(std::count_if(registration.views.begin(), registration.views.end(), [&](const auto& v) { return v.status == status; }));
 }
@@ -218,47 +226,37 @@ TEST_CASE("register: a stated sigma is of the size of the error") {
 }
 
 TEST_CASE("register: without any poses the features do, or it is refused") {
-  RegisterOptions unknown;
-  unknown.arrangement = Arrangement::unknown;
   auto options = small();
   options.resolution = 120, options.views = "24";
   Case scan = scan_of(balls(), options, 0, 0);
   scan.views.resize(6), scan.truth.resize(6);
-  for (auto& view : scan.views) view.guess.reset();
-  const Registration found = run(scan.views, unknown);
+  const Registration found = run_from_nothing(scan);
   for (const auto& view : found.views) UNSCOPED_INFO(view.reason << view.overlap);
   CHECK(count(found, ViewStatus::registered) == 5);
   CHECK(off_truth(found, scan.truth).angle < 0.5 * pi / 180);
 
   // Views across the edges of a block share few faces, and faces are all alike.
   options.resolution = 40, options.views = "octahedron";
-  Case block = scan_of(cut_block(), options, 0, 0);
-  for (auto& view : block.views) view.guess.reset();
-  const Registration doubtful = run(block.views, unknown);
+  const Case block = scan_of(cut_block(), options, 0, 0);
+  const Registration doubtful = run_from_nothing(block);
   CHECK(off_truth(doubtful, block.truth).angle < 1 * pi / 180);
 }
 
 TEST_CASE("register: without any poses a block is put together by its planes") {
-  RegisterOptions unknown;
-  unknown.arrangement = Arrangement::unknown;
   auto options = small();
   options.resolution = 90;
-  Case block = scan_of(plain_block(), options, 0, 0);
-  for (auto& view : block.views) view.guess.reset();
-  const Registration found = run(block.views, unknown);
+  const Case block = scan_of(plain_block(), options, 0, 0);
+  const Registration found = run_from_nothing(block);
   for (const auto& view : found.views) UNSCOPED_INFO(view.reason);
   CHECK(count(found, ViewStatus::registered) >= 5);
   CHECK(off_truth(found, block.truth).angle < 0.5 * pi / 180);
 }
 
 TEST_CASE("register: without any poses a face laid on a wrong face is refused for what other sensors did not see") {
-  RegisterOptions unknown;
-  unknown.arrangement = Arrangement::unknown;
   auto options = small();
   options.resolution = 60, options.views = "8";
-  Case block = scan_of(plain_block(), options, 0, 0);
-  for (auto& view : block.views) view.guess.reset();
-  const Registration found = run(block.views, unknown);
+  const Case block = scan_of(plain_block(), options, 0, 0);
+  const Registration found = run_from_nothing(block);
   for (const auto& view : found.views) UNSCOPED_INFO(view.reason);
   CHECK(count(found, ViewStatus::registered) >= 5);
   CHECK(off_truth(found, block.truth).angle < 1 * pi / 180);
