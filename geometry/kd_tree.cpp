@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "core/ensure.h"
@@ -80,6 +81,24 @@ class Nearest {
   std::size_t capacity_, size_ = 0;
   double worst_ = std::numeric_limits<double>::max();  // so that what lies at infinity is never added
 };
+
+inline Two pair_of(const std::array<double, leaf_size>& coordinates, std::size_t k) {
+  Two pair;
+  std::memcpy(&pair, &coordinates[2 * k], sizeof pair);
+  return pair;
+}
+
+/// Squared distances of all points of a leaf; returns the least.
+double sq_distances(const Leaf& leaf, const Vec3& query, Two* result) {
+  const Two x = Two{} + query.x(), y = Two{} + query.y(), z = Two{} + query.z();
+  Two least = Two{} + infinity;
+  for (std::size_t k = 0; k < leaf_size / 2; ++k) {
+    const Two dx = x - pair_of(leaf.x, k), dy = y - pair_of(leaf.y, k), dz = z - pair_of(leaf.z, k);
+    result[k] = dx * dx + dy * dy + dz * dz;
+    least = result[k] < least ? result[k] : least;
+  }
+  return least[0] < least[1] ? least[0] : least[1];
+}
 
 /// Puts the nearest `count` of the candidates first in the list, nearest first; what follows them there means nothing.
 void take_nearest(KdCandidates& c, std::size_t count, std::vector<Neighbour>& list) {
@@ -312,10 +331,35 @@ void KdTree::within(const Vec3& query, double radius, std::vector<Neighbour>& re
 
 Neighbour KdTree::nearest_one(const Vec3& query) const {
   ensure(tree_->finite > 0, "the nearest of no points does not exist");
-  Neighbour one{0, infinity};
-  Nearest near(&one, 1);
-  tree_->visit(query, [&] { return near.worst(); }, [&](const Leaf& leaf) { near.add(leaf, query); });
+  Neighbour one{0, std::numeric_limits<double>::max()};
+  tree_->visit(query, [&] { return one.sq_distance; }, [&](const Leaf& leaf) {
+    Two found[leaf_size / 2];
+    const double least = sq_distances(leaf, query, found);
+    if (!(least <= one.sq_distance)) return;
+    if (least < one.sq_distance) one = {std::numeric_limits<std::uint32_t>::max(), least};
+    for (std::size_t k = 0; k < leaf_size; ++k)
+      if (found[k / 2][k % 2] == least) one.index = std::min(one.index, leaf.index[k]);
+  });
   return one;
+}
+
+std::array<Neighbour, 2> KdTree::nearest_two(const Vec3& query, double sq_limit) const {
+  constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
+  Neighbour first{nobody, sq_limit}, second{nobody, sq_limit};
+  tree_->visit(query, [&] { return second.sq_distance; }, [&](const Leaf& leaf) {
+    Two found[leaf_size / 2];
+    if (!(sq_distances(leaf, query, found) <= second.sq_distance)) return;
+    for (std::size_t k = 0; k < leaf_size; ++k) {
+      const Neighbour item{leaf.index[k], found[k / 2][k % 2]};
+      if (!nearer(item, second)) continue;
+      const bool leads = nearer(item, first);
+      second = leads ? first : item;
+      if (leads) first = item;
+    }
+  });
+  for (Neighbour* n : {&first, &second})
+    if (n->index == nobody) *n = {0, infinity};
+  return {first, second};
 }
 
 }  // namespace partscribe

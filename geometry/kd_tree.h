@@ -1,6 +1,7 @@
 /// Nearest points of a fixed set, with ties broken by index so that answers never depend on chance.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -36,6 +37,8 @@ class KdTree {
   void within(const Vec3& query, double radius, std::vector<Neighbour>& result) const;
   /// Index of the nearest point; the set must not be empty.
   Neighbour nearest_one(const Vec3& query) const;
+  /// The nearest two points that are not farther than `sq_limit` (finite); at an infinite distance where there are none.
+  std::array<Neighbour, 2> nearest_two(const Vec3& query, double sq_limit) const;
 
  private:
   struct Tree;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -60,6 +61,13 @@ TEST_CASE("kd tree: every answer is what comparing with all points gives, in the
           CHECK(same(near, truth, count));
         }
         CHECK(tree.nearest_one(place).index == truth.front().index);
+        for (const double limit : {0.25, 1.0, 1e6}) {
+          const auto two = tree.nearest_two(place, limit);
+          for (std::size_t k = 0; k < 2; ++k) {
+            const bool there = k < truth.size() && truth[k].sq_distance <= limit;
+            CHECK((there ? two[k].index == truth[k].index && two[k].sq_distance == truth[k].sq_distance : std::isinf(two[k].sq_distance)));
+          }
+        }
         tree.within(place, 1.0, near);
         CHECK(same(near, truth, std::size_t(std::count_if(truth.begin(), truth.end(), [](const Neighbour& n) { return n.sq_distance <= 1; }))));
       }
