@@ -161,6 +161,13 @@ void add_joined(const std::vector<std::vector<Pose>>& joined, const std::vector<
     }
 }
 
+/// What the normal matrix leaves free, and what the search found.
+std::vector<FreeMotion> declared(const JointResult& joint, const std::vector<std::vector<Pose>>& joined, const std::vector<std::size_t>& used) {
+  std::vector<FreeMotion> motions = free_motions(joint, joint.poses.size());
+  if (!joined.empty()) add_joined(joined, used, joint, motions);
+  return motions;
+}
+
 void name_motions(const std::vector<RegisterView>& views, std::vector<FreeMotion>& motions) {
   for (FreeMotion& motion : motions) {
     std::string names;
@@ -179,11 +186,11 @@ struct Judged {
 /// chance, so that range images have to agree better; but a part full of edges leaves up to 0.07 of a view, and of all its views
 /// much: three times what is usual among them may be left of one. So have two of them whom nobody else contradicts, the more
 /// motions their shape leaves free: a cap lies on any other cap (true places left up to 0.03 with three free motions, 0.07 with
-/// two). `usual`: the middle of what all views leave.
-double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, const JointResult& joint, std::size_t views, double usual) {
+/// two). `motions`: of two views, those that will be declared; `usual`: the middle of what all views leave.
+double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, std::size_t motions, std::size_t views, double usual) {
   constexpr double at_most = 0.15, by_shape = 0.04, of_usual = 3;
   if (!surface.organised) return at_most;
-  const std::size_t free = views == 2 ? joint.free_directions.size() : 0;
+  const std::size_t free = views == 2 ? motions : 0;
   const double of_free = free >= 3 ? 0.03 : free == 2 ? 0.1 : at_most;
   if (options.arrangement != Arrangement::unknown) return of_free;
   return std::min(views > 2 ? std::max(by_shape, of_usual * usual) : by_shape, of_free);
@@ -214,11 +221,16 @@ std::size_t least_answered(const std::vector<ViewSurface>& surfaces, const std::
   return result;
 }
 
+/// Of a view of a cap that lies on another cap than its own, much of what speaks against that are places where the other sensor saw
+/// nothing: with three free motions they count together (true places left up to 0.030, a cap of a lens on the other side of it 0.038).
+constexpr std::size_t many_motions = 3;
+constexpr double most_against_many_motions = 0.035;
+
 /// Each fixes a pose by its noise; with a handful, chance does.
 constexpr std::size_t fewest_matches = 50;
 
 /// Fills in what the final poses say of each view, and refuses those that break a rule.
-Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used,
+Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used, std::size_t motions,
              const RegisterOptions& options, Registration& result) {
   Judged judged;
   const double reach = confirm_reach(surfaces);
@@ -238,7 +250,7 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
       view.overlap = found.overlap(), view.residual_median = found.residual, view.seen_through = found.seen_through();
     }
     std::string reason;
-    const double most_elsewhere = most_disagreement(options, surfaces[v], joint, used.size(), usual_disagreement);
+    const double most_elsewhere = most_disagreement(options, surfaces[v], motions, used.size(), usual_disagreement);
     const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
     const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
     if (v != used.front()) {
@@ -250,6 +262,9 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
         reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
       else if (found.disagreement() > most_elsewhere)
         reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere);
+      else if (surfaces[v].organised && used.size() == 2 && motions >= many_motions && found.disagreement() + found.unanswered() > most_against_many_motions)
+        reason = percent(found.disagreement() + found.unanswered()) + " of its points lie where the other view measured another surface, or nothing, expected at most " +
+                 percent(most_against_many_motions) + " of a shape that may move in so many ways";
       else if (found.unanswered() > options.max_unanswered)
         reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered);
       else if (v == unanswered)
@@ -410,7 +425,8 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
-    const Judged judged = judge(surfaces, joint, used, options, result);
+    result.free_motions = declared(joint, start.joined, used);
+    const Judged judged = judge(surfaces, joint, used, std::max(joint.free_directions.size(), result.free_motions.size()), options, result);
     if (!judged.changed) break;
     used = judged.good;
   }
@@ -424,8 +440,6 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   result.center = joint.center, result.covariance = with_free_motions(joint);
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
-  result.free_motions = free_motions(joint, views.size());
-  if (!start.joined.empty()) add_joined(start.joined, used, joint, result.free_motions);
   name_motions(views, result.free_motions);
   // The last view has turned by all the steps together.
   if (result.turntable && result.turntable->step_observed)

@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/nearest_again.h"
 
 namespace partscribe {
 namespace {
@@ -67,6 +68,7 @@ struct Round {
   double surface_sigma = 1, contour_sigma = 0.8;    // mm; pixels
   double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
   bool grouped = false, narrow = false;
+  std::size_t stride = 1;                         // of the samples
 
   /// Width of the borders' kernel, in pixels of this size.
   double border_kernel(double pixel) const { return std::max(2.5 * contour_sigma, border_wide / pixel); }
@@ -127,31 +129,31 @@ PairSum empty_sum(std::size_t a, std::size_t b, bool grouped) {
   return sum;
 }
 
-PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
+PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, const Round& round, NearestAgain& partners) {
   PairSum sum = empty_sum(a, b, round.grouped);
   const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
   const Pose there = problem.poses[b].inverse() * problem.poses[a];
-  for (std::size_t k = 0; k < from.samples.size(); ++k) {
+  for (std::size_t k = 0; k < from.samples.size(); k += round.stride) {
     const auto i = from.samples[k];
     const Vec3 x = there * from.points[i], nx = there.rotation * from.normals[i];
     if (nx.dot(to.raster.ray(x)) > 0.1) continue;  // faces away: the other cannot see it
-    const Neighbour near = to.tree->nearest_one(x);
-    if (near.sq_distance > 9 * round.reach * round.reach || !to.smooth[near.index]) continue;
-    const Vec3& ny = to.normals[near.index];
+    const std::uint32_t near = partners.nearest(k, x, 3 * round.reach);
+    if (near == NearestAgain::nobody || !to.smooth[near]) continue;
+    const Vec3& ny = to.normals[near];
     if (nx.dot(ny) < 0.7071) continue;
-    const Vec3 n = (nx + ny).normalized(), d = x - to.points[near.index];
+    const Vec3 n = (nx + ny).normalized(), d = x - to.points[near];
     const double e = d.dot(n);
     // Places beyond the other view's border, and beside a crease that one of the two took for a slope.
     if (round.narrow && ((d - e * n).norm() > to.spacing || nx.dot(ny) < same_face)) continue;
     const double w = std::exp(-d.squaredNorm() / (2 * round.reach * round.reach) - e * e / (2 * round.wide * round.wide));
     if (w < 1e-3) continue;
-    const double variance = std::max(0.5 * (from.variance[i] + to.variance[near.index]), 0.5);
+    const double variance = std::max(0.5 * (from.variance[i] + to.variance[near]), 0.5);
     // Apart from how the surface bends from place to place the normals differ by two errors, their mean by half as much.
     Vec3 errors = nx - ny;
     if (d.norm() < 2 * from.spacing) errors -= there.rotation * (from.bending[k] * (there.rotation.transpose() * d));
     const Pose& pose = problem.poses[b];
     const Vec3 place = pose * (x - 0.5 * d);
-    const double from_cosine = -from.normals[i].dot(from.raster.ray(from.points[i])), to_cosine = -ny.dot(to.raster.ray(to.points[near.index]));
+    const double from_cosine = -from.normals[i].dot(from.raster.ray(from.points[i])), to_cosine = -ny.dot(to.raster.ray(to.points[near]));
     const double slant = (from_cosine - to_cosine) * 0.5 * (from.sigma + to.sigma);
     const double share = round.narrow ? slant_share(std::min(from_cosine, to_cosine)) : 1;
     add_row(problem, place, pose.rotation * n, e, slant, 0, share * w / (variance * round.surface_sigma * round.surface_sigma),
@@ -161,6 +163,8 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
   return sum;
 }
 
+constexpr std::size_t rough_stride = 4;  // of the samples, while poses are rough
+constexpr int rough_rounds = 4;            // at the end, where that is enough
 constexpr std::size_t most_contour = 3000, rough_contour = 150;
 
 /// A place of another view beside a border, and how far the border lies outside it, in pixels.
@@ -481,6 +485,12 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     for (std::size_t a = 0; a < views.size(); ++a)
       for (std::size_t b = 0; b < views.size(); ++b)
         if (a != b && !problem.surface(a).contour.empty() && std::abs(sight_cosine(problem, a, b) + 0.08) < 0.79) borders.emplace_back(a, b);
+  std::vector<NearestAgain> partners;
+  const auto follow = [&] {
+    partners.clear();
+    for (const auto& [a, b] : pairs) partners.emplace_back(*problem.surface(b).tree, problem.surface(b).points, problem.surface(a).samples.size());
+  };
+  follow();
   std::vector<PairSum> sums, contour_sums;
   round.border_wide = round.reach / 2;
   const auto match = [&] {
@@ -489,7 +499,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     parallel_for(pairs.size() + borders.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         if (k < pairs.size())
-          sums[k] = match_surfaces(problem, pairs[k].first, pairs[k].second, round);
+          sums[k] = match_surfaces(problem, pairs[k].first, pairs[k].second, round, partners[k]);
         else
           contour_sums[k - pairs.size()] = match_contours(problem, borders[k - pairs.size()].first, borders[k - pairs.size()].second, round);
     }, 1);
@@ -502,6 +512,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   int at_end = 0;
   for (int k = 0; k < options.rounds && !context.cancelled; ++k) {
     context.report("adjusting all views", static_cast<double>(k) / options.rounds);
+    round.stride = options.roughly || round.reach > end_reach ? rough_stride : 1;
     match();
     learn(sums, contour_sums, least, std::max(0.5, 0.25 * (round.reach - end_reach) / spacing), round);
     const bool rough = round.reach > end_reach;
@@ -513,8 +524,12 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     if (rough) {
       if (moved < 0.2 * round.reach) {
         round.reach = std::max(0.6 * round.reach, end_reach), round.border_wide = round.reach / 2;
-        if (round.reach == end_reach) pairs = neighbour_pairs(problem, 3 * round.reach, options.neighbours, context.threads);
+        if (round.reach == end_reach) pairs = neighbour_pairs(problem, 3 * round.reach, options.neighbours, context.threads), follow();
       }
+      continue;
+    }
+    if (options.roughly) {
+      if (++at_end >= rough_rounds) break;
       continue;
     }
     // By steps: what only a few places fix is lost when a narrow kernel sees them off at once.
@@ -525,7 +540,9 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     }
     if (++at_end >= 6 && moved < 0.02 * std::max(sigma, 1e-3 * spacing)) break;
   }
-  round.grouped = true;
+  for (std::size_t k = 0; k < views.size(); ++k) result.poses[views[k]] = problem.poses[k];
+  if (options.roughly) return result;
+  round.grouped = true, round.stride = 1;
   match();
   const Equations equations = equations_of(views.size(), sums, contour_sums, free_limit(matches_of_view(), views.size()), false);
   if (equations.asked().h.trace() > 0) {
@@ -543,7 +560,6 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
       result.free_directions.push_back(direction.normalized());
     }
   }
-  for (std::size_t k = 0; k < views.size(); ++k) result.poses[views[k]] = problem.poses[k];
   for (const PairSum& sum : sums) {
     result.surface_matches += sum.matches;
     result.matches[views[sum.a]] += sum.matches, result.matches[views[sum.b]] += sum.matches;

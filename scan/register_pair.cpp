@@ -9,6 +9,7 @@
 #include <map>
 
 #include "core/statistics.h"
+#include "geometry/nearest_again.h"
 
 namespace partscribe {
 namespace {
@@ -92,6 +93,13 @@ void add_cells(const ViewSurface& surface, const Pose& pose, double cell, CellSu
   }
 }
 
+std::vector<OrientedPoint> oriented(const Surfels& surfels) {
+  std::vector<OrientedPoint> result;
+  result.reserve(surfels.points.size());
+  for (std::size_t i = 0; i < surfels.points.size(); ++i) result.push_back(oriented_point(surfels.points[i], surfels.normals[i]));
+  return result;
+}
+
 Surfels means_of(const CellSums& cells) {
   Surfels result;
   for (const auto& [key, sum] : cells)
@@ -108,42 +116,77 @@ Surfels thin_surfels(const ViewSurface& surface, double cell) {
 }
 
 std::unique_ptr<PlacedModel> place_surfaces(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
-                                            const std::vector<std::size_t>& views, double cell) {
+                                            const std::vector<std::size_t>& views, double cell, bool mapped) {
   CellSums cells;
   for (const std::size_t v : views) add_cells(surfaces[v], poses[v], cell, cells);
   auto model = std::make_unique<PlacedModel>();
   model->cell = cell, model->surfels = means_of(cells);
+  model->oriented = oriented(model->surfels);
   model->tree = std::make_unique<KdTree>(model->surfels.points);
+  if (mapped && !model->surfels.points.empty()) model->map = std::make_unique<NearestMap>(model->surfels.points, 0.5 * cell, 150000);
   return model;
 }
 
 namespace {
 
-/// The normal equations of one source against one target; rotations about `origin`, times `size`.
+/// The normal equations of sources against targets; rotations about an origin, times a size.
 struct PairEquations {
   Mat6 h = Mat6::Zero();
   Vec6 g = Vec6::Zero();
   double weights = 0;
+
+  explicit PairEquations(const SymmetricSums& sums) {
+    std::size_t at = 0;
+    for (int i = 0; i < 6; ++i)
+      for (int j = i; j < 6; ++j) h(i, j) = h(j, i) = sums.values[at++];
+    for (int i = 0; i < 6; ++i) g[i] = sums.values[at++];
+    weights = sums.values[at];
+  }
+
+  /// Towards the optimum, but not along directions that are fixed by less than `weak` of what the best one is.
+  Vec6 step(double weak) const {
+    // The trace of h bounds its largest eigenvalue, the size of its inverse the smallest: mostly that is enough.
+    const Eigen::LLT<Mat6> factors(h);
+    if (factors.info() == Eigen::Success) {
+      const Mat6 inverse = factors.solve(Mat6::Identity());
+      if (1 > std::max(weak * h.trace(), 1e-12) * inverse.norm()) return inverse * g;
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(h);
+    Vec6 result = Vec6::Zero();
+    for (int k = 0; k < 6; ++k)
+      if (eigen.eigenvalues()[k] > std::max(weak * eigen.eigenvalues()[5], 1e-12))
+        result += eigen.eigenvectors().col(k) * (eigen.eigenvectors().col(k).dot(g) / eigen.eigenvalues()[k]);
+    return result;
+  }
 };
 
-void add_pair(const Surfels& source, const PlacedModel& target, const Pose& pose, const Vec3& origin, double size,
-              double reach, double noise, PairEquations& sum) {
-  const double across = 2 * reach * reach;
-  const double wide = std::max(reach / 2, 3 * noise);
-  for (std::size_t i = 0; i < source.points.size(); ++i) {
-    const Vec3 x = pose * source.points[i], nx = pose.rotation * source.normals[i];
-    const Neighbour near = target.tree->nearest_one(x);
-    if (near.sq_distance > 9 * reach * reach) continue;
-    const Vec3& ny = target.surfels.normals[near.index];
-    if (nx.dot(ny) < 0.7071) continue;
-    const Vec3 n = (nx + ny).normalized(), d = x - target.surfels.points[near.index];
-    const double e = d.dot(n);
-    const double w = std::exp(-d.squaredNorm() / across - e * e / (2 * wide * wide));
-    Vec6 row;
-    row << (x - 0.5 * d - origin).cross(n) / size, n;
-    sum.h += w * row * row.transpose(), sum.g -= w * e * row, sum.weights += w;
-  }
+SymmetricRule rule_at(const Pose& pose, const Vec3& origin, double size, double reach, double noise) {
+  return {pose, origin, size, reach, std::max(reach / 2, 3 * noise)};
 }
+
+/// One source and where its points have their partners.
+class Partners {
+ public:
+  explicit Partners(const AlignPair& pair)
+      : source_(pair.source), target_(pair.target), oriented_(oriented(*pair.source)), again_(*target_->tree, target_->surfels.points, target_->map ? 0 : oriented_.size()) {}
+
+  void add(const SymmetricRule& rule, SymmetricSums& sums) {
+    from_.clear(), to_.clear();
+    for (std::uint32_t i = 0; i < oriented_.size(); ++i) {
+      const Vec3 x = rule.target_from_source * source_->points[i];
+      const std::uint32_t to = target_->map ? target_->map->near(x.x(), x.y(), x.z()) : again_.nearest(i, x, 3 * rule.reach);
+      if (to != NearestAgain::nobody) from_.push_back(i), to_.push_back(to);
+    }
+    add_symmetric(oriented_.data(), target_->oriented.data(), from_.data(), to_.data(), from_.size(), rule, sums);
+  }
+
+ private:
+  const Surfels* source_;
+  const PlacedModel* target_;
+  std::vector<OrientedPoint> oriented_;
+  NearestAgain again_;
+  std::vector<std::uint32_t> from_, to_;
+};
 
 }  // namespace
 
@@ -162,18 +205,16 @@ Pose align_symmetric(const std::vector<AlignPair>& pairs, const Pose& start, con
   for (const AlignPair& pair : pairs)
     for (const Vec3& p : pair.source->points) size += (p - middle).squaredNorm();
   size = std::max(std::sqrt(size / static_cast<double>(count)), 1e-9);
+  std::vector<Partners> partners(pairs.begin(), pairs.end());
   double reach = options.start_reach;
   int at_reach = 0;
   for (int round = 0; round < options.iterations; ++round) {
     const Vec3 origin = pose * middle;
-    PairEquations sum;
-    for (const AlignPair& pair : pairs) add_pair(*pair.source, *pair.target, pose, origin, size, reach, options.noise, sum);
+    SymmetricSums sums;
+    for (Partners& p : partners) p.add(rule_at(pose, origin, size, reach, options.noise), sums);
+    const PairEquations sum(sums);
     if (sum.weights < 6 && reach >= options.start_reach && at_reach > 2) break;
-    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sum.h);
-    Vec6 step = Vec6::Zero();
-    for (int k = 0; k < 6; ++k)
-      if (eigen.eigenvalues()[k] > std::max(3e-4 * eigen.eigenvalues()[5], 1e-12))
-        step += eigen.eigenvectors().col(k) * (eigen.eigenvectors().col(k).dot(sum.g) / eigen.eigenvalues()[k]);
+    const Vec6 step = sum.step(3e-4);
     Vec3 turn = step.head<3>() / size, shift = step.tail<3>();
     if (turn.norm() > 0.3) turn *= 0.3 / turn.norm();
     if (shift.norm() > 2 * reach) shift *= 2 * reach / shift.norm();
@@ -190,7 +231,7 @@ Pose align_symmetric(const std::vector<AlignPair>& pairs, const Pose& start, con
     const double moved = turn.norm() * size + shift.norm();
     ++at_reach;
     const bool last = reach <= options.end_reach;
-    if (last && (moved < 1e-4 * options.end_reach || at_reach > 15)) break;
+    if (last && (moved < options.settled * options.end_reach || at_reach > 15)) break;
     if (!last && (moved < 0.1 * reach || at_reach >= 5)) reach = std::max(0.6 * reach, options.end_reach), at_reach = 0;
   }
   return pose;
@@ -207,8 +248,9 @@ std::vector<WeakMotion> weak_motions(const Surfels& source, const PlacedModel& t
   double size = 0;
   for (const Vec3& p : source.points) size += (p - middle).squaredNorm();
   size = std::max(std::sqrt(size / static_cast<double>(std::max<std::size_t>(source.points.size(), 1))), 1e-9);
-  PairEquations sum;
-  add_pair(source, target, pose, pose * middle, size, reach, noise, sum);
+  SymmetricSums sums;
+  Partners(AlignPair{&source, &target}).add(rule_at(pose, pose * middle, size, reach, noise), sums);
+  const PairEquations sum(sums);
   const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sum.h);
   for (int k = 0; k < 3 && eigen.eigenvalues()[k] < weak * eigen.eigenvalues()[5]; ++k)
     result.push_back({pose * middle, eigen.eigenvectors().col(k).head<3>() / size, eigen.eigenvectors().col(k).tail<3>()});

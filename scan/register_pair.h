@@ -4,6 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "geometry/nearest_map.h"
+#include "geometry/symmetric_planes.h"
 #include "scan/register_surface.h"
 
 namespace partscribe {
@@ -24,20 +26,23 @@ Surfels thin_surfels(const ViewSurface& surface, double cell);
 
 /// Placed surfaces as one set of oriented points, one per cube of edge `cell` and direction.
 struct PlacedModel {
-  Surfels surfels;               ///< world frame
-  std::unique_ptr<KdTree> tree;  ///< over surfels.points
+  Surfels surfels;                      ///< world frame
+  std::vector<OrientedPoint> oriented;  ///< the same
+  std::unique_ptr<KdTree> tree;         ///< over surfels.points
+  std::unique_ptr<NearestMap> map;      ///< where partners are looked up: faster, and only about the nearest
   double cell = 0;
 };
 
-/// Built in one go; `poses` are world_from_view.
+/// Built in one go; `poses` are world_from_view. `mapped`: partners will be looked up.
 std::unique_ptr<PlacedModel> place_surfaces(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
-                                            const std::vector<std::size_t>& views, double cell);
+                                            const std::vector<std::size_t>& views, double cell, bool mapped = false);
 
 struct AlignOptions {
   double start_reach = 20;   ///< mm; how far apart partners may be at first; wider basins, more wrong partners
   double end_reach = 0.5;    ///< mm, in the last rounds
   double noise = 0.05;       ///< mm along the normal, of a difference
   int iterations = 60;
+  double settled = 1e-4;     ///< steps of this share of end_reach are the last
   bool pure_rotation = false;  ///< about an axis that is found, without a shift along it
   double angle = 0;            ///< rad, of that rotation; 0: found as well
 };

@@ -179,8 +179,9 @@ std::vector<Pose> rivals_of(const ViewSurface& surface, const Mat3& axes, const 
 /// The search for poses of one view against others.
 class PoseSearch {
  public:
-  PoseSearch(const Placement& placement, std::size_t view, int threads) : placement_(placement), view_(view), threads_(threads), surface_(placement.surfaces[view]) {
-    coarse_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface_.radius / 12, 2 * surface_.spacing));
+  /// `mapped`: partners of the coarse search are looked up. Without guesses few poses are right, and these must not be missed.
+  PoseSearch(const Placement& placement, std::size_t view, int threads, bool mapped) : placement_(placement), view_(view), threads_(threads), surface_(placement.surfaces[view]) {
+    coarse_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface_.radius / 12, 2 * surface_.spacing), mapped);
     fine_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, 1.5 * surface_.spacing);
   }
 
@@ -188,21 +189,28 @@ class PoseSearch {
   std::function<bool(const Pose&)> too_far;        ///< from the guess
 
   /// Poses the view ends in from `starts`, best first, each place once. The coarse search keeps many, for what it says
-  /// of a place is coarse as well.
-  std::vector<PoseCandidate> from(const std::vector<Pose>& starts) const {
+  /// of a place is coarse as well. What ends there where something is `known` is left out.
+  std::vector<PoseCandidate> from(const std::vector<Pose>& starts, const std::vector<PoseCandidate>& known = {}) const {
     std::vector<PoseCandidate> found;
     for (const Pose& start : guess ? with_places(placement_, view_, starts) : starts) found.push_back({start, {}});
     AlignOptions rough;
     rough.start_reach = 0.35 * surface_.radius, rough.end_reach = coarse_->cell, rough.noise = 0.1 * coarse_->cell, rough.iterations = 40;
+    if (guess) rough.settled = 1e-2;
     align(found, 300, *coarse_, rough, 4, 200);
+    constexpr double near_known = 0.05;  // rad, share of the radius
+    std::erase_if(found, [&](const PoseCandidate& c) {
+      return std::any_of(known.begin(), known.end(), [&](const PoseCandidate& k) { return same_place(surface_, c.pose, k.pose, near_known, near_known * surface_.radius); });
+    });
     found = distinct(found, surface_, 0.1, 32);
-    if (!starts.empty()) found.insert(found.begin(), {starts.front(), {}});  // which may be better than coarse cells can tell
+    if (!starts.empty() && known.empty()) found.insert(found.begin(), {starts.front(), {}});  // which may be better than coarse cells can tell
     AlignOptions exact;
     exact.start_reach = 2 * coarse_->cell, exact.end_reach = std::max(1.5 * surface_.spacing, 4 * surface_.sigma), exact.noise = std::max(0.5 * surface_.sigma, 0.02 * surface_.spacing);
+    if (guess) exact.settled = 3e-3;
     align(found, 300, *fine_, exact, 2, 400);
     found = families(distinct(found, surface_, 0.05, found.size()));
     slide(found, exact);
     exact.start_reach = exact.end_reach;
+    if (guess) exact.settled = 1e-3;
     align(found, 1000, *fine_, exact, 1.5, 1000);
     return found;
   }
@@ -371,7 +379,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
     const Distance d = distance(surface, guesses[view], pose);
     return d.angle > 1.1 * options.guess_angle + 0.05 || d.shift > most_shift;
   };
-  PoseSearch search(placement, view, context.threads);
+  PoseSearch search(placement, view, context.threads, guessed);
   if (guessed) search.guess = &guesses[view], search.too_far = too_far;
   std::vector<PoseCandidate> found = search.from(starts);
   std::erase_if(found, [&](const PoseCandidate& c) { return too_far(c.pose); });
@@ -380,7 +388,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   const Mat3 axes = main_axes(surface);
   for (std::size_t k = 0; guessed && k < std::min<std::size_t>(2, found.size()); ++k)
     for (const Pose& pose : rivals_of(surface, axes, found[k].pose)) if (!too_far(pose)) elsewhere.push_back(pose);
-  std::vector<PoseCandidate> more = search.from(elsewhere);
+  std::vector<PoseCandidate> more = search.from(elsewhere, found);
   std::erase_if(more, [&](const PoseCandidate& c) { return too_far(c.pose); });
   found.insert(found.end(), more.begin(), more.end());
   // Searches may drift along free motions, beyond what the guess allows.
@@ -425,7 +433,7 @@ std::vector<std::size_t> agreeing(Growth& growth, const std::vector<std::size_t>
   double radius = 0;
   for (const std::size_t v : usable) radius = std::max(radius, growth.surfaces[v].radius);
   JointOptions rough;
-  rough.start_reach = 0.25 * radius, rough.contours = growth.options.contours;
+  rough.start_reach = 0.25 * radius, rough.contours = growth.options.contours, rough.roughly = true;
   const JointResult joint = adjust_jointly(growth.surfaces, growth.guesses, usable, rough, context);
   std::vector<std::size_t> good = usable;
   // One wrong view spoils what is said of its neighbours: the worst leaves first.
@@ -531,7 +539,7 @@ std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfac
       std::vector<Pose> starts = feature_poses(*features[pair.source], *features[pair.target], most_of_features);
       const std::vector<Pose> by_planes = plane_poses(planes[pair.source], planes[pair.target], surfaces, pair.source, pair.target, reach, most_of_planes);
       starts.insert(starts.end(), by_planes.begin(), by_planes.end());
-      pair.found = PoseSearch(placement, pair.source, 1).from(starts);
+      pair.found = PoseSearch(placement, pair.source, 1, false).from(starts);
     }
   }, 1);
   return pairs;
