@@ -183,6 +183,7 @@ class PoseSearch {
   PoseSearch(const Placement& placement, std::size_t view, int threads, bool mapped) : placement_(placement), view_(view), threads_(threads), surface_(placement.surfaces[view]) {
     coarse_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface_.radius / 12, 2 * surface_.spacing), mapped);
     fine_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, 1.5 * surface_.spacing);
+    few_ = sample_surfels(surface_, 300), many_ = sample_surfels(surface_, 1000);
   }
 
   const Pose* guess = nullptr;                    ///< where there is one
@@ -196,7 +197,7 @@ class PoseSearch {
     AlignOptions rough;
     rough.start_reach = 0.35 * surface_.radius, rough.end_reach = coarse_->cell, rough.noise = 0.1 * coarse_->cell, rough.iterations = 40;
     if (guess) rough.settled = 1e-2;
-    align(found, 300, *coarse_, rough, 4, 200);
+    align(found, few_, *coarse_, rough, 4, 200);
     constexpr double near_known = 0.05;  // rad, share of the radius
     std::erase_if(found, [&](const PoseCandidate& c) {
       return std::any_of(known.begin(), known.end(), [&](const PoseCandidate& k) { return same_place(surface_, c.pose, k.pose, near_known, near_known * surface_.radius); });
@@ -206,12 +207,12 @@ class PoseSearch {
     AlignOptions exact;
     exact.start_reach = 2 * coarse_->cell, exact.end_reach = std::max(1.5 * surface_.spacing, 4 * surface_.sigma), exact.noise = std::max(0.5 * surface_.sigma, 0.02 * surface_.spacing);
     if (guess) exact.settled = 3e-3;
-    align(found, 300, *fine_, exact, 2, 400);
+    align(found, few_, *fine_, exact, 2, 400);
     found = families(distinct(found, surface_, 0.05, found.size()));
     slide(found, exact);
     exact.start_reach = exact.end_reach;
     if (guess) exact.settled = 1e-3;
-    align(found, 1000, *fine_, exact, 1.5, 1000);
+    align(found, many_, *fine_, exact, 1.5, 1000);
     return found;
   }
 
@@ -234,8 +235,7 @@ class PoseSearch {
     return result;
   }
 
-  void align(std::vector<PoseCandidate>& candidates, std::size_t points, const PlacedModel& model, const AlignOptions& options, double factor, std::size_t samples) const {
-    const Surfels source = sample_surfels(surface_, points);
+  void align(std::vector<PoseCandidate>& candidates, const Surfels& source, const PlacedModel& model, const AlignOptions& options, double factor, std::size_t samples) const {
     parallel_for(candidates.size(), threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         candidates[k].pose = align_symmetric(source, model, candidates[k].pose, options);
@@ -297,7 +297,7 @@ class PoseSearch {
   }
 
   void slide(std::vector<PoseCandidate>& candidates, AlignOptions exact) const {
-    const Surfels source = sample_surfels(surface_, 300);
+    const Surfels& source = few_;
     exact.start_reach = exact.end_reach;
     parallel_for(candidates.size(), threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
@@ -315,6 +315,7 @@ class PoseSearch {
   int threads_;
   const ViewSurface& surface_;
   std::unique_ptr<PlacedModel> coarse_, fine_;
+  Surfels few_, many_;  // of the view
 };
 
 std::string degrees_text(double angle) { return print_number(std::round(angle * 1800 / pi) / 10); }
