@@ -175,15 +175,15 @@ void exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& pa
   }
 }
 
-void estimate_noise(AllPoints& all, double least) {
+}  // namespace
+
+void learn_noise(AllPoints& all, const std::vector<double>& residuals, std::vector<char> told, double least_sigma) {
   // Octants are no reason for noise to differ.
   NoiseTraits traits;
   if (all.by_view) traits.group = all.group, traits.group_count = all.group_count;
-  traits.face = all.at.face, traits.cosine = all.cosine, traits.relative = all.relative;
-  all.sigma = noise_of_points(all.at.value, traits, least);
+  traits.face = all.at.face, traits.cosine = all.cosine, traits.relative = all.relative, traits.told = std::move(told);
+  all.sigma = noise_of_points(residuals, traits, least_sigma);
 }
-
-}  // namespace
 
 AllPoints all_points(const Candidate& candidate, const FitInput& input, const Unknowns& unknowns, double least_sigma,
                      const AllPointsOptions& options, Context& context) {
@@ -203,7 +203,7 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   // By where the surface was met: the region of a measured point hangs on its error.
   for (std::size_t i = 0; i < all.foot.size() && !all.by_view; ++i) all.group[i] = octant(all.foot[i] - unknowns.center());
   make_nodes(all, entries, single);
-  estimate_noise(all, least_sigma);
+  learn_noise(all, all.at.value, {}, least_sigma);
 
   Values values;
   for (const auto& p : candidate.parameters) values[p.name] = p.value;
@@ -269,7 +269,7 @@ double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, do
     }
     if (!better) break;
     improvement += 0.5 * unrest;
-    if (step == 0) estimate_noise(all, least_sigma);
+    if (step == 0) learn_noise(all, all.at.value, {}, least_sigma);
   }
   return improvement;
 }

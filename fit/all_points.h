@@ -51,4 +51,7 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
 double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
               const AllPointsOptions& options, Context& context);
 
+/// Sigma of every point, from the residuals of those that are `told` (empty: all), at least `least_sigma`.
+void learn_noise(AllPoints& all, const std::vector<double>& residuals, std::vector<char> told, double least_sigma);
+
 }  // namespace partscribe

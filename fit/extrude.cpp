@@ -10,6 +10,7 @@
 #include "core/statistics.h"
 #include "fit/common_outlines.h"
 #include "fit/end_rims.h"
+#include "fit/equal_choices.h"
 #include "fit/evidence.h"
 #include "fit/outline_cells.h"
 #include "fit/plane_circle.h"
@@ -108,6 +109,9 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
     const Vec3 next = eigen.eigenvectors().col(0);
     a = next.dot(a) < 0 ? Vec3(-next) : next;
   }
+  // Which end is the bottom is anybody's choice. Among strays the sense that was found stays: where they make an end doubtful
+  // the random draws of another frame may find another plate.
+  if (input.stray_share == 0) a = nearest_sense(a);
   Sweep sweep;
   sweep.direction = a;
   std::vector<double> ends, sides;
@@ -335,27 +339,67 @@ std::vector<Chain> rings_of_parts(const std::vector<PlanePoint>& walls, const st
   return rings;
 }
 
+/// rad, in the plane of `frame`: how x must turn to run along the longest straight edge; of several such the one nearest to the
+/// scan's x.
+double along_longest_edge(const LoopPieces& outline, const Mat3& frame, double tolerance) {
+  constexpr double as_long = 0.03, opposite = 0.1;  // shares; noise says where in a round the edge across ends
+  std::vector<const ProfileSegment*> edges;
+  for (const auto& s : outline.segments)
+    if (!s.arc && !s.spline) edges.push_back(&s);
+  if (edges.empty()) return 0;
+  const ProfileSegment& longest = **std::ranges::max_element(edges, {}, [](const ProfileSegment* s) { return s->length(); });
+  std::vector<Vec3> directions;
+  std::erase_if(edges, [&](const ProfileSegment* s) {
+    const double share = s->direction.dot(longest.direction) < -0.99 ? opposite : as_long;
+    return s->length() < longest.length() - std::max(share * longest.length(), tolerance);
+  });
+  for (const auto* s : edges) directions.push_back(frame.leftCols<2>() * s->direction);
+  const Vec2& d = edges[nearest_to_scan(directions, {0, 1, 2})]->direction;
+  return std::atan2(d.y(), d.x());
+}
+
+/// Holes by size and those of one size by place, so that their numbers do not hang on noise.
+void order_holes(std::vector<LoopPieces>& loops, double tolerance) {
+  if (loops.size() < 3) return;
+  std::vector<Vec2> places;
+  std::vector<double> sizes;
+  for (std::size_t k = 1; k < loops.size(); ++k) {
+    const auto& segments = loops[k].segments;
+    const bool round = segments.size() == 1 && segments[0].arc;
+    const Vec2 reach = Vec2::Constant(round ? segments[0].radius : 0);
+    Vec2 low = Vec2::Constant(1e300), high = -low;
+    for (const auto& s : segments)
+      for (const Vec2& p : {round ? s.center : s.start, round ? s.center : s.end}) low = low.cwiseMin(p - reach), high = high.cwiseMax(p + reach);
+    places.push_back((low + high) / 2), sizes.push_back((high - low).sum());
+  }
+  std::vector<LoopPieces> ordered = {loops[0]};
+  for (const std::size_t k : by_size(sizes, in_order(places, tolerance), tolerance)) {
+    ordered.push_back(loops[k + 1]);
+    ordered.back().name = loops[ordered.size() - 1].name;
+  }
+  loops = std::move(ordered);
+}
+
 /// The extrusion of an outline and its holes; x runs along the longest straight edge.
 Candidate extrusion_of(std::vector<LoopPieces> loops, const FitInput& input, const Sweep& sweep, const Mat3& frame) {
-  double longest = 0, angle = 0;
-  for (const auto& s : loops[0].segments)
-    if (!s.arc && !s.spline && s.length() > longest)
-      longest = s.length(), angle = std::atan2(s.direction.y(), s.direction.x());
-  for (auto& loop : loops)
-    for (auto& s : loop.segments) turn(s, -angle);
+  double angle = along_longest_edge(loops[0], frame, input.tolerance);
   SketchOptions sketch_options;
   sketch_options.tolerance = input.tolerance;
-  BuiltSketch built = build_sketch(loops, sketch_options);
+  const auto turned_by = [&](double by) {
+    for (auto& loop : loops)
+      for (auto& s : loop.segments) turn(s, by);
+    order_holes(loops, input.tolerance);
+    return build_sketch(loops, sketch_options);
+  };
+  BuiltSketch built = turned_by(-angle);
   // The part extends from its origin along +x rather than along -x.
   double left = 0, right = 0;
   for (const auto& s : loops[0].segments)
     for (const double x : {s.start.x(), s.end.x()})
       left = std::max(left, built.origin.x() - x), right = std::max(right, x - built.origin.x());
   if (left > right + input.tolerance) {
-    for (auto& loop : loops)
-      for (auto& s : loop.segments) turn(s, pi);
     angle += pi;
-    built = build_sketch(loops, sketch_options);
+    built = turned_by(pi);
   }
   Candidate c;
   c.procedure = "extrusion";

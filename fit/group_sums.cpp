@@ -8,7 +8,7 @@
 
 namespace partscribe {
 
-PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<char>& inside, const Unknowns& unknowns,
+PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<double>& share, const Unknowns& unknowns,
                   const Welsch& kernel, double slope, int threads) {
   constexpr std::size_t block = 256;
   const std::size_t n = all.nodes.size(), blocks = (n + block - 1) / block;
@@ -23,14 +23,14 @@ PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<ch
         for (std::size_t b = begin; b < end; ++b) {
           parts[b] = empty;
           for (std::size_t k = b * block; k < std::min(n, (b + 1) * block); ++k) {
-            if (!inside[k]) continue;
+            if (share[k] == 0) continue;
             std::fill(weight.begin(), weight.end(), 0), std::fill(pull.begin(), pull.end(), 0);
             for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
               if (!all.used[i]) continue;
               const double unit = 1 / all.sigma[i];
               const auto g = static_cast<std::size_t>(all.group[i]);
-              weight[g] += unit * unit;
-              pull[g] += kernel.psi(all.at.value[i] * unit) * unit / slope;
+              weight[g] += share[k] * unit * unit;
+              pull[g] += share[k] * kernel.psi(all.at.value[i] * unit) * unit / slope;
             }
             const auto v = motion_row(all.nodes[k].place, all.jacobian.gradients[k], unknowns.center(), unknowns.size());
             const Vector j = rows.row(static_cast<Eigen::Index>(k)).transpose();

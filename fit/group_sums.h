@@ -12,8 +12,8 @@ struct PointSums {
   GroupSums groups;
 };
 
-/// Of the points of all nodes that are `inside`. `rows` are the derivatives, one row per node; `slope` is E psi'.
-PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<char>& inside, const Unknowns& unknowns,
+/// Of all points, those of node k with `share[k]` of their weight. `rows` are the derivatives, one row per node; `slope` is E psi'.
+PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<double>& share, const Unknowns& unknowns,
                   const Welsch& kernel, double slope, int threads);
 
 /// Where nobody says which view a point is from: views from all around, each of which saw what faces it. A place takes the

@@ -14,6 +14,7 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "fit/convex_body.h"
+#include "fit/equal_choices.h"
 #include "fit/wedges.h"
 
 namespace partscribe {
@@ -81,17 +82,24 @@ std::optional<Candidate> box_of(const std::vector<ConvexFace>& faces, const FitI
         for (std::size_t j : {pairs[static_cast<std::size_t>(l)].first, pairs[static_cast<std::size_t>(l)].second})
           if (std::abs(faces[i].normal.dot(faces[j].normal)) > square) return std::nullopt;
 
-  // Longest side along x, next along y; within each pair the face to the front is that towards +x, +y, +z of the scan.
+  // Longest side along x, next along y; of equal sides the one nearest to the scan's axis. x and z keep to the scan's.
   std::array<double, 3> size;
   for (std::size_t k = 0; k < 3; ++k) size[k] = faces[pairs[k].first].offset + faces[pairs[k].second].offset;
   std::array<std::size_t, 3> order = {0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b] + 1e-9; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+  const auto way = [&](std::size_t k) { return Vec3(faces[pairs[k].first].normal.cwiseAbs()); };
+  const auto equal = [&](std::size_t k, std::size_t l) { return size[order[k]] - size[order[l]] < input.tolerance; };
+  // The shortest first: which way is up says most.
+  const std::size_t last = equal(0, 2) ? nearest_to_scan({way(order[2]), way(order[1]), way(order[0])})
+                           : equal(1, 2) ? nearest_to_scan({way(order[2]), way(order[1])}) : 0;
+  std::rotate(order.end() - 1 - std::ptrdiff_t(last), order.end() - std::ptrdiff_t(last), order.end());
+  if (equal(0, 1) && nearest_to_scan({way(order[0]), way(order[1])}, {0, 1, 2}) == 1) std::swap(order[0], order[1]);
   std::array<std::pair<std::size_t, std::size_t>, 3> axis;  // (far face, near face)
   for (std::size_t k = 0; k < 3; ++k) {
     axis[k] = pairs[order[k]];
-    int big = 0;
-    faces[axis[k].first].normal.cwiseAbs().maxCoeff(&big);
-    if (faces[axis[k].first].normal[big] < 0) std::swap(axis[k].first, axis[k].second);
+    const Vec3& normal = faces[axis[k].first].normal;
+    const std::array<int, 3> preferred = k == 0 ? std::array<int, 3>{0, 1, 2} : std::array<int, 3>{2, 0, 1};
+    if (nearest_sense(normal, preferred) != normal) std::swap(axis[k].first, axis[k].second);
   }
   if (faces[axis[0].first].normal.cross(faces[axis[1].first].normal).dot(faces[axis[2].first].normal) < 0)
     std::swap(axis[1].first, axis[1].second);  // z keeps its way up
@@ -251,22 +259,33 @@ std::optional<Candidate> wedge_of(const std::vector<ConvexFace>& faces, const Fi
 std::optional<Candidate> half_spaces_of(const std::vector<ConvexFace>& faces) {
   const auto body = convex_polyhedron(planes_only(faces));
   if (!body) return std::nullopt;
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < faces.size(); ++i) order.push_back(i);
+  constexpr double as_large = 0.03;  // share; of faces and edges
+  std::vector<std::size_t> order, left;
   std::vector<double> area;
-  for (std::size_t i = 0; i < faces.size(); ++i) area.push_back(face_area(*body, i));
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return area[i] > area[j]; });
+  for (std::size_t i = 0; i < faces.size(); ++i) left.push_back(i), area.push_back(face_area(*body, i));
+  while (!left.empty()) {
+    double largest = 0;
+    for (const std::size_t i : left) largest = std::max(largest, area[i]);
+    std::vector<std::size_t> equals;
+    std::vector<Vec3> normals;
+    for (const std::size_t i : left)
+      if (area[i] >= (1 - as_large) * largest) equals.push_back(i), normals.push_back(faces[i].normal);
+    order.push_back(equals[nearest_to_scan(normals)]);
+    std::erase(left, order.back());
+  }
   const auto& top = body->faces[order[0]];
   const Vec3 z = faces[order[0]].normal;
-  Vec3 edge = Vec3::Zero();
+  std::vector<Vec3> edges;
+  double longest = 0;
   for (std::size_t k = 0; k < top.size(); ++k) {
-    const Vec3 e = body->vertices[top[(k + 1) % top.size()]] - body->vertices[top[k]];
-    if (e.norm() > edge.norm() + 1e-9) edge = e;
+    edges.push_back(body->vertices[top[(k + 1) % top.size()]] - body->vertices[top[k]]);
+    longest = std::max(longest, edges.back().norm());
   }
-  Vec3 x = (edge - z * z.dot(edge)).normalized();
-  int big = 0;
-  x.cwiseAbs().maxCoeff(&big);
-  if (x[big] < 0) x = -x;
+  std::erase_if(edges, [&](const Vec3& e) { return e.norm() < (1 - as_large) * longest; });
+  std::vector<Vec3> ways;
+  for (const Vec3& e : edges)
+    for (const double sign : {1.0, -1.0}) ways.push_back(sign * (e - z * z.dot(e)).normalized());
+  const Vec3 x = ways[nearest_to_scan(ways, {0, 1, 2})];
   Mat3 frame;
   frame << x, z.cross(x), z;
   Vec3 middle = Vec3::Zero();

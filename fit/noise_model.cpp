@@ -13,9 +13,10 @@ constexpr std::size_t least_points = 30;
 constexpr double widest_factor = 5;
 
 /// Factors of the classes, given residuals that should have unit scale. Classes too small to tell get 1.
-std::vector<double> factors(const std::vector<double>& unit, const std::vector<int>& cls, int count) {
+std::vector<double> factors(const std::vector<double>& unit, const std::vector<int>& cls, int count, const std::vector<char>& told) {
   std::vector<std::vector<double>> members(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < unit.size(); ++i) members[static_cast<std::size_t>(cls[i])].push_back(unit[i]);
+  for (std::size_t i = 0; i < unit.size(); ++i)
+    if (told.empty() || told[i]) members[static_cast<std::size_t>(cls[i])].push_back(unit[i]);
   std::vector<double> log_scale(members.size(), 0), variance(members.size(), 0);
   double weights = 0, excess = 0;
   for (std::size_t g = 0; g < members.size(); ++g) {
@@ -49,13 +50,20 @@ std::vector<double> noise_of_points(const std::vector<double>& residuals, const 
     for (std::size_t i = 0; i < n; ++i) u[i] = residuals[i] / sigma[i];
     return u;
   };
+  const auto of_told = [&](std::vector<double> values) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (traits.told.empty() || traits.told[i]) values[kept++] = values[i];
+    values.resize(kept);
+    return values;
+  };
   auto rescale = [&] {
-    const double scale = robust_scale(unit());
+    const double scale = robust_scale(of_told(unit()));
     for (auto& s : sigma) s *= scale > 0 ? scale : 1;
   };
   rescale();
   auto apply = [&](const std::vector<int>& cls, int count) {
-    const auto factor = factors(unit(), cls, count);
+    const auto factor = factors(unit(), cls, count, traits.told);
     for (std::size_t i = 0; i < n; ++i) sigma[i] *= factor[static_cast<std::size_t>(cls[i])];
   };
   std::vector<int> bin;
@@ -72,7 +80,7 @@ std::vector<double> noise_of_points(const std::vector<double>& residuals, const 
     if (!bin.empty()) apply(bin, incidence_bins);
   }
   rescale();
-  const double overall = robust_scale(residuals);
+  const double overall = robust_scale(of_told(residuals));
   for (auto& s : sigma)
     s = std::max(std::clamp(s, overall / widest_factor, overall * widest_factor), least);
   return sigma;

@@ -14,6 +14,7 @@ struct NoiseTraits {
   std::vector<int> face;         ///< of the model; faces differ in roughness and in how a scanner saw them
   std::vector<double> cosine;    ///< of the incidence angle, 0..1
   std::vector<double> relative;  ///< standard deviation that came with the data, up to a common factor
+  std::vector<char> told;        ///< 0 for points whose residuals are more than noise: they only get a sigma; empty: all
 };
 
 /// Standard deviation of every residual: overall scale x group x face x incidence, each factor shrunk towards 1 as far as

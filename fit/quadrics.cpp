@@ -1,4 +1,5 @@
 /// Starts for sphere, ellipsoid and superellipsoid that survive outliers and data from one side.
+#include "fit/equal_choices.h"
 #include "fit/quadrics.h"
 
 #include <Eigen/Cholesky>
@@ -113,19 +114,17 @@ struct EllipsoidStart {
   }
 };
 
-/// Longest axis along x, shortest along z, the largest component of x and y positive.
+/// Longest axis along x, shortest along z, both as near to the scan's as their senses let them.
 EllipsoidStart tidied(const EllipsoidStart& e) {
   std::array<int, 3> order = {0, 1, 2};
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return e.radii[a] > e.radii[b]; });
   EllipsoidStart t = e;
   for (int k = 0; k < 3; ++k) {
     t.radii[k] = e.radii[order[static_cast<std::size_t>(k)]];
-    Vec3 axis = e.scan_from_part.rotation.col(order[static_cast<std::size_t>(k)]);
-    int big = 0;
-    axis.cwiseAbs().maxCoeff(&big);
-    t.scan_from_part.rotation.col(k) = axis[big] < 0 ? Vec3(-axis) : axis;
   }
-  t.scan_from_part.rotation.col(2) = t.scan_from_part.rotation.col(0).cross(t.scan_from_part.rotation.col(1));
+  const auto axis = [&](std::size_t k) { return Vec3(e.scan_from_part.rotation.col(order[k])); };
+  const Vec3 x = nearest_sense(axis(0), {0, 1, 2}), z = nearest_sense(axis(2));
+  t.scan_from_part.rotation << x, z.cross(x), z;
   return t;
 }
 

@@ -229,7 +229,9 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     all = all_points(candidate, input, unknowns, least, everything, context);
     improvement = polish(candidate, all, unknowns, least, everything, context);
   }
-  const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, everything.kernel, context);
+  const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, least, everything.kernel, context);
+  if (u.correction.size() > 0)
+    if (Candidate next = unknowns.stepped(candidate, u.correction); unknowns.sensible(next)) candidate = std::move(next);
   report.rms = u.rms;
   report.points_per_independent = u.points_per_independent;
   const auto& free = unknowns.free_parameters();

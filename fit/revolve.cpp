@@ -8,6 +8,7 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/equal_choices.h"
 #include "fit/sketch_builder.h"
 #include "fit/turned_primitives.h"
 #include "geometry/nearby_in_plane.h"
@@ -80,9 +81,7 @@ Axis solved_axis(const FitInput& input, Axis axis, bool have_start) {
     }
     width = std::max(0.6 * std::min(width, 1.0), 0.04);
   }
-  Eigen::Index largest;
-  axis.direction.cwiseAbs().maxCoeff(&largest);
-  if (axis.direction[largest] < 0) axis.direction = -axis.direction;
+  axis.direction = nearest_sense(axis.direction);
   axis.share = share_of_normals(input, axis);
   return axis;
 }

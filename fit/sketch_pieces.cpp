@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "fit/equal_choices.h"
 
 namespace partscribe {
 
@@ -31,12 +32,15 @@ Vec2 sketch_origin(const std::vector<LoopPieces>& loops, const SketchOptions& op
     return {0, low < 1e300 ? low : center ? *center : lowest};
   }
   Vec2 origin = Vec2::Zero();
+  std::vector<double> radii;
+  std::vector<Vec2> centers;
   for (const auto& loop : loops)
-    if (loop.segments.size() == 1 && loop.segments[0].arc && (&loop != &loops[0] || loops.size() == 1) &&
-        loop.segments[0].radius > best + options.tolerance / 5) {
-      best = loop.segments[0].radius;
-      origin = loop.segments[0].center;
-    }
+    if (loop.segments.size() == 1 && loop.segments[0].arc && (&loop != &loops[0] || loops.size() == 1))
+      radii.push_back(loop.segments[0].radius), centers.push_back(loop.segments[0].center);
+  if (!radii.empty()) {
+    const std::size_t first = by_size(radii, in_order(centers, options.tolerance), options.tolerance / 5).front();
+    best = radii[first], origin = centers[first];
+  }
   if (best < 0) {
     Vec2 low = Vec2::Constant(1e300);
     for (const auto& s : loops[0].segments) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "core/number.h"
 #include "core/parallel.h"
@@ -99,8 +100,7 @@ std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<dou
   return smoothed / (smoothed + likelihood(0));
 }
 
-SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, double noise) {
-  constexpr int bins = 5;
+SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, double noise, int bins) {
   const Eigen::Index n = all.jacobian.rows.rows(), first = all.jacobian.rows.cols();
   SmoothingModel result;
   result.rows = all.jacobian.rows;
@@ -116,6 +116,34 @@ SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, doub
     const auto at = static_cast<std::size_t>(k);
     const double cosine = all.cosine.empty() ? 1 : all.cosine[all.nodes[at].begin];
     result.rows(k, first + std::clamp(static_cast<int>(bins * cosine), 0, bins - 1)) = face[at] / unit;
+  }
+  return result;
+}
+
+SmoothingModel rim_model(const AllPoints& all, const Deviation& rim, const Deviation& one_sided, double chance, double noise) {
+  constexpr std::size_t most_faces = 40;  // a face beyond shares an unknown with another
+  constexpr double least_depth = 1e-3;    // of the noise of one point: less moves nothing
+  std::map<int, std::size_t> columns;
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    if (rim[k] == 0 && one_sided[k] == 0) continue;
+    columns.emplace(all.at.face[all.nodes[k].begin], columns.size() % most_faces);
+    sum += rim[k] * rim[k] + one_sided[k] * one_sided[k], count += 1;
+  }
+  SmoothingModel result{all.jacobian.rows};
+  const double unit = std::sqrt(chance * sum / std::max(count, 1.0));
+  std::vector<double> sigma = all.sigma;
+  if (!(unit > least_depth * median_in_place(sigma))) return result;
+  const Eigen::Index first = result.rows.cols(), width = static_cast<Eigen::Index>(std::min(columns.size(), most_faces));
+  result.further = 2 * width;
+  result.precision = noise / (unit * unit);
+  result.rows.conservativeResize(Eigen::NoChange, first + result.further);
+  result.rows.rightCols(result.further).setZero();
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    if (rim[k] == 0 && one_sided[k] == 0) continue;
+    const Eigen::Index column = first + static_cast<Eigen::Index>(columns.at(all.at.face[all.nodes[k].begin]));
+    result.rows(static_cast<Eigen::Index>(k), column) = std::sqrt(chance) * rim[k] / unit;
+    result.rows(static_cast<Eigen::Index>(k), column + width) = std::sqrt(chance) * one_sided[k] / unit;
   }
   return result;
 }

@@ -28,15 +28,18 @@ SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& al
 std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<double>& residuals, const Deviation& rim,
                                      double points_per_independent);
 
-/// The Jacobian with the effect on faces as further unknowns, one for every bin of incidence, so that neither the fit nor
-/// the views are held responsible for it. How deep a filter goes on a slope is its maker's secret.
+/// The Jacobian with what a smoothing does as further unknowns, so that neither the fit nor the views are held responsible.
 struct SmoothingModel {
   Matrix rows;
   Eigen::Index further = 0;  ///< columns at the end
   double precision = 0;      ///< of a further unknown beforehand: about as deep as predicted, either way
 };
 
-SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, double noise);
+/// The effect on faces, one unknown for each of `bins` of incidence: how deep a filter goes on a slope is its maker's secret.
+SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, double noise, int bins);
+
+/// The effect on rims, one unknown for every face, as far as it is believed (`chance`).
+SmoothingModel rim_model(const AllPoints& all, const Deviation& rim, const Deviation& one_sided, double chance, double noise);
 
 struct Solution {
   Matrix inverse;

@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "fit/correlation.h"
+#include "fit/one_sided.h"
 #include "fit/refine.h"
 #include "fit/slant.h"
 #include "fit/smoothing.h"
@@ -149,38 +150,68 @@ struct SmoothedScan {
   Residuals residuals;       ///< of the points inside
   Deviation flattened;       ///< of curved faces, if it was smoothed
   double chance = 0;         ///< that it was
+  Deviation rim, one_sided;  ///< what it did to rims then; empty: no rims are known
   /// Per node: variance of a residual of unit weight, correlation included; empty: the same for all.
   std::vector<double> noise;
 };
 
+std::vector<double> as_shares(const std::vector<char>& inside) { return {inside.begin(), inside.end()}; }
+
+/// How much say rims have: a point there errs by its noise and by about as much as a smoothing would disturb it.
+std::vector<double> shares_at_rims(const AllPoints& all, const SmoothedScan& scan) {
+  std::vector<double> share(all.nodes.size(), 1);
+  for (std::size_t k = 0; k < scan.rim.size(); ++k) {
+    const double sigma = all.sigma[all.nodes[k].begin], disturbed = std::hypot(scan.rim[k], scan.one_sided[k]);
+    share[k] = 1 / (1 + scan.chance * disturbed * disturbed / (sigma * sigma));
+  }
+  return share;
+}
+
 /// Noise is that of points inside their faces, without what a smoothing explains of the residuals.
-SmoothedScan account_for_smoothing(const Candidate& candidate, const AllPoints& all, const Unknowns& unknowns,
+SmoothedScan account_for_smoothing(const Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
                                    const Welsch& kernel, const Residuals& raw, const ModelDistance& distance, int threads) {
   constexpr double full_strength = 0.7;  // cosine; filters that keep steps are at their full strength there
   constexpr double enough = 1000;        // points to know a correlation by
+  constexpr double likely = 0.5;         // chance from which rims have no say about the noise
   SmoothedScan result;
   const double variance = raw.correlation.smoothing;
   const SmoothingEffect effect = smoothing_effect(candidate, all, variance, distance, threads);
+  result.rim = effect.rim, result.one_sided = one_sided_mean(all, variance, threads);
   result.inside.resize(all.nodes.size());
-  for (std::size_t k = 0; k < all.nodes.size(); ++k) result.inside[k] = effect.rim[k] == 0;
-  result.model = smoothing_model(all, effect.face, raw.noise(unknowns.count()));
-  const PointSums sums = sums_of(all, result.model.rows, result.inside, unknowns, kernel, raw.slope, threads);
-  const Solution solution = solved(result.model, sums, threads);
-  const std::vector<double> rest = left_over(all, result.model, solution);
+  for (std::size_t k = 0; k < all.nodes.size(); ++k) result.inside[k] = effect.rim[k] == 0 && result.one_sided[k] == 0;
+  constexpr int bins = 5;        // of incidence; more would take the waves of correlated noise away with them
+  constexpr int fine_bins = 10;  // they follow where a filter that keeps steps stops to reach across
+  result.model = smoothing_model(all, effect.face, raw.noise(unknowns.count()), bins);
+  const auto solution_in = [&](const SmoothingModel& model, const std::vector<double>& share) {
+    return solved(model, sums_of(all, model.rows, share, unknowns, kernel, raw.slope, threads), threads);
+  };
+  const std::vector<double> rest = left_over(all, result.model, solution_in(result.model, as_shares(result.inside)));
   result.residuals = residuals_of(all, rest, result.inside, kernel, threads);
   if (!result.residuals.tell(unknowns.count())) {
     constexpr double nobody_knows = 1;
     const auto chance = chance_by_rims(all, all.at.value, effect.rim, raw.correlation.points_per_independent);
     const std::vector<char> everywhere(all.nodes.size(), 1);
-    return {{all.jacobian.rows}, everywhere, raw, effect.face, chance.value_or(nobody_knows), {}};
+    return {{all.jacobian.rows}, everywhere, raw, effect.face, chance.value_or(nobody_knows), {}, {}, {}};
   }
   const auto by_rims = chance_by_rims(all, rest, effect.rim, result.residuals.correlation.points_per_independent);
-  if (by_rims)
+  if (by_rims) {
     result.chance = *by_rims;
-  else if (!all.cosine.empty())
-    result.chance = chance_by_incidence(result.model, solution, result.residuals.noise(unknowns.count()));
-  else
+  } else if (!all.cosine.empty()) {
+    // Silhouettes say most about what a filter does on slopes.
+    std::vector<double> share(all.nodes.size());
+    for (std::size_t k = 0; k < share.size(); ++k) share[k] = effect.rim[k] == 0;
+    const SmoothingModel fine = smoothing_model(all, effect.face, raw.noise(unknowns.count()), fine_bins);
+    result.chance = chance_by_incidence(fine, solution_in(fine, share), result.residuals.noise(unknowns.count()));
+  } else {
     result.chance = 1;  // nobody knows
+  }
+  if (result.chance > likely) {
+    std::vector<char> told = all.used;
+    for (std::size_t k = 0; k < all.nodes.size(); ++k)
+      for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end && !result.inside[k]; ++i) told[i] = 0;
+    learn_noise(all, rest, std::move(told), least_sigma);
+    result.residuals = residuals_of(all, rest, result.inside, kernel, threads);
+  }
   std::vector<char> front = result.inside, slope(front.size(), 0), facing(front.size(), 1);
   if (!all.cosine.empty())
     for (std::size_t k = 0; k < front.size(); ++k) {
@@ -200,18 +231,16 @@ SmoothedScan account_for_smoothing(const Candidate& candidate, const AllPoints& 
 }
 
 /// Of views, or where they are unknown of regions or of views as they may have been, whichever leaves more open.
-Vector spread_by_groups(const AllPoints& all, const PointSums& whole, const GroupSums& unexplained,
-                        const Unknowns& unknowns, const Matrix& extended_inverse, const Matrix& h_inverse, double noise,
-                        int threads) {
+Vector spread_by_groups(const AllPoints& all, const Matrix& rows, const PointSums& whole, const GroupSums& unexplained,
+                        const Unknowns& unknowns, const Matrix& extended_inverse, const Solution& fit, double noise) {
   const GroupEffects effects = group_effects(unexplained, extended_inverse, noise, Motions::apart);
-  Vector variance = covariance_of(effects, whole.groups, h_inverse).diagonal();
+  Vector variance = covariance_of(effects, whole.groups, fit.inverse).diagonal();
   if (!all.by_view) {
-    GroupSums imagined = sums_of_imagined_views(all, all.jacobian.rows, whole, unknowns);
-    const NormalEquations normal = normal_equations(all.jacobian.rows, whole.weight, whole.pull, threads);
-    imagined.pull -= imagined.coupling * (h_inverse * normal.g);
+    GroupSums imagined = sums_of_imagined_views(all, rows, whole, unknowns);
+    imagined.pull -= imagined.coupling * fit.unknowns;
     // Shifts show only where faces meet askew; turns tell what to expect of them.
-    const GroupEffects tied = group_effects(imagined, h_inverse, noise, Motions::tied);
-    variance = variance.cwiseMax(covariance_of(tied, imagined, h_inverse).diagonal());
+    const GroupEffects tied = group_effects(imagined, fit.inverse, noise, Motions::tied);
+    variance = variance.cwiseMax(covariance_of(tied, imagined, fit.inverse).diagonal());
   }
   return variance.cwiseMax(0).cwiseSqrt();
 }
@@ -242,8 +271,8 @@ Vector spread_by_poses(const AllPoints& all, const PoseCovariance& poses, const 
 
 }  // namespace
 
-Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, const FitInput& input,
-                           const Unknowns& unknowns, const Welsch& kernel, Context& context) {
+Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const FitInput& input, const Unknowns& unknowns,
+                           double least_sigma, const Welsch& kernel, Context& context) {
   Uncertainty result;
   const std::size_t parameters = unknowns.free_parameters().size();
   result.noise.assign(parameters, 0);
@@ -259,47 +288,45 @@ Uncertainty uncertainty_of(const Candidate& candidate, const AllPoints& all, con
   const ModelDistance distance(bare_model(candidate), values);
   const bool sampled_facets =
       input.scan && !input.scan->mesh.empty() && input.scan->cloud.size() > input.scan->mesh.vertices.size();
-  SmoothedScan scan{{all.jacobian.rows}, everywhere, raw, {}, 0, {}};
+  SmoothedScan scan{{all.jacobian.rows}, everywhere, raw, {}, 0, {}, {}, {}};
   if (!sampled_facets && raw.correlation.smoothing > 0)
-    scan = account_for_smoothing(candidate, all, unknowns, kernel, raw, distance, context.threads);
+    scan = account_for_smoothing(candidate, all, unknowns, least_sigma, kernel, raw, distance, context.threads);
 
-  const PointSums whole = sums_of(all, all.jacobian.rows, everywhere, unknowns, kernel, raw.slope, context.threads);
-  const Matrix h_inverse =
-      pseudo_inverse(normal_equations(all.jacobian.rows, whole.weight, whole.pull, context.threads).h);
+  const auto own = all.jacobian.rows.cols();
   const double noise = scan.residuals.noise(unknowns.count());
+  const SmoothingModel model = scan.rim.empty() || scan.chance == 0
+                                   ? SmoothingModel{all.jacobian.rows}
+                                   : rim_model(all, scan.rim, scan.one_sided, scan.chance, noise);
+  const std::vector<double> share = shares_at_rims(all, scan);
+  const PointSums whole = sums_of(all, model.rows, share, unknowns, kernel, raw.slope, context.threads);
+  const Solution fit = solved(model, whole, context.threads);
+  if (model.further > 0) result.correction = -fit.unknowns.head(own);
   result.points_per_independent = scan.residuals.correlation.points_per_independent;
   result.floor = floor_share * scan.residuals.median_sigma;
   auto fill = [&](std::vector<double>& column, const Vector& spread) {
     for (std::size_t k = 0; k < parameters; ++k) column[k] = spread[static_cast<Eigen::Index>(k)];
   };
-  Vector variance = noise * h_inverse.diagonal();
-  if (!scan.noise.empty()) {
-    std::vector<double> weight = whole.weight;
-    for (std::size_t k = 0; k < weight.size(); ++k) weight[k] *= scan.noise[k];
-    const Matrix between = normal_equations(all.jacobian.rows, weight, whole.pull, context.threads).h;
-    variance = (h_inverse * between * h_inverse).diagonal();
-  }
-  fill(result.noise, variance.cwiseMax(0).cwiseSqrt());
+  std::vector<double> weight = whole.weight;
+  for (std::size_t k = 0; k < weight.size(); ++k) weight[k] *= share[k] * (scan.noise.empty() ? noise : scan.noise[k]);
+  const Matrix between = normal_equations(model.rows, weight, whole.pull, context.threads).h;
+  fill(result.noise, (fit.inverse * between * fit.inverse).diagonal().cwiseMax(0).cwiseSqrt());
   if (sampled_facets) {  // a drawn mesh was never registered
     const Deviation chords = chord_deviation(candidate, all, input, distance, context.threads);
     fill(result.facets, effect_of(chords, all, whole.weight, kernel, context.threads));
     return result;
   }
-  PointSums sums = sums_of(all, scan.model.rows, scan.inside, unknowns, kernel, scan.residuals.slope, context.threads);
+  PointSums sums =
+      sums_of(all, scan.model.rows, as_shares(scan.inside), unknowns, kernel, scan.residuals.slope, context.threads);
   const Solution solution = solved(scan.model, sums, context.threads);
   sums.groups.pull -= sums.groups.coupling * solution.unknowns;
-  fill(result.views,
-       spread_by_groups(all, whole, sums.groups, unknowns, solution.inverse, h_inverse, noise, context.threads));
-  if (input.scan) fill(result.poses, spread_by_poses(all, input.scan->pose_covariance, whole.groups, unknowns, h_inverse));
+  fill(result.views, spread_by_groups(all, model.rows, whole, sums.groups, unknowns, solution.inverse, fit, noise));
+  if (input.scan) fill(result.poses, spread_by_poses(all, input.scan->pose_covariance, whole.groups, unknowns, fit.inverse));
   fill(result.slant, effect_of(slant_deviation(candidate, all, distance, context.threads), all, whole.weight, kernel,
                                context.threads));
   if (scan.chance > 0) {
-    // Disturbed rims have moved the fit by as much as it would move back without them.
-    const PointSums inner =
-        sums_of(all, all.jacobian.rows, scan.inside, unknowns, kernel, scan.residuals.slope, context.threads);
-    const Vector rims = solved({all.jacobian.rows}, inner, context.threads).unknowns;
     const Vector faces = effect_of(scan.flattened, all, whole.weight, kernel, context.threads);
-    fill(result.filter, (scan.chance * (rims.cwiseAbs2() + faces.cwiseAbs2())).cwiseSqrt());
+    const Vector rims = fit.inverse.rightCols(model.further).rowwise().squaredNorm() * model.precision * noise;
+    fill(result.filter, (rims.head(own) + scan.chance * faces.cwiseAbs2()).cwiseSqrt());
   }
   return result;
 }

@@ -67,7 +67,7 @@ RangeNoise sloped_noise(const RangeHeights& heights, const PaddedGrid<float>& ke
   constexpr std::array<double, 9> ends = {1.15, 1.35, 1.7, 2.2, 3, 4.5, 7, 11, 20};
   std::array<std::vector<double>, 9> sizes;
   std::array<double, 9> sums{};
-  const int stride = stride_of(heights, 5000);
+  const int stride = stride_of(heights, noise_samples);
   for (int r = 0; r < heights.height_px; r += stride)
     for (int c = r / stride % stride; c < heights.width; c += stride)
       for (const auto& [dr, dc] : {std::pair{0, 1}, std::pair{1, 0}}) {

@@ -305,7 +305,6 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
     result.through = std::max(result.through, through);
     if (!theirs.points.empty())
       result.back_through = std::max(result.back_through, static_cast<int>(double(back) * result.samples / double(theirs.points.size())));
-    result.missing = std::max(result.missing, missing);
     result.missing_by[o] = missing;
   }
   for (std::size_t i = 0; i < confirmed.size(); ++i)

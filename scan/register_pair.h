@@ -1,6 +1,7 @@
 /// One view against what is placed already: alignment from a start, and how well a pose agrees with the evidence.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -76,19 +77,19 @@ struct Agreement {
   int confirmed = 0;     ///< of the view's samples: another view has the same surface there
   int through = 0;       ///< looked through by another view (the worst one)
   int back_through = 0;  ///< samples of others that the view itself looked through, scaled to its number of samples
-  int missing = 0;       ///< faced by a sensor that returned nothing around them (the worst one)
-  std::vector<int> missing_by;  ///< the same by each of the views, whoever was asked
+  std::vector<int> missing_by;  ///< by each of the views: faced by a sensor that returned nothing around them, whoever was asked
   int faced = 0;         ///< lie where another view measured a surface and face its sensor, summed over the views
   int odd = 0;           ///< of these, with another surface there than the view's own
   double residual = 0;   ///< median |distance| along the normal of the confirmed ones, mm
+  int missing() const { return missing_by.empty() ? 0 : std::ranges::max(missing_by); }  ///< by the worst one
   double disagreement() const { return faced ? double(odd) / faced : 0; }
   double overlap() const { return samples ? double(confirmed) / samples : 0; }
   double seen_through() const { return samples ? double(std::max(through, back_through)) / samples : 0; }
   /// What speaks against a pose, as a share of the samples.
-  double contradiction() const { return samples ? (3.0 * (through + back_through) + missing) / double(samples) + disagreement() : 1; }
+  double contradiction() const { return samples ? (3.0 * (through + back_through) + missing()) / double(samples) + disagreement() : 1; }
   /// What ranks poses: confirmed less what contradicts.
   double score() const { return samples ? overlap() - contradiction() : -1; }
-  double unanswered() const { return samples ? double(missing) / samples : 0; }
+  double unanswered() const { return samples ? double(missing()) / samples : 0; }
 };
 
 /// `reach` is how far off a confirmed place may be along the normal, three times that across.

@@ -1,7 +1,7 @@
 // Tie bar
 //
 // Units: millimetres and degrees. Tolerance: 0.15 mm.
-// Fit: rms 0.02 mm from 30,858 points, local mean within 0.02 mm, 100 % of its surface scanned.
+// Fit: rms 0.02 mm from 30,858 points, local mean within 0.019 mm, 100 % of its surface scanned.
 // Source: scan.json, view_00.png, view_01.png, view_02.png and 5 more.
 // Written by partscribe 0.1.0.
 
@@ -21,7 +21,7 @@ hole_radius = 8;                          // fitted 8 +/- 0.001 from 791 points;
 // radius of the hole [mm]
 hole_2_radius = as_designed ? 5 : 5.001;  // fitted 5.001 +/- 0.002 from 313 points; nominal 5 (diameter, multiples of 10 mm, z = -0.4)
 // length of the extrusion [mm]
-height = 12;                              // fitted 12 +/- 0.001 from 9,792 points; nominal 12 (multiples of 1 mm, z = 0.3)
+height = 12;                              // fitted 12 +/- 0.001 from 9,813 points; nominal 12 (multiples of 1 mm, z = 0.3)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]
@@ -45,7 +45,7 @@ module plate()
   linear_extrude(height = height) plate_outline();
 
 // From the part's own frame to the scan's.
-module scan_from_part() translate([-22.924, 39.557, 18.709]) rotate([157.0831, 14.3243, 63.0247]) children();
+module scan_from_part() translate([-20, 35, 8]) rotate([-22.9169, 14.3243, 63.0247]) children();
 
 // Number of facets around a circle of radius r; a multiple of 4, so that corners lie on the axes.
 // Half of chord_error is spent around, half along a profile.

@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "core/random.h"
+#include "fit/noise_model.h"
+#include "fit/one_sided.h"
 #include "fit/refine.h"
 #include "model/distance.h"
 #include "tests/model/parts.h"
@@ -92,4 +95,46 @@ TEST_CASE("smoothing: what would have rounded every place off, and did not, was 
   CHECK(chance_by_rims(all, residuals, Deviation(count, -1.0), 1) == 0.0);
   CHECK_FALSE(chance_by_rims(all, residuals, Deviation(count, -0.1), 1).has_value());
   CHECK_FALSE(chance_by_rims(all, residuals, Deviation(count, 0.0), 1).has_value());
+}
+
+TEST_CASE("one-sided mean: where a view's picture of a slanted face ends, not inside, and not on a face that looks at it") {
+  constexpr int side = 20;
+  constexpr double variance = 2.0 / 3;  // of a mean over 3 x 3 pixels of 1 mm
+  for (const double slope : {0.0, 1.0}) {
+    AllPoints all;
+    all.by_view = true, all.group_count = 2;
+    const Vec3 normal = Vec3(-slope, 0, 1).normalized();
+    for (int v = 0; v < all.group_count; ++v)
+      for (int x = 0; x < side; ++x)
+        for (int y = 0; y < side; ++y) {
+          const std::size_t i = all.points.size();
+          all.nodes.push_back({i, i + 1, Vec3(x, y, slope * x)});
+          all.points.push_back(all.nodes.back().place), all.foot.push_back(all.points.back());
+          all.rays.push_back(-Vec3::UnitZ()), all.group.push_back(v);
+          all.at.face.push_back(0), all.jacobian.gradients.push_back(normal);
+        }
+    const auto effect = one_sided_mean(all, variance, 1);
+    for (std::size_t k = 0; k < effect.size(); ++k) {
+      const double x = all.points[k].x(), y = all.points[k].y();
+      INFO("slope " << slope << ", pixel " << x << ", " << y);
+      // Of six pixels half lie one step up the slope, of which the normal sees the cosine.
+      if (slope > 0 && x == 0 && y > 0 && y < side - 1) CHECK(effect[k] == Approx(0.5 * std::sqrt(0.5)));
+      if (slope > 0 && x == side - 1 && y > 0 && y < side - 1) CHECK(effect[k] == Approx(-0.5 * std::sqrt(0.5)));
+      if (slope == 0 || (x > 0 && x < side - 1)) CHECK(effect[k] == Approx(0).margin(1e-12));
+    }
+    all.by_view = false;
+    CHECK(one_sided_mean(all, variance, 1) == std::vector<double>(all.nodes.size(), 0));
+  }
+}
+
+TEST_CASE("noise model: rims get a sigma but have no say about it") {
+  Random random(4);
+  std::vector<double> residuals;
+  NoiseTraits traits;
+  for (int i = 0; i < 4000; ++i) {
+    const bool rim = i % 4 == 0;
+    residuals.push_back((rim ? 1.0 : 0.1) * random.normal());
+    traits.face.push_back(i % 2), traits.told.push_back(!rim);
+  }
+  for (const double s : noise_of_points(residuals, traits, 1e-6)) REQUIRE(s == Approx(0.1).epsilon(0.05));
 }

@@ -23,6 +23,8 @@ struct TrialOptions {
   double sigma = 0.05;       ///< mm, along the normal
   double turn = 0.0005;      ///< rad about each axis, standard deviation of a disturbed pose
   double shift = 0.02;       ///< mm along each axis
+  int filter = 1;            ///< pixels that a filter's mean takes in to each side
+  double step = 1.5;         ///< pixels of range; what differs by more is kept out of the mean
   bool rays = true;          ///< false: the points do not know where they were seen from, nor in which view
 };
 
@@ -234,10 +236,10 @@ inline Scan measured(const TrialScene& scene, Trouble trouble, std::uint64_t see
           const auto i = std::size_t(r * size + c);
           if (!view.pixels[i].hit) continue;
           double sum = 0, count = 0;
-          for (int a = std::max(r - 1, 0); a <= std::min(r + 1, size - 1); ++a)
-            for (int b = std::max(c - 1, 0); b <= std::min(c + 1, size - 1); ++b) {
+          for (int a = std::max(r - o.filter, 0); a <= std::min(r + o.filter, size - 1); ++a)
+            for (int b = std::max(c - o.filter, 0); b <= std::min(c + o.filter, size - 1); ++b) {
               const auto j = std::size_t(a * size + b);
-              if (view.pixels[j].hit && std::abs(range(j) - range(i)) < 1.5 * scene.pitch) sum += range(j), count += 1;
+              if (view.pixels[j].hit && std::abs(range(j) - range(i)) < o.step * scene.pitch) sum += range(j), count += 1;
             }
           along[i] = sum / count - (range(i) - raw[i]);
         }
@@ -292,6 +294,16 @@ inline std::vector<double> cramer_rao(const TrialScene& scene, Trouble trouble) 
   return bound;
 }
 
+/// What many runs say of one parameter, mm or rad.
+struct TrialNumber {
+  std::string name;
+  double bias = 0;       ///< mean error
+  double error = 0;      ///< rms
+  double noise = 0;      ///< rms of sigma_noise
+  double sigma = 0;      ///< rms
+  double held = 0;       ///< share of 95 % intervals from sigma that hold the truth
+};
+
 /// What many runs say of one scene and trouble, over all parameters.
 struct TrialSummary {
   int runs = 0;
@@ -304,6 +316,7 @@ struct TrialSummary {
   double total_ratio = 0;       ///< rms of sigma / rms error
   double worst_ratio = 0;       ///< of the parameter with the widest intervals
   double effective_share = 0;   ///< independent points / points, mean
+  std::vector<TrialNumber> numbers;
 };
 
 inline Candidate trial_start(const TrialScene& scene, Random& random) {
@@ -321,7 +334,7 @@ inline Candidate trial_start(const TrialScene& scene, Random& random) {
 inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, const RefineOptions& options, Context& context) {
   const auto& truth = scene.part.truth.parameters;
   const auto bound = cramer_rao(scene, trouble);
-  std::vector<double> square(truth.size(), 0), noise(truth.size(), 0), total(truth.size(), 0), held(truth.size(), 0);
+  std::vector<double> sum(truth.size(), 0), square(sum), noise(sum), total(sum), held(sum);
   TrialSummary s;
   s.runs = runs;
   for (int run = 0; run < runs; ++run) {
@@ -344,7 +357,7 @@ inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, c
     for (std::size_t k = 0; k < truth.size(); ++k) {
       const auto& p = c.parameters[k];
       const double e = p.value - truth[k].value;
-      square[k] += e * e / runs, noise[k] += p.sigma_noise * p.sigma_noise / runs, total[k] += p.sigma * p.sigma / runs;
+      sum[k] += e / runs, square[k] += e * e / runs, noise[k] += p.sigma_noise * p.sigma_noise / runs, total[k] += p.sigma * p.sigma / runs;
       s.noise_coverage += std::abs(e) <= 1.959964 * p.sigma_noise ? 1.0 / (runs * double(truth.size())) : 0;
       held[k] += std::abs(e) <= 1.959964 * p.sigma ? 1.0 / runs : 0;
     }
@@ -361,6 +374,7 @@ inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, c
     }
     s.total_coverage += held[k] / count;
     s.worst_coverage = std::min(s.worst_coverage, held[k]);
+    s.numbers.push_back({truth[k].name, sum[k], std::sqrt(square[k]), std::sqrt(noise[k]), std::sqrt(total[k]), held[k]});
   }
   s.efficiency = std::sqrt(s.efficiency), s.noise_ratio = std::sqrt(s.noise_ratio / std::max(counted, 1.0));
   s.total_ratio = std::sqrt(s.total_ratio / std::max(counted, 1.0));
