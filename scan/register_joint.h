@@ -10,6 +10,7 @@ namespace partscribe {
 struct JointOptions {
   double start_reach = 5;    ///< mm
   bool contours = true;
+  bool measured = true;      ///< a last adjustment by measured places (scan/register_measured.h)
   int neighbours = 7;        ///< views that each view is held against
   int rounds = 50;
 };

@@ -425,6 +425,7 @@ std::vector<std::size_t> agreeing(Growth& growth, const std::vector<std::size_t>
   double radius = 0;
   for (const std::size_t v : usable) radius = std::max(radius, growth.surfaces[v].radius);
   JointOptions rough;
+  rough.measured = false;
   rough.start_reach = 0.25 * radius, rough.contours = growth.options.contours;
   const JointResult joint = adjust_jointly(growth.surfaces, growth.guesses, usable, rough, context);
   std::vector<std::size_t> good = usable;
