@@ -18,6 +18,7 @@ namespace partscribe {
 struct RegisterView {
   std::string name;
   PointCloud cloud;           ///< normals, rays, sigma, pixel and rejected where they are known; `view` is not read
+  std::vector<Vec3> measured;  ///< where each point was before a filter moved it; empty: where it is
   int width = 0, height = 0;  ///< pixels, 0 for unorganised points
   std::optional<Pose> guess;  ///< world_from_view, roughly
 };

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "geometry/nearest_again.h"
+#include "scan/register_measured.h"
 
 namespace partscribe {
 namespace {
@@ -22,6 +23,7 @@ constexpr int groups = 10;              // of the jackknife, by place
 constexpr double contour_trust = 0.25;  // neighbouring borders share what disturbs them
 constexpr double same_face = 0.966;      // cosine of 15 degrees
 constexpr double rough_free_limit = 10;  // while partners are wrong, weak directions lead astray
+constexpr double well_fixed = 20;        // v'Hv / v'Mv from which measured places are asked
 constexpr double shared_noise = 0.25;    // pixels; see Equations
 
 /// Behind the six numbers of each view stand two that all views share: how much lower places lie where they are seen at a
@@ -39,14 +41,6 @@ using Square = Eigen::Matrix<double, 6 + shared, 6 + shared>;
 double free_limit(std::size_t matches, std::size_t views) {
   constexpr double window = 20, deviations = 6;
   return std::max(views > 2 ? 1.5 : 3.0, 1 + deviations * std::sqrt(2 * window / static_cast<double>(std::max<std::size_t>(matches, 1))));
-}
-
-/// The share of its weight that a match keeps where the more slanted of the two views sees it under this cosine. What is
-/// wrong there is wrong for whole faces (mixed pixels of one side, half a pixel's place) and does not average out; better
-/// than equal weights and than the square, and the fourth power lets borders fix what they do not.
-double slant_share(double cosine) {
-  const double c = std::max(cosine, 1e-3);
-  return c * c * c;
 }
 
 /// The part of the normal equations that one view against another contributes; the other has the opposite sign.
@@ -346,6 +340,12 @@ struct Equations {
     basis.topRows(directions.v.rows()) = directions.v.rightCols(basis.cols());
     return basis;
   }
+  /// Columns in the six unknowns of each view.
+  MatrixXd well_fixed_by_surfaces() const {
+    Eigen::Index first = by_surfaces.first;
+    while (first < by_surfaces.fixed.size() && !(by_surfaces.fixed[first] > well_fixed)) ++first;
+    return by_surfaces.v.rightCols(by_surfaces.v.cols() - first);
+  }
   System asked(const System& of_surfaces, const System& of_borders) const {
     const MatrixXd& p = trusted;
     return together({p.transpose() * of_surfaces.h * p, p.transpose() * of_surfaces.m * p, p.transpose() * of_surfaces.g}, of_borders);
@@ -559,6 +559,12 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
       for (std::size_t j = 1; j < views.size(); ++j) direction.segment<6>(place(j)) = equations.directions.v.col(k).segment<6>(own(j));
       result.free_directions.push_back(direction.normalized());
     }
+  }
+  if (options.rounds > 0) {
+    const auto own = static_cast<Eigen::Index>(6 * (views.size() - 1));
+    const AdjustedViews adjusted{views, pairs, problem.center, problem.size, equations.well_fixed_by_surfaces(),
+                                 equations.borders.h.topLeftCorner(own, own), equations.borders.g.head(own)};
+    adjust_by_measured(surfaces, adjusted, result.poses, context);
   }
   for (const PairSum& sum : sums) {
     result.surface_matches += sum.matches;

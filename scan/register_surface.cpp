@@ -44,6 +44,11 @@ Sight sight(const SightRaster& raster, const Vec3& p, double margin) {
   return Sight::measured;
 }
 
+double slant_share(double cosine) {
+  const double c = std::max(cosine, 1e-3);
+  return c * c * c;
+}
+
 std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
                                          const std::vector<std::uint32_t>& from, std::size_t count) {
   if (from.size() <= count) return from;
@@ -370,6 +375,8 @@ void add_grid(const RegisterView& view, ViewSurface& surface, int threads) {
     if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
     grid.point[pixel] = cloud.points[i], grid.kept[pixel] = 1;
   }
+  std::vector<Vec3> measured = grid.point;
+  for (std::size_t i = 0; i < view.measured.size(); ++i) measured[static_cast<std::size_t>(cloud.pixel[i])] = view.measured[i];
   const auto before = static_cast<std::size_t>(std::count(grid.kept.begin(), grid.kept.end(), 1));
   const bool filtered = is_filtered(cloud);
   grid.sigma = filtered ? noise_before_filter(cloud) : depth_noise(grid);
@@ -386,7 +393,7 @@ void add_grid(const RegisterView& view, ViewSurface& surface, int threads) {
     if (!facet.inlier) continue;
     raster.depth[i] = static_cast<float>(grid.point[i].z());
     if (facet.normal.isZero()) continue;
-    surface.points.push_back(facet.place), surface.normals.push_back(facet.normal);
+    surface.points.push_back(facet.place), surface.measured.push_back(measured[i]), surface.normals.push_back(facet.normal);
     surface.smooth.push_back(facet.smooth), surface.variance.push_back(facet.variance);
   }
   surface.rejected = before - static_cast<std::size_t>(std::count_if(raster.depth.begin(), raster.depth.end(), [](float z) { return z >= 0; }));
@@ -494,7 +501,7 @@ void add_unorganised(const RegisterView& view, ViewSurface& surface, Context& co
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (!cloud.rejected[i] && !cloud.normals[i].isZero())
       raw.push_back(cloud.points[i]), surface.normals.push_back(cloud.normals[i]);
-  surface.points = raw, surface.smooth.assign(raw.size(), 0), surface.variance.assign(raw.size(), 1);
+  surface.points = surface.measured = raw, surface.smooth.assign(raw.size(), 0), surface.variance.assign(raw.size(), 1);
   if (raw.empty()) return;
   const KdTree tree(raw);
   const double width = std::max(1.5 * surface.spacing, 3 * surface.sigma);

@@ -43,6 +43,7 @@ struct ContourPoint {
 
 struct ViewSurface {
   std::vector<Vec3> points;           ///< in the view's frame, moved along the normal onto their neighbours' surface
+  std::vector<Vec3> measured;         ///< where each of `points` was measured
   std::vector<Vec3> normals;          ///< unit, towards the sensor
   std::vector<std::uint8_t> smooth;   ///< 1: inside a smooth piece, so that place and normal are good
   std::vector<float> variance;        ///< of each place along its normal, relative to that of most
@@ -64,6 +65,11 @@ struct ViewSurface {
 
 /// Points whose neighbours contradict them are left out. The same for any number of threads.
 std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context);
+
+/// The share of its weight that a match keeps where the more slanted of the two views sees it under this cosine. What is
+/// wrong there is wrong for whole faces (mixed pixels of one side, half a pixel's place) and does not average out; better
+/// than equal weights and than the square, and the fourth power lets borders fix what they do not.
+double slant_share(double cosine);
 
 /// `count` of the given points: seven tenths from equally filled bins of directions, the rest from everywhere.
 std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,

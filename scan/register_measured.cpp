@@ -1,0 +1,124 @@
+#include "scan/register_measured.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "core/statistics.h"
+#include "geometry/nearest_again.h"
+
+namespace partscribe {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr std::size_t most_places = 50000;  // of a view; all that range images of the usual size have
+constexpr double same_face = 0.9;            // cosine of 26 degrees
+constexpr double border_share = 0.2;       // of what borders weigh beside filtered places; see adjust_by_measured
+constexpr double kernel = 2;                // deviations: mixed pixels of slanted faces lie three to five off, all to one side
+constexpr int rounds = 3;
+
+/// How far a place was measured from the surface through its neighbours, in deviations.
+double off_surface(const ViewSurface& surface, std::size_t i) {
+  return (surface.measured[i] - surface.points[i]).dot(surface.normals[i]) / surface.sigma;
+}
+
+/// A measured place against that of its partner in another view.
+struct Match {
+  Vec6 row;
+  double e = 0, weight = 0;  // mm; but for the kernel
+};
+
+std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted, const std::vector<Pose>& poses,
+                              const std::pair<std::size_t, std::size_t>& pair, NearestAgain& partners) {
+  const std::size_t a = adjusted.views[pair.first], b = adjusted.views[pair.second];
+  const ViewSurface &from = surfaces[a], &to = surfaces[b];
+  const Pose there = poses[b].inverse() * poses[a];
+  const std::size_t stride = from.points.size() / most_places + 1;
+  std::vector<Match> result;
+  for (std::size_t i = 0; i < from.points.size(); i += stride) {
+    if (!from.smooth[i]) continue;
+    const Vec3 place = there * from.points[i], nx = there.rotation * from.normals[i];
+    if (nx.dot(to.raster.ray(place)) > 0.1) continue;
+    const std::uint32_t near = partners.nearest(i, place, 3 * to.spacing);
+    if (near == NearestAgain::nobody || !to.smooth[near]) continue;
+    const Vec3& ny = to.normals[near];
+    if (nx.dot(ny) < same_face) continue;
+    const Vec3 n = (nx + ny).normalized(), across = place - to.points[near];
+    if ((across - across.dot(n) * n).norm() > to.spacing) continue;
+    const double cosine = std::min(-from.normals[i].dot(from.raster.ray(from.points[i])), -ny.dot(to.raster.ray(to.points[near])));
+    const Vec3 d = there * from.measured[i] - to.measured[near];
+    const Vec3 middle = poses[b] * (to.measured[near] + 0.5 * d), normal = poses[b].rotation * n;
+    Match match;
+    match.row << ((middle - adjusted.center) / adjusted.size).cross(normal), normal;
+    const double own = off_surface(from, i), other = off_surface(to, near);
+    match.e = d.dot(n), match.weight = slant_share(cosine) * std::exp(-(own * own + other * other) / (2 * kernel * kernel));
+    result.push_back(match);
+  }
+  return result;
+}
+
+/// The same for the first view of a pair and, with the other sign, for the second.
+void scatter(const Eigen::Matrix<double, 6, 6>& h, const Vec6& g, const std::pair<std::size_t, std::size_t>& pair, MatrixXd& all_h, VectorXd& all_g) {
+  const auto first = [](std::size_t view) { return static_cast<Eigen::Index>(6 * (view - 1)); };
+  const auto& [a, b] = pair;
+  if (a > 0) all_h.block<6, 6>(first(a), first(a)) += h, all_g.segment<6>(first(a)) += g;
+  if (b > 0) all_h.block<6, 6>(first(b), first(b)) += h, all_g.segment<6>(first(b)) -= g;
+  if (a > 0 && b > 0) all_h.block<6, 6>(first(a), first(b)) -= h, all_h.block<6, 6>(first(b), first(a)) -= h;
+}
+
+}  // namespace
+
+void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted, std::vector<Pose>& poses, Context& context) {
+  if (adjusted.fixed.cols() == 0) return;
+  for (const std::size_t v : adjusted.views)
+    if (surfaces[v].measured.empty()) return;
+  const auto unknowns = static_cast<Eigen::Index>(6 * (adjusted.views.size() - 1));
+  VectorXd border_g = border_share * adjusted.border_g;
+  std::vector<NearestAgain> partners;
+  for (const auto& [a, b] : adjusted.pairs) {
+    const ViewSurface &from = surfaces[adjusted.views[a]], &to = surfaces[adjusted.views[b]];
+    partners.emplace_back(*to.tree, to.points, from.points.size());
+  }
+  for (int round = 0; round < rounds && !context.cancelled; ++round) {
+    std::vector<std::vector<Match>> matches(adjusted.pairs.size());
+    parallel_for(matches.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) matches[k] = matches_of(surfaces, adjusted, poses, adjusted.pairs[k], partners[k]);
+    }, 1);
+    std::vector<double> sizes;
+    for (const auto& of_pair : matches)
+      for (const Match& match : of_pair) sizes.push_back(std::abs(match.e));
+    if (sizes.empty()) return;
+    const double sigma = std::max(1.4826 * median(std::move(sizes)), 1e-12), wide = kernel * sigma;
+    MatrixXd h = MatrixXd::Zero(unknowns, unknowns);
+    VectorXd g = VectorXd::Zero(unknowns);
+    for (std::size_t k = 0; k < matches.size(); ++k) {
+      Eigen::Matrix<double, 6, 6> pair_h = Eigen::Matrix<double, 6, 6>::Zero();
+      Vec6 pair_g = Vec6::Zero();
+      for (const Match& match : matches[k]) {
+        const double w = match.weight * std::exp(-match.e * match.e / (2 * wide * wide)) / (sigma * sigma);
+        pair_h += w * match.row * match.row.transpose(), pair_g -= w * match.e * match.row;
+      }
+      scatter(pair_h, pair_g, adjusted.pairs[k], h, g);
+    }
+    const MatrixXd& basis = adjusted.fixed;
+    h += border_share * adjusted.border_h, g += border_g;
+    MatrixXd within = basis.transpose() * h * basis;
+    within.diagonal() *= 1 + 1e-9;
+    const VectorXd step = basis * within.ldlt().solve(basis.transpose() * g);
+    border_g -= border_share * adjusted.border_h * step;
+    for (std::size_t k = 1; k < adjusted.views.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(6 * (k - 1));
+      const Mat3 rotation = rotation_of(step.segment<3>(at) / adjusted.size);
+      const Vec3 shift = step.segment<3>(at + 3);
+      Pose& pose = poses[adjusted.views[k]];
+      pose = Pose{rotation, adjusted.center + shift - rotation * adjusted.center} * pose;
+    }
+  }
+}
+
+}  // namespace partscribe
