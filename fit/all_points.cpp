@@ -5,8 +5,10 @@
 #include <map>
 #include <set>
 
+#include "core/number.h"
 #include "core/parallel.h"
 #include "fit/refine.h"
+#include "fit/thin_walls.h"
 #include "model/distance.h"
 
 namespace partscribe {
@@ -136,12 +138,11 @@ void settle_places(AllPoints& all, const ModelDistance& distance, const Pose& pa
 /// Points whose own noise could have changed the face they are nearest to would bias both faces: what pushes them over
 /// the edge also makes them look closer. Their place on the surface, not their residual, decides, so that nothing is
 /// selected by its error.
-void exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& part_from_scan, double cell, int threads) {
+/// Those that could only have come from the far side of a thin wall are named where no ray tells the sides apart and `pairs`.
+std::vector<std::size_t> exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& part_from_scan, double cell,
+                                       bool pairs, int threads) {
   all.used.assign(all.points.size(), 1);
-  auto crosses = [&](const Vec3& foot, const Vec3& normal, double reach, int face) {
-    return distance(part_from_scan * (foot + reach * normal)).face != face ||
-           distance(part_from_scan * (foot - reach * normal)).face != face;
-  };
+  std::vector<char> thin(all.points.size(), 0);
   parallel_for(
       all.nodes.size(), threads,
       [&](std::size_t begin, std::size_t end) {
@@ -158,13 +159,20 @@ void exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& pa
           if (node.end - node.begin > 1) {
             // The whole cell at once where it lies well inside its face.
             const Vec3 foot = node.place - distance(part_from_scan * node.place).distance * normal;
-            if (!crosses(foot, normal, widest + cell, face)) continue;
+            if (beside(distance, part_from_scan, foot, normal, widest + cell, face) == Beside::nothing) continue;
           }
-          for (std::size_t i = node.begin; i < node.end; ++i)
-            all.used[i] = !crosses(on_ray(i) ? all.foot[i] : Vec3(all.points[i] - all.at.value[i] * normal), normal, strip(i), face);
+          for (std::size_t i = node.begin; i < node.end; ++i) {
+            const Vec3 foot = on_ray(i) ? all.foot[i] : Vec3(all.points[i] - all.at.value[i] * normal);
+            const Beside other = beside(distance, part_from_scan, foot, normal, strip(i), face);
+            thin[i] = other == Beside::wall && !on_ray(i) && pairs;
+            all.used[i] = other == Beside::nothing || (other == Beside::wall && (on_ray(i) || pairs));
+          }
         }
       },
       64);
+  std::vector<std::size_t> walls;
+  for (std::size_t i = 0; i < all.points.size(); ++i)
+    if (thin[i]) walls.push_back(i);
   // A face that is all edge would be lost: it keeps its points.
   std::map<int, std::pair<std::size_t, std::size_t>> faces;
   for (std::size_t i = 0; i < all.points.size(); ++i)
@@ -173,6 +181,23 @@ void exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& pa
     const auto& [total, lost] = faces[all.at.face[i]];
     if (double(lost) > most_excluded * double(total)) all.used[i] = 1;
   }
+  return walls;
+}
+
+/// The kernel as it is asked for; where it may be, with the density of strays on either side, from what lies beyond the noise.
+void estimate_strays(AllPoints& all, const AllPointsOptions& options) {
+  all.kernel = options.kernel;
+  if (!options.strays_near || !all.pairs.empty()) return;
+  constexpr double from = 4, to = 8, most = 0.05;  // sigmas
+  double on = 0, before = 0.5, behind = 0.5;
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    if (!all.used[i]) continue;
+    const double u = all.at.value[i] / all.sigma[i];
+    on += std::abs(u) < 3;
+    if (std::abs(u) > from && std::abs(u) < to) (u > 0 ? before : behind) += 1;
+  }
+  const double unit = std::sqrt(2 * pi) / (to - from) / std::max(on, 1.0);
+  all.kernel.before = std::min(most, before * unit), all.kernel.behind = std::min(most, behind * unit);
 }
 
 }  // namespace
@@ -215,19 +240,28 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   std::vector<Vec3> places;
   for (const auto& node : all.nodes) places.push_back(node.place);
   all.jacobian = unknowns.jacobian(candidate, places, at, context.threads);
-  exclude_edges(all, distance, part_from_scan, spacing, context.threads);
+  // Runs that share a row of the Jacobian know one side only.
+  const bool pairs = single && all.rays.empty();
+  const auto walls = exclude_edges(all, distance, part_from_scan, spacing, pairs, context.threads);
+  estimate_strays(all, options);
+  add_far_sides(all, walls, edge_sigmas, candidate, unknowns, distance, context.threads);
   return all;
 }
 
 double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
               const AllPointsOptions& options, Context& context) {
   constexpr int halvings = 3;
+  constexpr double settled = 1e-3;
   constexpr double worse = 0.02;  // share of the cost that may be given up for the equations to hold
-  const int steps = all.rays.empty() ? 2 : 4;  // rays call for another place than the search did
+  const int steps = !all.pairs.empty() ? 12 : all.rays.empty() ? 2 : 4;  // rays call for another place than the search did
+  std::vector<char> in_pair(all.pairs.empty() ? 0 : all.points.size(), 0);
+  for (const auto& p : all.pairs) in_pair[p.near] = in_pair[p.far] = 1;
+  const auto paired = [&](std::size_t i) { return !in_pair.empty() && in_pair[i]; };
   const auto cost = [&](const std::vector<double>& d) {
     double sum = 0;
     for (std::size_t i = 0; i < d.size(); ++i)
-      if (all.used[i]) sum += options.kernel.loss(d[i] / all.sigma[i]);
+      if (all.used[i] && !paired(i)) sum += all.kernel.loss(d[i] / all.sigma[i]);
+    for (std::size_t p = 0; p < all.pairs.size(); ++p) sum += pair_loss(all, p, d);
     return sum;
   };
   const auto equations = [&](const std::vector<double>& d) {
@@ -237,14 +271,19 @@ double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, do
         for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
           if (!all.used[i]) continue;
           const double u = d[i] / all.sigma[i], unit = 1 / all.sigma[i];
-          weight[k] += options.kernel.slope(u) * unit * unit;
-          pull[k] += options.kernel.psi(u) * unit;
+          if (paired(i)) {
+            weight[k] += all.say[i] * unit * unit, pull[k] += all.say[i] * u * unit;
+            continue;
+          }
+          weight[k] += all.kernel.slope(u) * unit * unit;
+          pull[k] += all.kernel.psi(u) * unit;
         }
     });
     return normal_equations(all.jacobian.rows, weight, pull, context.threads);
   };
   double improvement = 0;
   for (int step = 0; step < steps; ++step) {
+    share_out_pairs(all);
     const NormalEquations normal = equations(all.at.value);
     const Matrix inverse = pseudo_inverse(normal.h);
     const double unrest = normal.g.dot(inverse * normal.g), before = cost(all.at.value);
@@ -254,6 +293,7 @@ double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, do
       const Candidate next = unknowns.stepped(candidate, way);
       if (!unknowns.sensible(next)) continue;
       RayFeet moved = measured(next, unknowns, all, context.threads);
+      measure_pairs(all, next, moved.at.value, context.threads);
       // Along rays the sum of squares is not what the equations make least: it has the cosines in it, which the surface
       // moves. There the equations themselves say whether a step was good (the natural monotonicity test, Deuflhard 1974).
       if (all.rays.empty()) {
@@ -269,8 +309,12 @@ double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, do
     }
     if (!better) break;
     improvement += 0.5 * unrest;
-    if (step == 0) learn_noise(all, all.at.value, {}, least_sigma);
+    if (!all.pairs.empty() && unrest < settled) break;
+    // The sides of thin walls are told apart by the noise as it was learned first.
+    if (step == 0 && all.pairs.empty()) learn_noise(all, all.at.value, {}, least_sigma);
+    if (step == 0) estimate_strays(all, options);
   }
+  drop_pairs(all);
   return improvement;
 }
 

@@ -22,6 +22,7 @@ struct AllPoints {
   std::vector<double> relative;   ///< sigma that came with the data
   Distances at;                   ///< of the points, at the present candidate; along the rays where these are known
   std::vector<double> sigma;      ///< of each point, mm
+  Welsch kernel;                  ///< as asked for, with the density of strays where it was counted
   std::vector<char> used;         ///< 0: too near to an edge to tell which face it belongs to
 
   /// A cell's points of one face: points[begin .. end), all with the derivatives at `place`.
@@ -30,6 +31,15 @@ struct AllPoints {
     Vec3 place;
   };
   std::vector<Node> nodes;
+
+  /// A point of a wall thinner than noise: it speaks for either side (thin_walls.h).
+  struct Pair {
+    std::size_t near = 0, far = 0;  ///< its entries; the far ones come after all others
+    Vec3 before, behind;            ///< places to whose nearest faces the two belong
+    double share = 0.5;             ///< of the near side
+  };
+  std::vector<Pair> pairs;
+  std::vector<double> say;          ///< of each entry, where there are pairs; 1 for what is in none
   Jacobian jacobian;              ///< one row per node
 };
 
@@ -37,6 +47,7 @@ struct AllPointsOptions {
   std::size_t nodes = 16000;       ///< rows of the Jacobian, about; fewer blur it at the rims of small faces
   std::size_t points = 20000000;   ///< scans with more fall back on the thinned points
   Welsch kernel{3};
+  bool strays_near = false;        ///< the points hold all strays about the surface, so that their density can be counted
 };
 
 /// All usable points of the scan behind `input` (of a mesh, or where there is none: the thinned ones), with distances,

@@ -44,9 +44,22 @@ Matrix pseudo_inverse(const Matrix& h) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-double Welsch::weight(double u) const { return std::exp(-u * u / (2 * c * c)); }
-double Welsch::slope(double u) const { return (1 - u * u / (c * c)) * weight(u); }
-double Welsch::loss(double u) const { return c * c * (1 - weight(u)); }
+double Welsch::weight(double u) const {
+  if (before > 0) return 1 / (1 + (u > 0 ? before : behind) * std::exp(0.5 * u * u));
+  return std::exp(-u * u / (2 * c * c));
+}
+double Welsch::slope(double u) const {
+  const double w = weight(u);
+  if (before > 0) return w - u * u * w * (1 - w);
+  return (1 - u * u / (c * c)) * w;
+}
+double Welsch::loss(double u) const {
+  if (before > 0) {
+    const double k = u > 0 ? before : behind;
+    return -std::log((std::exp(-0.5 * u * u) + k) / (1 + k));
+  }
+  return c * c * (1 - weight(u));
+}
 
 double robust_scale(std::vector<double> values) {
   if (values.empty()) return 0;

@@ -22,8 +22,13 @@ Matrix pseudo_inverse(const Matrix& h);
 
 /// Welsch's redescending kernel at u = residual / scale, tuned by c (Holland & Welsch 1977). Against least squares on
 /// Gaussian data it loses (1 + 1/c^2)^3 (1 + 2/c^2)^(-3/2) of variance: 2.9 % for c = 2.5, 1.5 % for 3.
+///
+/// Where the density of strays about the surface is known, a residual has as much say as the odds that it is none of them (EM of a
+/// Gaussian and an even background on either side): all of it up to three sigmas, next to nothing from four on, and no pull to
+/// the side that has more strays.
 struct Welsch {
   double c = 2.5;
+  double before = 0, behind = 0;  ///< density of strays over that of the surface's points where it is highest; 0: not known
   double weight(double u) const;  ///< psi / u
   double psi(double u) const { return u * weight(u); }
   double slope(double u) const;   ///< psi'

@@ -219,6 +219,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   constexpr double settled = 0.5;  // of the log likelihood: less than a sigma
   AllPointsOptions everything;
   everything.kernel.c = options.welsch < RefineOptions{}.welsch ? options.welsch : std::max(options.welsch, 3.0);
+  everything.strays_near = input.stray_share > 0 && !among_strays(input);
   // A distance found by Newton's method in three unknowns costs as much as a hundred others.
   if (std::holds_alternative<Superellipsoid>(candidate.shape)) everything.nodes = 4000, everything.points = 40000;
   const double least = std::max(0.3 * input.sampling.sigma, 1e-7 * unknowns.size());
@@ -229,7 +230,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     all = all_points(candidate, input, unknowns, least, everything, context);
     improvement = polish(candidate, all, unknowns, least, everything, context);
   }
-  const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, least, everything.kernel, context);
+  const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, least, all.kernel, context);
   if (u.correction.size() > 0)
     if (Candidate next = unknowns.stepped(candidate, u.correction); unknowns.sensible(next)) candidate = std::move(next);
   report.rms = u.rms;

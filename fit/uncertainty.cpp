@@ -136,7 +136,7 @@ Residuals residuals_of(const AllPoints& all, const std::vector<double>& value, c
   result.count = double(psi.size());
   result.slope /= std::max(result.count, 1.0), result.square /= std::max(result.count, 1.0);
   // The weighted square underestimates a Gaussian's by 1 + 1/c^2.
-  result.rms = std::sqrt(squares / std::max(weights, 1e-300) * (1 + 1 / (kernel.c * kernel.c)));
+  result.rms = std::sqrt(squares / std::max(weights, 1e-300) * (kernel.before > 0 ? 1 : 1 + 1 / (kernel.c * kernel.c)));
   result.median_sigma = median_in_place(sigma);
   const int groups = all.by_view ? all.group_count : 1;
   result.correlation = correlation_of(noise_free_places(all, inside), psi, group, groups, threads);

@@ -59,6 +59,22 @@ TEST_CASE("readmit: points of a slope that were taken for strays no longer draw 
   }
 }
 
+TEST_CASE("readmit: a ball among few strays has the points of its slope back, and is not drawn to where the strays are") {
+  FitInput input = soiled();
+  input.stray_share = 0.08;
+  Random random(5);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 n = Vec3(random.normal(), random.normal(), 3 * random.uniform()).normalized();
+    const double out = noise * random.uniform(2, 12);
+    input.set_aside.points.push_back((radius + out) * n), input.set_aside.normals.push_back(n);
+  }
+  Candidate ball = ellipsoid(19.5);
+  ball.procedure = "sphere", ball.shape = Sphere{Expr::of("radius_x")}, ball.parameters.resize(1);
+  Context context;
+  refine_with_strays_near(ball, input, {}, context);
+  CHECK(ball.parameters[0].value == Approx(radius).margin(0.1));
+}
+
 TEST_CASE("readmit: without strays it is the usual refinement") {
   FitInput input = soiled();
   input.set_aside = {};
