@@ -62,7 +62,6 @@ struct Round {
   double surface_sigma = 1, contour_sigma = 0.8;    // mm; pixels
   double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
   bool grouped = false, narrow = false;
-  std::size_t stride = 1;                         // of the samples
 
   /// Width of the borders' kernel, in pixels of this size.
   double border_kernel(double pixel) const { return std::max(2.5 * contour_sigma, border_wide / pixel); }
@@ -127,7 +126,7 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
   PairSum sum = empty_sum(a, b, round.grouped);
   const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
   const Pose there = problem.poses[b].inverse() * problem.poses[a];
-  for (std::size_t k = 0; k < from.samples.size(); k += round.stride) {
+  for (std::size_t k = 0; k < from.samples.size(); ++k) {
     const auto i = from.samples[k];
     const Vec3 x = there * from.points[i], nx = there.rotation * from.normals[i];
     if (nx.dot(to.raster.ray(x)) > 0.1) continue;  // faces away: the other cannot see it
@@ -157,7 +156,6 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
   return sum;
 }
 
-constexpr std::size_t rough_stride = 4;  // of the samples, while poses are rough
 constexpr int rough_rounds = 4;            // at the end, where that is enough
 constexpr std::size_t most_contour = 3000, rough_contour = 150;
 
@@ -512,7 +510,6 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   int at_end = 0;
   for (int k = 0; k < options.rounds && !context.cancelled; ++k) {
     context.report("adjusting all views", static_cast<double>(k) / options.rounds);
-    round.stride = options.roughly || round.reach > end_reach ? rough_stride : 1;
     match();
     learn(sums, contour_sums, least, std::max(0.5, 0.25 * (round.reach - end_reach) / spacing), round);
     const bool rough = round.reach > end_reach;
@@ -542,7 +539,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   }
   for (std::size_t k = 0; k < views.size(); ++k) result.poses[views[k]] = problem.poses[k];
   if (options.roughly) return result;
-  round.grouped = true, round.stride = 1;
+  round.grouped = true;
   match();
   const Equations equations = equations_of(views.size(), sums, contour_sums, free_limit(matches_of_view(), views.size()), false);
   if (equations.asked().h.trace() > 0) {

@@ -12,7 +12,7 @@ struct JointOptions {
   bool contours = true;
   int neighbours = 7;        ///< views that each view is held against
   int rounds = 50;
-  bool roughly = false;      ///< poses alone, to a few tenths of a pixel: a few rounds with part of the samples, none with measured places
+  bool roughly = false;      ///< poses alone, to a few tenths of a pixel: a few rounds, none with measured places
 };
 
 /// How far each view is fixed, and in which directions not.
