@@ -1,5 +1,4 @@
 /// Starts for sphere, ellipsoid and superellipsoid that survive outliers and data from one side.
-#include "fit/equal_choices.h"
 #include "fit/quadrics.h"
 
 #include <Eigen/Cholesky>
@@ -12,6 +11,7 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/equal_choices.h"
 #include "geometry/quadric_distance.h"
 
 namespace partscribe {

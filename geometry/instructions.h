@@ -7,6 +7,13 @@
 #define PARTSCRIBE_VECTOR_VERSIONS 0
 #endif
 
+/// What `of` makes of the namespace of each version of a kernel, in the order of Instructions; without vector versions the plain one.
+#if PARTSCRIBE_VECTOR_VERSIONS
+#define PARTSCRIBE_EACH_VERSION(of) of(baseline), of(avx2), of(avx512)
+#else
+#define PARTSCRIBE_EACH_VERSION(of) of(baseline), of(baseline), of(baseline)
+#endif
+
 namespace partscribe {
 
 /// avx2: with bmi; avx512: f, vl, dq, and popcnt. Kernels answer the same to the bit, whichever runs.

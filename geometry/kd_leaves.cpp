@@ -86,13 +86,10 @@ struct Versions {
 };
 
 const Versions& versions(Instructions instructions) {
-  static constexpr Versions plain{baseline::within, baseline::rank};
-#if PARTSCRIBE_VECTOR_VERSIONS
-  static constexpr Versions wide{avx2::within, avx2::rank}, widest{avx512::within, avx512::rank};
-  if (instructions == Instructions::avx512) return widest;
-  if (instructions == Instructions::avx2) return wide;
-#endif
-  return plain;
+#define VERSION(set) {set::within, set::rank}
+  static constexpr Versions all[] = {PARTSCRIBE_EACH_VERSION(VERSION)};
+#undef VERSION
+  return all[static_cast<std::size_t>(instructions)];
 }
 
 }  // namespace

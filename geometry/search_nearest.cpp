@@ -93,13 +93,9 @@ struct Versions {
 };
 
 const Versions& versions(Instructions instructions) {
-#define VERSIONS(set) {set::search, set::search_together, set::leaf, set::collect, set::feet}
-#if PARTSCRIBE_VECTOR_VERSIONS
-  static constexpr Versions all[] = {VERSIONS(baseline), VERSIONS(avx2), VERSIONS(avx512)};
-#else
-  static constexpr Versions all[] = {VERSIONS(baseline), VERSIONS(baseline), VERSIONS(baseline)};
-#endif
-#undef VERSIONS
+#define VERSION(set) {set::search, set::search_together, set::leaf, set::collect, set::feet}
+  static constexpr Versions all[] = {PARTSCRIBE_EACH_VERSION(VERSION)};
+#undef VERSION
   return all[static_cast<std::size_t>(instructions)];
 }
 

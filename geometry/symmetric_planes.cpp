@@ -18,8 +18,6 @@ constexpr std::size_t symmetric_block = 8;
 
 namespace baseline {
 #define LANES 2
-typedef double Pair __attribute__((vector_size(16)));
-inline Pair root(const Pair& x) { return Pair{std::sqrt(x[0]), std::sqrt(x[1])}; }
 #include "geometry/symmetric_planes.inc"
 #undef LANES
 }  // namespace baseline
@@ -29,7 +27,6 @@ inline Pair root(const Pair& x) { return Pair{std::sqrt(x[0]), std::sqrt(x[1])};
 #pragma GCC target("avx2")
 namespace avx2 {
 #define LANES 4
-inline __m256d root(const __m256d& x) { return _mm256_sqrt_pd(x); }
 #include "geometry/symmetric_planes.inc"
 #undef LANES
 }  // namespace avx2
@@ -39,10 +36,6 @@ inline __m256d root(const __m256d& x) { return _mm256_sqrt_pd(x); }
 #pragma GCC target("avx512f,avx512vl,avx512dq,avx2")
 namespace avx512 {
 #define LANES 8
-inline __m512d root(const __m512d& x) { return _mm512_sqrt_pd(x); }
-inline __m512d halves(const double* low, const double* high) {
-  return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1);
-}
 #include "geometry/symmetric_planes.inc"
 #undef LANES
 }  // namespace avx512
@@ -50,11 +43,10 @@ inline __m512d halves(const double* low, const double* high) {
 #endif
 
 decltype(&baseline::pairs) version(Instructions instructions) {
-#if PARTSCRIBE_VECTOR_VERSIONS
-  if (instructions == Instructions::avx512) return avx512::pairs;
-  if (instructions == Instructions::avx2) return avx2::pairs;
-#endif
-  return baseline::pairs;
+#define VERSION(set) set::pairs
+  static constexpr decltype(&baseline::pairs) all[] = {PARTSCRIBE_EACH_VERSION(VERSION)};
+#undef VERSION
+  return all[static_cast<std::size_t>(instructions)];
 }
 
 }  // namespace

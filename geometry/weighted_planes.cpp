@@ -18,7 +18,6 @@ namespace {
 namespace baseline {
 #define LANES 2
 typedef double Pair __attribute__((vector_size(16)));
-inline Pair root(const Pair& x) { return Pair{std::sqrt(x[0]), std::sqrt(x[1])}; }
 inline bool none_below(const Pair& a, const Pair& b) { return a[0] >= b[0] && a[1] >= b[1]; }
 #include "geometry/weighted_planes.inc"
 #undef LANES
@@ -29,7 +28,6 @@ inline bool none_below(const Pair& a, const Pair& b) { return a[0] >= b[0] && a[
 #pragma GCC target("avx2")
 namespace avx2 {
 #define LANES 4
-inline __m256d root(const __m256d& x) { return _mm256_sqrt_pd(x); }
 inline bool none_below(const __m256d& a, const __m256d& b) { return _mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ)) == 0; }
 #include "geometry/weighted_planes.inc"
 #undef LANES
@@ -40,10 +38,6 @@ inline bool none_below(const __m256d& a, const __m256d& b) { return _mm256_movem
 #pragma GCC target("avx512f,avx512vl,avx512dq,avx2")
 namespace avx512 {
 #define LANES 8
-inline __m512d root(const __m512d& x) { return _mm512_sqrt_pd(x); }
-inline __m512d halves(const double* low, const double* high) {
-  return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1);
-}
 inline bool none_below(const __m512d& a, const __m512d& b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ) == 0; }
 #include "geometry/weighted_planes.inc"
 #undef LANES
@@ -57,13 +51,10 @@ struct Versions {
 };
 
 const Versions& versions(Instructions instructions) {
-  static constexpr Versions plain{baseline::weighted, baseline::support};
-#if PARTSCRIBE_VECTOR_VERSIONS
-  static constexpr Versions wide{avx2::weighted, avx2::support}, widest{avx512::weighted, avx512::support};
-  if (instructions == Instructions::avx512) return widest;
-  if (instructions == Instructions::avx2) return wide;
-#endif
-  return plain;
+#define VERSION(set) {set::weighted, set::support}
+  static constexpr Versions all[] = {PARTSCRIBE_EACH_VERSION(VERSION)};
+#undef VERSION
+  return all[static_cast<std::size_t>(instructions)];
 }
 
 }  // namespace

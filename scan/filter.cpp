@@ -85,9 +85,7 @@ std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<
   if (!are_range_images(images) || filtered_before) return views_of(scan);
   Scan filtered = scan;
   filter_views(filtered, images, context);
-  std::vector<RegisterView> views = views_of(filtered), before = views_of(scan);
-  for (std::size_t v = 0; v < views.size(); ++v) views[v].measured = std::move(before[v].cloud.points);
-  return views;
+  return views_of(filtered, scan.cloud.points);
 }
 
 }  // namespace partscribe

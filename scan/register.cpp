@@ -299,7 +299,7 @@ std::optional<Error> check(const std::vector<RegisterView>& views, const Registe
 
 }  // namespace
 
-std::vector<RegisterView> views_of(const Scan& scan) {
+std::vector<RegisterView> views_of(const Scan& scan, const std::vector<Vec3>& measured) {
   std::vector<RegisterView> views(scan.views.size());
   std::vector<Pose> from_world;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -311,9 +311,11 @@ std::vector<RegisterView> views_of(const Scan& scan) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::int32_t v = all.view.empty() ? 0 : all.view[i];
     if (v < 0 || static_cast<std::size_t>(v) >= views.size()) continue;
-    PointCloud& cloud = views[static_cast<std::size_t>(v)].cloud;
+    RegisterView& view = views[static_cast<std::size_t>(v)];
+    PointCloud& cloud = view.cloud;
     const Pose& pose = from_world[static_cast<std::size_t>(v)];
     cloud.points.push_back(pose * all.points[i]);
+    if (!measured.empty()) view.measured.push_back(pose * measured[i]);
     if (!all.normals.empty()) cloud.normals.push_back(pose.rotation * all.normals[i]);
     if (!all.rays.empty()) cloud.rays.push_back(pose.rotation * all.rays[i]);
     if (!all.sigma.empty()) cloud.sigma.push_back(all.sigma[i]);

@@ -96,8 +96,9 @@ struct Registration {
   std::vector<std::string> warnings;
 };
 
-/// The views of a scan, each in its own frame with its pose as the guess.
-std::vector<RegisterView> views_of(const Scan& scan);
+/// The views of a scan, each in its own frame with its pose as the guess. `measured`: where its points were before a filter moved
+/// them, in the same order; empty: where they are.
+std::vector<RegisterView> views_of(const Scan& scan, const std::vector<Vec3>& measured = {});
 
 /// Moves the points, rays and normals of `scan` to the registered poses; points of refused views are left out.
 /// The views of `registration` must be those of views_of(scan).

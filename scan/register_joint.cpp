@@ -11,6 +11,7 @@
 #include "core/statistics.h"
 #include "geometry/nearest_again.h"
 #include "scan/register_measured.h"
+#include "scan/register_steps.h"
 
 namespace partscribe {
 namespace {
@@ -275,19 +276,14 @@ struct System {
 
 void scatter(const PairSum& sum, const Square& h, const Mat6& m, const Row& g, System& system) {
   const Eigen::Index last = system.h.rows() - shared;
-  const auto first = [](std::size_t view) { return static_cast<Eigen::Index>(6 * (view - 1)); };
-  const auto add = [&](std::size_t r, std::size_t c, double sign) {
-    if (r == 0 || c == 0) return;
-    system.h.block<6, 6>(first(r), first(c)) += sign * h.topLeftCorner<6, 6>(), system.m.block<6, 6>(first(r), first(c)) += sign * m;
-  };
-  const auto pull = [&](std::size_t view, double sign) {
+  add_pair(sum.a, sum.b, h.topLeftCorner<6, 6>(), system.h), add_pair(sum.a, sum.b, m, system.m);
+  add_pull(sum.a, sum.b, g.head<6>(), system.g);
+  const auto couple = [&](std::size_t view, double sign) {
     if (view == 0) return;
-    system.g.segment<6>(first(view)) += sign * g.head<6>();
-    system.h.block<6, shared>(first(view), last) += sign * h.topRightCorner<6, shared>();
-    system.h.block<shared, 6>(last, first(view)) += sign * h.bottomLeftCorner<shared, 6>();
+    system.h.block<6, shared>(first_unknown(view), last) += sign * h.topRightCorner<6, shared>();
+    system.h.block<shared, 6>(last, first_unknown(view)) += sign * h.bottomLeftCorner<shared, 6>();
   };
-  add(sum.a, sum.a, 1), add(sum.b, sum.b, 1), add(sum.a, sum.b, -1), add(sum.b, sum.a, -1);
-  pull(sum.a, 1), pull(sum.b, -1);
+  couple(sum.a, 1), couple(sum.b, -1);
   system.h.bottomRightCorner<shared, shared>() += h.bottomRightCorner<shared, shared>();
   system.g.tail<shared>() += g.tail<shared>();
 }
@@ -362,31 +358,17 @@ Equations equations_of(std::size_t views, const std::vector<PairSum>& surfaces, 
   return e;
 }
 
-/// From pulls to steps, within the columns of `basis`.
-MatrixXd answer_of(const MatrixXd& h, const MatrixXd& basis) {
-  MatrixXd within = basis.transpose() * h * basis;
-  within.diagonal() *= 1 + 1e-9;
-  return basis * within.ldlt().solve(basis.transpose());
-}
-
 /// The largest move of any place of the part, mm.
 double apply(Problem& problem, const VectorXd& step, double limit) {
   double most = 0;
   for (std::size_t k = 1; k < problem.views.size(); ++k) {
-    Vec3 turn = step.segment<3>(static_cast<Eigen::Index>(6 * (k - 1))) / problem.size;
-    Vec3 shift = step.segment<3>(static_cast<Eigen::Index>(6 * (k - 1) + 3));
+    Vec3 turn = step.segment<3>(first_unknown(k)) / problem.size, shift = step.segment<3>(first_unknown(k) + 3);
     const double move = turn.norm() * problem.size + shift.norm();
     if (move > limit) turn *= limit / move, shift *= limit / move;
-    const Mat3 rotation = rotation_of(turn);
-    problem.poses[k] = Pose{rotation, problem.center + shift - rotation * problem.center} * problem.poses[k];
+    problem.poses[k] = moved_about(problem.poses[k], problem.center, turn, shift);
     most = std::max(most, std::min(move, limit));
   }
   return most;
-}
-
-double spread_of(std::vector<double> residuals) {
-  for (double& e : residuals) e = std::abs(e);
-  return 1.4826 * median(std::move(residuals));
 }
 
 /// What a match is worth depends on how far matches of its kind are off.
@@ -547,13 +529,12 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
     Vec6 unit;
     unit << Vec3::Constant(1 / problem.size), Vec3::Ones();
     const auto place = [&](std::size_t k) { return static_cast<Eigen::Index>(6 * views[k]); };
-    const auto own = [](std::size_t k) { return static_cast<Eigen::Index>(6 * (k - 1)); };
     for (std::size_t a = 1; a < views.size(); ++a)
       for (std::size_t b = 1; b < views.size(); ++b)
-        result.covariance.block<6, 6>(place(a), place(b)) = unit.asDiagonal() * spread.block<6, 6>(own(a), own(b)) * unit.asDiagonal();
+        result.covariance.block<6, 6>(place(a), place(b)) = unit.asDiagonal() * spread.block<6, 6>(first_unknown(a), first_unknown(b)) * unit.asDiagonal();
     for (Eigen::Index k = 0; k < equations.directions.first; ++k) {
       VectorXd direction = VectorXd::Zero(unknowns);
-      for (std::size_t j = 1; j < views.size(); ++j) direction.segment<6>(place(j)) = equations.directions.v.col(k).segment<6>(own(j));
+      for (std::size_t j = 1; j < views.size(); ++j) direction.segment<6>(place(j)) = equations.directions.v.col(k).segment<6>(first_unknown(j));
       result.free_directions.push_back(direction.normalized());
     }
   }

@@ -1,13 +1,12 @@
 #include "scan/register_measured.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
-#include "core/statistics.h"
 #include "geometry/nearest_again.h"
+#include "scan/register_steps.h"
 
 namespace partscribe {
 namespace {
@@ -62,21 +61,10 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
   return result;
 }
 
-/// The same for the first view of a pair and, with the other sign, for the second.
-void scatter(const Eigen::Matrix<double, 6, 6>& h, const Vec6& g, const std::pair<std::size_t, std::size_t>& pair, MatrixXd& all_h, VectorXd& all_g) {
-  const auto first = [](std::size_t view) { return static_cast<Eigen::Index>(6 * (view - 1)); };
-  const auto& [a, b] = pair;
-  if (a > 0) all_h.block<6, 6>(first(a), first(a)) += h, all_g.segment<6>(first(a)) += g;
-  if (b > 0) all_h.block<6, 6>(first(b), first(b)) += h, all_g.segment<6>(first(b)) -= g;
-  if (a > 0 && b > 0) all_h.block<6, 6>(first(a), first(b)) -= h, all_h.block<6, 6>(first(b), first(a)) -= h;
-}
-
 }  // namespace
 
 void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted, std::vector<Pose>& poses, Context& context) {
   if (adjusted.fixed.cols() == 0) return;
-  for (const std::size_t v : adjusted.views)
-    if (surfaces[v].measured.empty()) return;
   const auto unknowns = static_cast<Eigen::Index>(6 * (adjusted.views.size() - 1));
   VectorXd border_g = border_share * adjusted.border_g;
   std::vector<NearestAgain> partners;
@@ -89,34 +77,29 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
     parallel_for(matches.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) matches[k] = matches_of(surfaces, adjusted, poses, adjusted.pairs[k], partners[k]);
     }, 1);
-    std::vector<double> sizes;
+    std::vector<double> residuals;
     for (const auto& of_pair : matches)
-      for (const Match& match : of_pair) sizes.push_back(std::abs(match.e));
-    if (sizes.empty()) return;
-    const double sigma = std::max(1.4826 * median(std::move(sizes)), 1e-12), wide = kernel * sigma;
+      for (const Match& match : of_pair) residuals.push_back(match.e);
+    if (residuals.empty()) return;
+    const double sigma = std::max(spread_of(std::move(residuals)), 1e-12), wide = kernel * sigma;
     MatrixXd h = MatrixXd::Zero(unknowns, unknowns);
     VectorXd g = VectorXd::Zero(unknowns);
     for (std::size_t k = 0; k < matches.size(); ++k) {
-      Eigen::Matrix<double, 6, 6> pair_h = Eigen::Matrix<double, 6, 6>::Zero();
+      Mat6 pair_h = Mat6::Zero();
       Vec6 pair_g = Vec6::Zero();
       for (const Match& match : matches[k]) {
         const double w = match.weight * std::exp(-match.e * match.e / (2 * wide * wide)) / (sigma * sigma);
         pair_h += w * match.row * match.row.transpose(), pair_g -= w * match.e * match.row;
       }
-      scatter(pair_h, pair_g, adjusted.pairs[k], h, g);
+      const auto& [a, b] = adjusted.pairs[k];
+      add_pair(a, b, pair_h, h), add_pull(a, b, pair_g, g);
     }
-    const MatrixXd& basis = adjusted.fixed;
     h += border_share * adjusted.border_h, g += border_g;
-    MatrixXd within = basis.transpose() * h * basis;
-    within.diagonal() *= 1 + 1e-9;
-    const VectorXd step = basis * within.ldlt().solve(basis.transpose() * g);
+    const VectorXd step = answer_of(h, adjusted.fixed) * g;
     border_g -= border_share * adjusted.border_h * step;
     for (std::size_t k = 1; k < adjusted.views.size(); ++k) {
-      const auto at = static_cast<Eigen::Index>(6 * (k - 1));
-      const Mat3 rotation = rotation_of(step.segment<3>(at) / adjusted.size);
-      const Vec3 shift = step.segment<3>(at + 3);
       Pose& pose = poses[adjusted.views[k]];
-      pose = Pose{rotation, adjusted.center + shift - rotation * adjusted.center} * pose;
+      pose = moved_about(pose, adjusted.center, step.segment<3>(first_unknown(k)) / adjusted.size, step.segment<3>(first_unknown(k) + 3));
     }
   }
 }

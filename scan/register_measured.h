@@ -25,7 +25,7 @@ struct AdjustedViews {
 /// a part of the noise, to a side that depends on how the face was seen, and that does not average out over the face as noise
 /// does. Measured places are off by noise alone. So partners are found by filtered places and normals, and held against each
 /// other by measured places: all of them, for a window's mean says no more than its samples.
-/// `poses` (world_from_view, of all surfaces) are changed for `views`; nothing if a view has no measured places.
+/// `poses` (world_from_view, of all surfaces) are changed for `views`.
 void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted, std::vector<Pose>& poses, Context& context);
 
 }  // namespace partscribe
