@@ -28,6 +28,12 @@ Json rows_of(const Pose& pose) {
   return rows;
 }
 
+Json rows_of(const Mat3& m) {
+  Json rows = Json::array();
+  for (int r = 0; r < 3; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2)});
+  return rows;
+}
+
 Json rows_of(const Mat6& m) {
   Json rows = Json::array();
   for (int r = 0; r < 6; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3), m(r, 4), m(r, 5)});
@@ -50,6 +56,12 @@ Json triangle_of(const Eigen::MatrixXd& m) {
 
 std::string degrees(double angle) { return print_number(snapped(angle * 180 / pi, 1e-3)) + " degrees"; }
 
+std::string listed_degrees(const std::vector<double>& angles) {
+  std::string text;
+  for (const double a : angles) text += (text.empty() ? "" : ", ") + print_number(snapped(a * 180 / pi, 1e-2));
+  return text + " degrees";
+}
+
 void say(const Registration& registration, const Scan& scan, Session& session) {
   for (const auto& warning : registration.warnings) session.warn(warning);
   // A verdict within T needs poses four times as sure.
@@ -63,7 +75,8 @@ void say(const Registration& registration, const Scan& scan, Session& session) {
   if (const auto& table = registration.turntable)
     session.print("Turntable: axis (" + readable(table->axis.x()) + ", " + readable(table->axis.y()) + ", " + readable(table->axis.z()) +
                   ") through (" + readable(table->point.x()) + ", " + readable(table->point.y()) + ", " + readable(table->point.z()) +
-                  "), step " + degrees(table->step) + (table->step_observed ? "" : ", as for a full turn: the part is round") + "\n");
+                  "), " + (table->steps.empty() ? "step " + degrees(table->step) : "steps " + listed_degrees(table->steps)) +
+                  (table->step_observed ? "" : ", as for a full turn: the part is round") + "\n");
 }
 
 Result<Registration> registration_of(const Scan& scan, const std::vector<RangeImage>& images, const PoseArguments& poses,
@@ -74,11 +87,13 @@ Result<Registration> registration_of(const Scan& scan, const std::vector<RangeIm
   options.arrangement = poses.poses == "none"        ? Arrangement::unknown
                         : poses.poses == "turntable" ? Arrangement::turntable
                                                      : Arrangement::guessed;
+  options.correct_depth = poses.correct_depth;
   options.method = poses.method == "paper" ? PairMethod::paper : PairMethod::symmetric;
   auto registration = register_views(views_to_register(scan, images, session.context), options, session.context);
   if (!registration) return registration;
   const auto placed = [](const RegisteredView& v) { return v.status == ViewStatus::registered; };
   if (std::none_of(registration->views.begin(), registration->views.end(), placed)) {
+    for (const auto& warning : registration->warnings) session.warn(warning);
     std::string why;
     for (const auto& v : registration->views)
       if (v.status == ViewStatus::refused && why.empty()) why = v.reason;
@@ -91,7 +106,8 @@ Result<Registration> registration_of(const Scan& scan, const std::vector<RangeIm
 
 void declare(PoseArguments& poses, Arguments& arguments) {
   arguments.choice(poses.poses, "--poses", {"given", "guess", "none", "turntable"},
-                   "where the views stood: as the files say; roughly so; unknown; turned by equal steps in their order");
+                   "where the views stood: as the files say; roughly so; unknown; turned about one axis in their order");
+  arguments.flag(poses.correct_depth, "--correct-depth", "turntable: make depths fit widths where a round part shows that they do not");
   arguments.choice(poses.method, "--registration", {"symmetric", "paper"},
                    "how views are brought together: all at once; or one after the other as published in 1993");
 }
@@ -152,9 +168,14 @@ std::string poses_json(const PlacedViews& placed, const std::string& cloud_sha25
     json["worst_gap"] = r->worst_gap;
     json["free_motions"] = Json::array();
     for (const auto& free : r->free_motions) json["free_motions"].push_back(free.words);
-    if (r->turntable)
+    if (r->turntable) {
       json["turntable"] = {{"axis", numbers(r->turntable->axis)}, {"point", numbers(r->turntable->point)},
                            {"step_deg", r->turntable->step * 180 / pi}, {"step_observed", r->turntable->step_observed}};
+      for (const double step : r->turntable->steps) json["turntable"]["steps_deg"].push_back(step * 180 / pi);
+    }
+    if (r->depth)
+      json["depth_correction"] = {{"linear", rows_of(r->depth->linear)}, {"center", numbers(r->depth->center)}, {"stretch", r->depth->stretch},
+                                  {"stretch_sigma", r->depth->stretch_sigma}, {"shear", r->depth->shear}, {"shear_sigma", r->depth->shear_sigma}};
   }
   return json_text(json);
 }

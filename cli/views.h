@@ -18,6 +18,7 @@ namespace partscribe {
 struct PoseArguments {
   std::string poses = "given";       ///< given, guess, none, turntable
   std::string method = "symmetric";  ///< symmetric, paper
+  bool correct_depth = false;        ///< of turntables
 };
 
 void declare(PoseArguments& poses, Arguments& arguments);

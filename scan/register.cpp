@@ -297,6 +297,30 @@ std::optional<Error> check(const std::vector<RegisterView>& views, const Registe
   return {};
 }
 
+/// `views` say in which frames the points were measured.
+void correct_depths(const DepthCorrection& depth, const std::vector<View>& views, PointCloud& cloud) {
+  std::vector<Pose> view_from_world;
+  for (const View& view : views) view_from_world.push_back(view.world_from_view.inverse());
+  const Mat3 of_normals = depth.linear.inverse().transpose();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::size_t v = cloud.view.empty() ? 0 : static_cast<std::size_t>(cloud.view[i]);
+    if (v >= views.size()) continue;
+    const Pose &in = view_from_world[v], &out = views[v].world_from_view;
+    cloud.points[i] = out * (depth * (in * cloud.points[i]));
+    if (!cloud.normals.empty()) cloud.normals[i] = out.rotation * (of_normals * (in.rotation * cloud.normals[i])).normalized();
+    if (!cloud.rays.empty()) cloud.rays[i] = out.rotation * (depth.linear * (in.rotation * cloud.rays[i])).normalized();
+  }
+}
+
+/// Views whose depths were corrected, as if they had been measured so.
+std::vector<RegisterView> corrected(std::vector<RegisterView> views, const DepthCorrection& depth) {
+  for (RegisterView& view : views) {
+    correct_depths(depth, {View{}}, view.cloud);
+    for (Vec3& p : view.measured) p = depth * p;
+  }
+  return views;
+}
+
 }  // namespace
 
 std::vector<RegisterView> views_of(const Scan& scan, const std::vector<Vec3>& measured) {
@@ -327,6 +351,7 @@ std::vector<RegisterView> views_of(const Scan& scan, const std::vector<Vec3>& me
 
 void place_views(const Registration& registration, Scan& scan) {
   ensure(registration.views.size() == scan.views.size(), "the registration must be of this scan's views");
+  if (registration.depth) correct_depths(*registration.depth, scan.views, scan.cloud);
   std::vector<Pose> change;
   for (std::size_t v = 0; v < scan.views.size(); ++v) {
     change.push_back(registration.views[v].world_from_view * scan.views[v].world_from_view.inverse());
@@ -399,9 +424,13 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   Registration result;
   StartResult start;
   if (options.arrangement == Arrangement::turntable) {
-    auto table = start_from_turntable(surfaces, options, context);
+    auto table = start_from_turntable(views, surfaces, options, context);
     if (!table && !context.cancelled) return bad_input("expected views that equal steps about one axis lay over one another, found no such axis");
-    if (table) start = std::move(table->start), result.turntable = table->table;
+    if (table) {
+      start = std::move(table->start), result.turntable = table->table;
+      if (!table->trouble.empty()) result.warnings.push_back(table->trouble);
+      if (table->depth) result.depth = table->depth, surfaces = view_surfaces(corrected(views, *table->depth), options.samples, context);
+    }
   } else if (options.method == PairMethod::paper) {
     start = register_as_published(surfaces, guesses, {}, context);
   } else {
@@ -443,6 +472,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   name_motions(views, result.free_motions);
+  if (result.turntable && !result.turntable->steps.empty() && used.size() == views.size()) *result.turntable = table_of(joint.poses, surfaces[0].center);
   // The last view has turned by all the steps together.
   if (result.turntable && result.turntable->step_observed)
     result.turntable->step_sigma = std::sqrt(joint.covariance_of(used.back()).topLeftCorner<3, 3>().trace() / 3) / std::max(1.0, double(used.back()));

@@ -27,7 +27,7 @@ struct RegisterView {
 enum class Arrangement {
   guessed,    ///< every view has a guess
   unknown,    ///< nothing: the poses follow from features
-  turntable,  ///< the part (or the sensor) was turned by equal steps about one axis between the views, in their order
+  turntable,  ///< the part (or the sensor) was turned about one axis between the views, in their order; by equal steps if it is not round
 };
 
 enum class PairMethod {
@@ -45,6 +45,7 @@ struct RegisterOptions {
   double max_seen_through = 0.05;  ///< share of a view's points that another view may have looked through
   double max_unanswered = 0.25;    ///< share of a view's points that face another sensor which returned nothing there
   bool contours = true;            ///< borders of range images fix what surfaces leave free; doubles the time
+  bool correct_depth = false;      ///< turntable: depths are made to fit widths where a round part shows that they do not
   int samples = 2500;              ///< points of a view used in the joint adjustment; more is slower
 };
 
@@ -79,9 +80,20 @@ struct FreeMotion {
 /// What a turntable did; in the frame of the first view.
 struct Turntable {
   Vec3 axis, point;         ///< unit direction, and its point nearest to the middle of the first view
-  double step = 0;          ///< rad, from each view to the next, right-handed about the axis
+  double step = 0;          ///< rad, from each view to the next, right-handed about the axis; the mean if they differ
   double step_sigma = 0;    ///< rad; infinite if only the order of the views says it
-  bool step_observed = false;  ///< false: the part is round about the axis, the step is the one of a full turn
+  bool step_observed = false;  ///< false: the part is round and smooth about the axis, the step is the one of a full turn
+  std::vector<double> steps;   ///< rad, each; empty if they are equal
+};
+
+/// What makes depths fit widths in the frame of a sensor: p becomes center + linear (p - center), which adds to the depth `stretch` for
+/// each mm of depth and `shear` for each mm of width. Nothing tells whether depths or widths are wrong; widths are left as they are.
+struct DepthCorrection {
+  Mat3 linear = Mat3::Identity();
+  Vec3 center = Vec3::Zero();
+  double stretch = 0, shear = 0;
+  double stretch_sigma = 0, shear_sigma = 0;
+  Vec3 operator*(const Vec3& p) const { return center + linear * (p - center); }
 };
 
 struct Registration {
@@ -93,6 +105,7 @@ struct Registration {
   double worst_gap = 0;            ///< largest median distance between two overlapping views, mm
   std::vector<FreeMotion> free_motions;
   std::optional<Turntable> turntable;
+  std::optional<DepthCorrection> depth;  ///< of every view in its own frame, before its pose; only if it was asked for and is needed
   std::vector<std::string> warnings;
 };
 
@@ -100,7 +113,8 @@ struct Registration {
 /// them, in the same order; empty: where they are.
 std::vector<RegisterView> views_of(const Scan& scan, const std::vector<Vec3>& measured = {});
 
-/// Moves the points, rays and normals of `scan` to the registered poses; points of refused views are left out.
+/// Moves the points, rays and normals of `scan` to the registered poses, with depths corrected where `registration` says so; points of
+/// refused views are left out.
 /// The views of `registration` must be those of views_of(scan).
 void place_views(const Registration& registration, Scan& scan);
 

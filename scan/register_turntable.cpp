@@ -9,26 +9,18 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "scan/register_features.h"
+#include "scan/register_relief.h"
+#include "scan/round_views.h"
 
 namespace partscribe {
 namespace {
 
-struct Line {
-  Vec3 point, axis;
-};
-
-/// How far a normal passes by an axis, as a sine.
-double off_axis(const Line& line, const Vec3& p, const Vec3& normal, double least) {
-  const Vec3 q = p - line.point, across = q - q.dot(line.axis) * line.axis;
-  return std::abs(normal.dot(line.axis.cross(across))) / std::max(across.norm(), least);
-}
-
 /// The axis that most normals of all views meet while they lie in the sensor's frame: a.(p x n) + m.n = 0 (Pottmann &
 /// Wallner 2001), by iterated weights. Nothing if fewer than half of them do.
-std::optional<Line> axis_of_normals(const std::vector<ViewSurface>& surfaces) {
+std::optional<AxisLine> axis_of_normals(const std::vector<ViewSurface>& surfaces) {
   const double size = surfaces[0].radius;
   const Vec3 center = surfaces[0].center;
-  std::optional<Line> line;
+  std::optional<AxisLine> line;
   double kept = 0;
   for (int round = 0; round < 25; ++round) {
     Mat6 sum = Mat6::Zero();
@@ -53,7 +45,7 @@ std::optional<Line> axis_of_normals(const std::vector<ViewSurface>& surfaces) {
     const Vec3 axis = eigen.eigenvectors().col(0);
     Vec3 moment = -d.inverse() * b.transpose() * axis;
     moment -= moment.dot(axis) * axis;
-    line = Line{center + size * axis.cross(moment), axis};
+    line = AxisLine{center + size * axis.cross(moment), axis};
   }
   if (kept < 0.5) return {};
   return line;
@@ -79,14 +71,53 @@ double score_of(const std::vector<ViewSurface>& surfaces, const Pose& step, doub
   return sum / static_cast<double>(surfaces.size());
 }
 
-void keep_round(std::vector<ViewSurface>& surfaces, const Line& line) {
+void keep_round(std::vector<ViewSurface>& surfaces, const AxisLine& line) {
   for (ViewSurface& s : surfaces)
     std::erase_if(s.samples, [&](std::uint32_t i) { return off_axis(line, s.points[i], s.normals[i], 0.02 * s.radius) > 0.35; });
 }
 
+std::string percent_more(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
+
+std::string in_words(const DepthCorrection& depth, bool corrected) {
+  return "seen from every side the part is round only with depths " + percent_more(std::abs(depth.stretch)) + " (sigma " + percent_more(depth.stretch_sigma) +
+         (depth.stretch < 0 ? ") smaller" : ") larger") + " and sheared by " + percent_more(depth.shear) + " of the width: depths and widths of this scanner do not agree" +
+         (corrected ? "; depths are corrected, and no size is surer than that" : "; ask for corrected depths (--correct-depth)");
+}
+
+/// Of a round part: by how far it turned, told by its relief.
+std::optional<TurntableStart> turned_by_relief(const std::vector<RegisterView>& views, const std::vector<ViewSurface>& surfaces, const AxisLine& axis, double spacing,
+                                               const RegisterOptions& options, Context& context) {
+  RoundViews round = round_views(surfaces, axis, false);
+  RoundViews rounder = round_views(surfaces, axis, true);
+  TurntableStart result;
+  if (clearly_rounder(rounder, round)) {
+    result.trouble = in_words(rounder.depth, options.correct_depth);
+    if (options.correct_depth) result.depth = rounder.depth, round = std::move(rounder);
+  }
+  auto poses = poses_by_relief(views, round, spacing, context);
+  if (!poses) return {};
+  result.table = table_of(*poses, surfaces[0].center);
+  result.start = {std::move(*poses), std::vector<std::uint8_t>(views.size(), 1), std::vector<std::string>(views.size()), {}};
+  return result;
+}
+
 }  // namespace
 
-std::optional<TurntableStart> start_from_turntable(std::vector<ViewSurface>& surfaces, const RegisterOptions&, Context& context) {
+Turntable table_of(const std::vector<Pose>& first_from_view, const Vec3& near) {
+  Turntable table{Vec3::Zero(), Vec3::Zero(), 0, 0, true, {}};
+  double weights = 0;
+  for (std::size_t v = 0; v + 1 < first_from_view.size(); ++v) {
+    FixedLine line = fixed_line(first_from_view[v].inverse() * first_from_view[v + 1], near);
+    if (table.axis.dot(line.axis) < 0) line.axis = -line.axis, line.angle = -line.angle;
+    const double w = line.angle * line.angle;  // the axis of a small turn is not sure
+    table.axis += w * line.axis, table.point += w * line.point, weights += w;
+    table.steps.push_back(line.angle), table.step += line.angle / double(first_from_view.size() - 1);
+  }
+  table.axis.normalize(), table.point /= weights;
+  return table;
+}
+
+std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterView>& views, std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   if (n < 2) return {};
   double radius = 0, spacing = 0, sigma = 0;
@@ -162,7 +193,7 @@ std::optional<TurntableStart> start_from_turntable(std::vector<ViewSurface>& sur
   }
   std::stable_sort(best.begin(), best.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   if (best.empty() || best[0].score < 0.25) return {};
-  TurntableStart result{{{}, std::vector<std::uint8_t>(n, 1), std::vector<std::string>(n), {}}, {}};
+  TurntableStart result{{{}, std::vector<std::uint8_t>(n, 1), std::vector<std::string>(n), {}}, {}, {}, {}};
   Turntable& table = result.table;
   FixedLine line = fixed_line(best[0].step, surfaces[0].center);
   table.step = line.angle;
@@ -171,6 +202,7 @@ std::optional<TurntableStart> start_from_turntable(std::vector<ViewSurface>& sur
   if (!table.step_observed) {
     // Only a part that is round about the axis may look the same after any step; the steps are taken as parts of a turn.
     if (!round_axis) return {};
+    if (auto by_relief = turned_by_relief(views, surfaces, *round_axis, spacing, options, context)) return by_relief;
     exact.angle = full;
     const Pose step = align_symmetric(exact_pairs, rotation_about(line.point, line.axis, full), exact);
     const double score = score_of(surfaces, step, 1.5 * reach, 500);

@@ -218,15 +218,24 @@ void turntable(const std::vector<std::string>& files) {
     views.push_back(views_of(*scan)[0]);
     views.back().guess.reset();
   }
-  RegisterOptions options;
-  options.arrangement = Arrangement::turntable;
-  const double start = seconds();
-  const auto result = register_views(views, options, quiet());
-  if (!result.ok()) { std::printf("%s\n", result.error().message.c_str()); return; }
-  const Turntable& table = *result->turntable;
-  std::printf("axis (%.4f, %.4f, %.4f) through (%.2f, %.2f, %.2f), step %.3f degrees (sigma %.3f)%s, %d of %zu registered, worst gap %.3f mm, %.1f s\n", table.axis.x(), table.axis.y(),
-              table.axis.z(), table.point.x(), table.point.y(), table.point.z(), table.step * 180 / pi, table.step_sigma * 180 / pi, table.step_observed ? "" : " not observed", int(views.size()) - refused(*result), views.size(), result->worst_gap, seconds() - start);
-  for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
+  for (const bool correct_depth : {false, true}) {
+    RegisterOptions options;
+    options.arrangement = Arrangement::turntable, options.correct_depth = correct_depth;
+    const double start = seconds();
+    const auto result = register_views(views, options, quiet());
+    if (!result.ok()) { std::printf("%s\n", result.error().message.c_str()); continue; }
+    const Turntable& table = *result->turntable;
+    std::printf("%s: axis (%.4f, %.4f, %.4f) through (%.2f, %.2f, %.2f), ", correct_depth ? "depths corrected" : "as measured", table.axis.x(), table.axis.y(), table.axis.z(), table.point.x(), table.point.y(), table.point.z());
+    if (table.steps.empty()) std::printf("step %.3f degrees (sigma %.3f)%s", table.step * 180 / pi, table.step_sigma * 180 / pi, table.step_observed ? "" : " not observed");
+    else std::printf("steps");
+    for (const double step : table.steps) std::printf(" %.2f", step * 180 / pi);
+    std::printf(", %d of %zu registered, worst gap %.3f mm, %.1f s\n", int(views.size()) - refused(*result), views.size(), result->worst_gap, seconds() - start);
+    for (std::size_t v = 1; v < views.size(); ++v) {
+      const RegisteredView& view = result->views[v];
+      std::printf("  view %zu: overlap %.2f, median distance %.3f mm\n", v, view.overlap, view.residual_median);
+    }
+    for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
+  }
 }
 
 /// What became of pairs; a pair apart from motions that were declared counts as declared.
