@@ -21,7 +21,7 @@ constexpr const char* help =
   partscribe scan folder/scan.json --out part             range images with poses
   partscribe scan folder/scan.json --poses guess          rough poses: the views are registered
   partscribe scan 0.ply 1.ply 2.ply --poses none          no poses at all: the surfaces tell them
-  partscribe scan v*.ply --poses turntable                equal steps about an unknown axis
+  partscribe scan v*.ply --poses turntable                turned about an unknown axis
   partscribe scan bracket.obj --units m                   the file's numbers are metres
   partscribe scan kinect.pcd --units m --on-table 1       only the largest thing that stands on the table
 

@@ -113,6 +113,8 @@ void declare(PoseArguments& poses, Arguments& arguments) {
 }
 
 Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points, Session& session) {
+  if (poses.correct_depth && poses.poses != "turntable")
+    return usage_error("--correct-depth: expected --poses turntable, whose round part shows what is wrong with depths, found --poses " + poses.poses);
   ReadOptions options;
   options.initial_guess = poses.poses == "guess";
   std::vector<RangeImage> images;

@@ -20,6 +20,7 @@ struct Relief {
 
 constexpr int wide = 3;        // cells to either side; relief is what is smaller
 constexpr double fewest = 3;   // points of a cell
+constexpr double most_high = 0.04;  // of the part's radius: how far from the profile relief may be, on a part that is smooth elsewhere
 
 std::size_t at(int row, int column, int columns) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column); }
 
@@ -35,8 +36,9 @@ std::vector<double> box_sums(const std::vector<double>& cells, int rows, int col
   return result;
 }
 
-Relief relief_of(const RoundViews& round, std::size_t v, const PointCloud& cloud, double cell, int columns) {
+Relief relief_of(const RoundViews& round, std::size_t v, const PointCloud& cloud, double radius, double cell, int columns) {
   const RadiusProfile& profile = round.profile;
+  const double width = std::max(round.width, most_high * radius);
   Relief relief{static_cast<int>(std::ceil(double(profile.radius.size()) * profile.bin / cell)), columns, {}, {}};
   const std::size_t count = at(relief.rows, 0, columns);
   std::vector<double> sums(count), weights(count);
@@ -45,7 +47,7 @@ Relief relief_of(const RoundViews& round, std::size_t v, const PointCloud& cloud
     const CylinderPlace c = place_about(round.frames[v], round.depth * cloud.points[i]);
     const auto here = profile.at(c.along);
     if (!here) continue;
-    const double e = c.radius - here->first, w = std::exp(-e * e / (2 * round.width * round.width));
+    const double e = c.radius - here->first, w = std::exp(-e * e / (2 * width * width));
     const int row = static_cast<int>((c.along - profile.start) / cell), column = static_cast<int>((c.angle + pi) / (2 * pi) * columns) % columns;
     if (row >= relief.rows) continue;
     sums[at(row, column, columns)] += w * e, weights[at(row, column, columns)] += w;
@@ -130,16 +132,16 @@ Pose moved_along(const AxisFrame& to, const AxisFrame& from, double angle, doubl
 
 }  // namespace
 
-std::optional<std::vector<Pose>> poses_by_relief(const std::vector<RegisterView>& views, const RoundViews& round, double spacing, Context& context) {
+std::optional<std::vector<Pose>> poses_by_relief(const std::vector<RegisterView>& views, const RoundViews& round, double cell, Context& context) {
   std::vector<double> radii;
   for (const double r : round.profile.radius)
     if (r >= 0) radii.push_back(r);
-  const double cell = 1.5 * spacing;
-  const int columns = static_cast<int>(2 * pi * median(std::move(radii)) / cell);
+  const double radius = median(std::move(radii));
+  const int columns = static_cast<int>(2 * pi * radius / cell);
   if (columns < 8 * wide) return {};
   std::vector<Relief> reliefs(views.size());
   parallel_for(views.size(), context.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) reliefs[v] = relief_of(round, v, views[v].cloud, cell, columns);
+    for (std::size_t v = begin; v < end; ++v) reliefs[v] = relief_of(round, v, views[v].cloud, radius, cell, columns);
   }, 1);
   take_off_what_stands(reliefs);
   std::vector<Pose> poses{Pose{}};

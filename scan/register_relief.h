@@ -11,8 +11,8 @@ namespace partscribe {
 
 /// The poses, first_from_view, that lay the relief of each view onto that of the one before: the height over the profile that all views
 /// share, less its mean over some millimetres around and less what stands still in all views (the table, flaws of the sensor). Relief is
-/// slid about and along the axis to where the two are most alike. `views`: all that was measured, of which `round` is about.
+/// slid about and along the axis, by cells of edge `cell` (mm), to where the two are most alike. `views`: all that was measured.
 /// Nothing if in any step no place is clearly better than all others, as on a smooth part.
-std::optional<std::vector<Pose>> poses_by_relief(const std::vector<RegisterView>& views, const RoundViews& round, double spacing, Context& context);
+std::optional<std::vector<Pose>> poses_by_relief(const std::vector<RegisterView>& views, const RoundViews& round, double cell, Context& context);
 
 }  // namespace partscribe

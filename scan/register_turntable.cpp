@@ -13,6 +13,21 @@
 #include "scan/round_views.h"
 
 namespace partscribe {
+
+Turntable table_of(const std::vector<Pose>& first_from_view, const Vec3& near) {
+  Turntable table{Vec3::Zero(), Vec3::Zero(), 0, 0, true, {}};
+  double weights = 0;
+  for (std::size_t v = 0; v + 1 < first_from_view.size(); ++v) {
+    FixedLine line = fixed_line(first_from_view[v].inverse() * first_from_view[v + 1], near);
+    if (table.axis.dot(line.axis) < 0) line.axis = -line.axis, line.angle = -line.angle;
+    const double w = line.angle * line.angle;  // the axis of a small turn is not sure
+    table.axis += w * line.axis, table.point += w * line.point, weights += w;
+    table.steps.push_back(line.angle), table.step += line.angle / double(first_from_view.size() - 1);
+  }
+  table.axis.normalize(), table.point /= weights;
+  return table;
+}
+
 namespace {
 
 /// The axis that most normals of all views meet while they lie in the sensor's frame: a.(p x n) + m.n = 0 (Pottmann &
@@ -78,44 +93,33 @@ void keep_round(std::vector<ViewSurface>& surfaces, const AxisLine& line) {
 
 std::string percent_more(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
-std::string in_words(const DepthCorrection& depth, bool corrected) {
+std::string in_words(const DepthCorrection& depth) {
   return "seen from every side the part is round only with depths " + percent_more(std::abs(depth.stretch)) + " (sigma " + percent_more(depth.stretch_sigma) +
-         (depth.stretch < 0 ? ") smaller" : ") larger") + " and sheared by " + percent_more(depth.shear) + " of the width: depths and widths of this scanner do not agree" +
-         (corrected ? "; depths are corrected, and no size is surer than that" : "; ask for corrected depths (--correct-depth)");
+         (depth.stretch < 0 ? ") smaller" : ") larger") + " and sheared by " + percent_more(depth.shear) + " of the width: depths and widths of this scanner do not agree; ";
 }
 
-/// Of a round part: by how far it turned, told by its relief.
-std::optional<TurntableStart> turned_by_relief(const std::vector<RegisterView>& views, const std::vector<ViewSurface>& surfaces, const AxisLine& axis, double spacing,
-                                               const RegisterOptions& options, Context& context) {
+/// Of a round part: by how far it turned, told by its relief. Without relief only what is wrong with depths is said.
+std::optional<TurntableStart> turned_by_relief(const std::vector<RegisterView>& views, const std::vector<ViewSurface>& surfaces, const AxisLine& axis,
+                                               const RegisterOptions& options, std::string& trouble, Context& context) {
   RoundViews round = round_views(surfaces, axis, false);
   RoundViews rounder = round_views(surfaces, axis, true);
-  TurntableStart result;
-  if (clearly_rounder(rounder, round)) {
-    result.trouble = in_words(rounder.depth, options.correct_depth);
-    if (options.correct_depth) result.depth = rounder.depth, round = std::move(rounder);
-  }
-  auto poses = poses_by_relief(views, round, spacing, context);
+  // Cells of a few points each; surfaces may be thinned.
+  double cell = 0;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    cell = std::max(cell, 3 * surfaces[v].spacing * std::sqrt(double(surfaces[v].points.size()) / double(views[v].cloud.size())));
+  const bool stretched = clearly_rounder(rounder, round), correct = stretched && options.correct_depth;
+  auto poses = poses_by_relief(views, stretched ? rounder : round, cell, context);
+  if (stretched)
+    trouble = in_words(rounder.depth) + (!poses ? "it is too smooth to correct that" : correct ? "depths are corrected, and no size is surer than that" : "ask for corrected depths (--correct-depth)");
   if (!poses) return {};
+  TurntableStart result;
+  if (correct) result.depth = rounder.depth;
   result.table = table_of(*poses, surfaces[0].center);
   result.start = {std::move(*poses), std::vector<std::uint8_t>(views.size(), 1), std::vector<std::string>(views.size()), {}};
   return result;
 }
 
 }  // namespace
-
-Turntable table_of(const std::vector<Pose>& first_from_view, const Vec3& near) {
-  Turntable table{Vec3::Zero(), Vec3::Zero(), 0, 0, true, {}};
-  double weights = 0;
-  for (std::size_t v = 0; v + 1 < first_from_view.size(); ++v) {
-    FixedLine line = fixed_line(first_from_view[v].inverse() * first_from_view[v + 1], near);
-    if (table.axis.dot(line.axis) < 0) line.axis = -line.axis, line.angle = -line.angle;
-    const double w = line.angle * line.angle;  // the axis of a small turn is not sure
-    table.axis += w * line.axis, table.point += w * line.point, weights += w;
-    table.steps.push_back(line.angle), table.step += line.angle / double(first_from_view.size() - 1);
-  }
-  table.axis.normalize(), table.point /= weights;
-  return table;
-}
 
 std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterView>& views, std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
@@ -202,7 +206,10 @@ std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterVie
   if (!table.step_observed) {
     // Only a part that is round about the axis may look the same after any step; the steps are taken as parts of a turn.
     if (!round_axis) return {};
-    if (auto by_relief = turned_by_relief(views, surfaces, *round_axis, spacing, options, context)) return by_relief;
+    if (auto by_relief = turned_by_relief(views, surfaces, *round_axis, options, result.trouble, context)) {
+      by_relief->trouble = result.trouble;
+      return by_relief;
+    }
     exact.angle = full;
     const Pose step = align_symmetric(exact_pairs, rotation_about(line.point, line.axis, full), exact);
     const double score = score_of(surfaces, step, 1.5 * reach, 500);

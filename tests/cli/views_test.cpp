@@ -86,6 +86,9 @@ TEST_CASE("views: one view cannot be registered, and an unknown way of poses is 
   const auto alone = run_partscribe({"scan", file, "--poses", "none", "--units", "mm"}, folder.path());
   CHECK(alone.exit_code == 2);
   CHECK(alone.err.find("several views") != std::string::npos);
+  const auto corrected = run_partscribe({"scan", file, "--poses", "guess", "--correct-depth", "--units", "mm"}, folder.path());
+  CHECK(corrected.exit_code == 2);
+  CHECK(corrected.err.find("--correct-depth: expected --poses turntable") != std::string::npos);
   const auto unknown = run_partscribe({"scan", file, "--poses", "somewhere"}, folder.path());
   CHECK(unknown.exit_code == 2);
 }
