@@ -290,6 +290,7 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
     c.exact.push_back(c.scan_from_part * hit->point);
     c.sigma.push_back(along * cosine);
     returns.push_back({hit->point - noise * along * s.towards, -s.towards, static_cast<int>(v)});
+    c.measured.push_back(c.scan_from_part * returns.back().point);
     if (incidence > 1.1) edges.push_back(hit->point), edge_rays.push_back(-s.towards);
   }
   // Outliers: anywhere in a larger box, in clusters, behind edges, and with one bit of the range flipped.

@@ -39,6 +39,7 @@ struct Case {
   double close = 0;                 ///< mm; a surface of which 95 % lie within this is right
   std::vector<Vec3> exact;          ///< the places that were hit, without noise, in the scan's frame; no outliers
   std::vector<double> sigma;        ///< mm, of each along the surface normal
+  std::vector<Vec3> measured;       ///< where each was measured, in the scan's frame; of a mesh empty
 };
 
 /// The kinds that are drawn: "sphere", "ellipsoid", "superellipsoid", "box", "wedge", "cylinder", "cone", "torus",

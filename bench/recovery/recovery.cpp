@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/recovery/best_fit.h"
 #include "bench/recovery/score.h"
 #include "codegen/emit.h"
 #include "core/files.h"
@@ -54,7 +55,7 @@ Outcome verdict_on(const Score& score, const Case& c, Context& context) {
 std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose,
                 const std::string& file) {
   std::map<Answer, std::size_t> answers;
-  std::vector<double> ratios, ratios_on_rays, seconds;
+  std::vector<double> ratios, ratios_on_rays, best, best_on_rays, seconds;
   std::size_t wrong_and_verified = 0;
   for (std::uint64_t seed = first; seed < first + runs; ++seed) {
     const Case c = make_case(kind, conditions_of(setting), seed);
@@ -68,6 +69,11 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
     seconds.push_back(score.seconds);
     auto& of_kind = c.scan.cloud.rays.empty() ? ratios : ratios_on_rays;
     if (score.answer == Answer::right) of_kind.insert(of_kind.end(), score.ratios.begin(), score.ratios.end());
+    if (score.answer == Answer::right && !score.ratios.empty()) {
+      const auto numbers = best_numbers(c);
+      for (std::size_t k = 0; k < score.judged.size() && !numbers.empty(); ++k)
+        (c.scan.cloud.rays.empty() ? best : best_on_rays).push_back(std::abs(numbers[score.judged[k]] - c.truth.parameters[score.judged[k]].value) / (0.6745 * score.bounds[k]));
+    }
     if (verbose && (score.answer != Answer::right || runs == 1))
       std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",
                    kind.c_str(), setting.c_str(), static_cast<unsigned long long>(seed), name_of(score.answer),
@@ -77,9 +83,9 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
   }
   char text[300];
   const auto share = [&](Answer a) { return 100.0 * double(answers[a]) / double(runs); };
-  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
+  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %s | %s | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
                 share(Answer::right), share(Answer::cannot_tell), share(Answer::wrong),
-                100.0 * double(wrong_and_verified) / double(runs), middle(ratios_on_rays).c_str(), middle(ratios).c_str(), median(seconds));
+                100.0 * double(wrong_and_verified) / double(runs), middle(ratios_on_rays).c_str(), middle(best_on_rays).c_str(), middle(ratios).c_str(), middle(best).c_str(), median(seconds));
   return text;
 }
 
@@ -106,7 +112,7 @@ int main(int argc, char** argv) {
         std::find(degenerate_kinds().begin(), degenerate_kinds().end(), kind) == degenerate_kinds().end())
       return std::fputs(usage, stderr), 2;
   if (runs == 0) return std::fputs(usage, stderr), 2;
-  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | wrong and verified %% | error / bound, rays known | rays unknown | s |\n|---|---|---|---|---|---|---|---|---|\n",
+  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | wrong %% | wrong and verified %% | error / bound, rays known | the best fit's | rays unknown | the best fit's | s |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
               static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
     for (const auto& kind : wanted.empty() ? (setting == "degenerate" ? degenerate_kinds() : kinds()) : wanted) {

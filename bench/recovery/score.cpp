@@ -242,6 +242,8 @@ Score recovered(const Case& c, Context& context) {
       }
       if (most < best) best = most, score.ratios = ratios;
     }
+    for (std::size_t k = 0; k < wanted.size(); ++k)
+      if (bounds[k] <= 0.1 * c.size) score.judged.push_back(k), score.bounds.push_back(bounds[k]);
     // Nearly equal exponents: another axis in the middle writes the same surface within the noise.
     if (best > 1 && c.kind == "superellipsoid" && score.surface_error < 2) best = -1, score.ratios.clear();
     worst = best;
