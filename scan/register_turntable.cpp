@@ -91,11 +91,11 @@ void keep_round(std::vector<ViewSurface>& surfaces, const AxisLine& line) {
     std::erase_if(s.samples, [&](std::uint32_t i) { return off_axis(line, s.points[i], s.normals[i], 0.02 * s.radius) > 0.35; });
 }
 
-std::string percent_more(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
+std::string in_percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
 std::string in_words(const DepthCorrection& depth) {
-  return "seen from every side the part is round only with depths " + percent_more(std::abs(depth.stretch)) + " (sigma " + percent_more(depth.stretch_sigma) +
-         (depth.stretch < 0 ? ") smaller" : ") larger") + " and sheared by " + percent_more(depth.shear) + " of the width: depths and widths of this scanner do not agree; ";
+  return "seen from every side the part is round only with depths " + in_percent(std::abs(depth.stretch)) + " (sigma " + in_percent(depth.stretch_sigma) +
+         (depth.stretch < 0 ? ") smaller" : ") larger") + " and sheared by " + in_percent(depth.shear) + " of the width: depths and widths of this scanner do not agree; ";
 }
 
 /// Of a round part: by how far it turned, told by its relief. Without relief only what is wrong with depths is said.

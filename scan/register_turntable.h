@@ -9,7 +9,7 @@
 namespace partscribe {
 
 struct TurntableStart {
-  StartResult start;  ///< world is the frame of the first view
+  StartResult start;                     ///< world is the frame of the first view
   Turntable table;                       ///< with steps where they differ
   std::optional<DepthCorrection> depth;  ///< in which the poses hold; only if it was asked for
   std::string trouble;                   ///< of depths that do not fit widths, in words
