@@ -19,11 +19,13 @@
 namespace partscribe {
 namespace {
 
+using Places = LargeVector<Vec3>;
+
 /// The usable points in coordinate order, so that sums, ties and strides never depend on the order in a file.
 struct Ordered {
   std::vector<std::uint32_t> source;  // index in the cloud
-  std::vector<Vec3> points;
-  std::vector<Vec3> rays;  // empty or one each
+  Places points;
+  Places rays;  // empty or one each
 };
 
 Ordered ordered(const PointCloud& cloud) {
@@ -60,7 +62,7 @@ struct QuadricScale {
   double sigma = -1, extent = 0, reach = 0;
 };
 
-QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Neighbour>& near, std::size_t count) {
+QuadricScale quadric_scale(const Places& points, const std::vector<Neighbour>& near, std::size_t count) {
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   using Mat6 = Eigen::Matrix<double, 6, 6>;
   QuadricScale result;
@@ -121,7 +123,7 @@ QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Ne
 /// The noise along the normal and the pitch, from the smallest neighbourhoods that are wider than the noise is thick.
 /// `nearest(i, count, list)` gives the neighbours of a point, itself among them.
 template <class Nearest>
-Level sampling_level(const std::vector<Vec3>& points, const Nearest& nearest, int threads) {
+Level sampling_level(const Places& points, const Nearest& nearest, int threads) {
   Level best;
   for (std::size_t count = 14; count <= 1000 && count <= points.size(); count *= 2) {
     const auto chosen = sample(points.size(), count < 200 ? 1200 : 400);
@@ -152,7 +154,7 @@ Level sampling_level(const std::vector<Vec3>& points, const Nearest& nearest, in
 }
 
 /// Diagonal of the box without the outermost hundredth on every side.
-double usual_size(const std::vector<Vec3>& points) {
+double usual_size(const Places& points) {
   const auto chosen = sample(points.size(), 20000);
   std::vector<double> values(chosen.size());
   Vec3 size;
@@ -170,7 +172,7 @@ double usual_size(const std::vector<Vec3>& points) {
 
 /// Points with weights whose neighbourhoods are planes wide enough for good normals.
 struct Nodes {
-  std::vector<Vec3> points, rays, normals;
+  Places points, rays, normals;
   std::vector<double> weights;
 };
 
@@ -204,12 +206,12 @@ Nodes averaged(const Ordered& in, double spacing) {
 /// Points in the order of a tree's leaves, with their nearest neighbours: what lies together is worked on together.
 struct Neighbourhoods {
   std::size_t rows = 0;                // neighbours of each at most, itself the first
-  std::vector<std::uint32_t> order;    // the point of a place
-  std::vector<std::uint32_t> place;    // of a point
+  LargeVector<std::uint32_t> order;    // the point of a place
+  LargeVector<std::uint32_t> place;    // of a point
   LargeVector<PlaneNode> nodes;        // by place, filled up to whole blocks, and one that is nobody's neighbour
   LargeVector<std::uint32_t> links;    // by block; places
-  std::vector<double> sq_reach;        // of the farthest neighbour
-  std::vector<float> third;            // distance of the third neighbour
+  LargeVector<double> sq_reach;        // of the farthest neighbour
+  LargeVector<float> third;            // distance of the third neighbour
   double spacing = 0;
 
   std::size_t blocks() const { return sq_reach.size() / plane_block; }
@@ -230,42 +232,43 @@ struct Neighbourhoods {
 };
 
 /// `rows` neighbours, and beyond the first 14 only those within `radius`; the reach is of the first `used`.
-Neighbourhoods neighbourhoods(const std::vector<Vec3>& points, const KdTree& tree, std::size_t rows, std::size_t used,
-                              double radius, int threads) {
+Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::size_t rows, std::size_t used, double radius,
+                              int threads) {
   const std::size_t n = points.size(), padded = (n + plane_block - 1) / plane_block * plane_block;
+  const auto nobody = static_cast<std::uint32_t>(padded);
   Neighbourhoods result;
   result.rows = rows = std::min(rows, n);
   result.order = tree.order();
-  result.nodes.resize(padded + 1);
-  result.links.assign(padded * rows, static_cast<std::uint32_t>(padded));
-  result.sq_reach.assign(padded, 0);
-  result.third.assign(padded, 0);
-  std::vector<std::uint32_t>& place = result.place;
-  place.resize(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vec3& p = points[result.order[k]];
-    place[result.order[k]] = static_cast<std::uint32_t>(k);
-    result.nodes[k].x = p.x(), result.nodes[k].y = p.y(), result.nodes[k].z = p.z(), result.nodes[k].weight = 1;
+  result.nodes.reserve(padded + 1);
+  for (const std::uint32_t i : result.order) result.nodes.push_back({points[i].x(), points[i].y(), points[i].z(), 1});
+  result.nodes.resize(padded + 1, {points[0].x(), points[0].y(), points[0].z(), 0});
+  result.links.resize(padded * rows);
+  result.sq_reach.resize(padded);
+  result.third.resize(padded);
+  const auto links_of = [&](std::size_t own) { return result.links.data() + own / plane_block * plane_block * rows + own % plane_block; };
+  for (std::size_t k = n; k < padded; ++k) {
+    result.sq_reach[k] = 0, result.third[k] = 0;
+    for (std::size_t row = 0; row < rows; ++row) links_of(k)[plane_block * row] = nobody;
   }
-  for (std::size_t k = n; k <= padded; ++k)
-    result.nodes[k].x = points[0].x(), result.nodes[k].y = points[0].y(), result.nodes[k].z = points[0].z();
+  LargeVector<std::uint32_t>& place = result.place;
+  place.resize(n);
+  for (std::size_t k = 0; k < n; ++k) place[result.order[k]] = static_cast<std::uint32_t>(k);
   const std::size_t samples = std::min(n, spacing_samples);
   std::vector<double> gaps(samples, -1);
   tree.nearest_of_each(rows, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
     const std::size_t own = place[i];
-    std::uint32_t* const to = result.links.data() + own / plane_block * plane_block * rows + own % plane_block;
     std::size_t count = std::min(used, near.size());
     while (radius > 0 && count > 14 && near[count - 1].sq_distance > radius * radius) --count;
     result.sq_reach[own] = near[count - 1].sq_distance;
     if (count == std::min(used, near.size())) count = near.size();
     // Itself first, also where many points coincide.
+    std::uint32_t* const to = links_of(own);
     to[0] = static_cast<std::uint32_t>(own);
-    std::size_t at = 1;
-    for (std::size_t k = 0; k < count && at < count; ++k) {
-      if (near[k].index == i) continue;
-      if (at == 3) result.third[own] = static_cast<float>(std::sqrt(near[k].sq_distance));
-      to[plane_block * at++] = place[near[k].index];
-    }
+    std::size_t self = 0;
+    while (self < count && near[self].index != i) ++self;
+    for (std::size_t k = 1; k < count; ++k) to[plane_block * k] = place[near[k <= self ? k - 1 : k].index];
+    for (std::size_t k = count; k < rows; ++k) to[plane_block * k] = nobody;
+    result.third[own] = count > 3 ? static_cast<float>(std::sqrt(near[self < 3 ? 3 : 2].sq_distance)) : 0;
     const std::size_t slot = i * samples / n;
     if (sampled(slot, n, samples) == i)
       for (std::size_t k = 0; k < std::min<std::size_t>(4, near.size()) && gaps[slot] < 0; ++k)
@@ -291,7 +294,7 @@ Vec3 any_direction(const FoundPlanes& found, std::size_t lane) {
 
 /// Reweighted PCA over all nodes, round by round (every round reads the normals of the round before). Nodes that a round
 /// turned by less than `rest` (rad) stay as they are: near edges all rounds are needed, elsewhere they only follow the noise.
-void weighted_normals(Neighbourhoods& near, std::size_t rows, const std::vector<Vec3>& rays, double sigma, double rest, int rounds,
+void weighted_normals(Neighbourhoods& near, std::size_t rows, const Places& rays, double sigma, double rest, int rounds,
                       int threads) {
   struct Planes {
     double x[plane_block], y[plane_block], z[plane_block], spread[plane_block];
@@ -335,7 +338,7 @@ void weighted_normals(Neighbourhoods& near, std::size_t rows, const std::vector<
 }
 
 /// Fills in those that are zero.
-void complete(const Neighbourhoods& near, std::vector<Vec3>& normals) {
+void complete(const Neighbourhoods& near, Places& normals) {
   for (std::size_t k = 0; k < near.order.size(); ++k) {
     Vec3& normal = normals[near.order[k]];
     if (!(normal.squaredNorm() > 0)) normal = Vec3(near.nodes[k].nx, near.nodes[k].ny, near.nodes[k].nz);
@@ -343,9 +346,9 @@ void complete(const Neighbourhoods& near, std::vector<Vec3>& normals) {
 }
 
 /// Every point takes the normal of the node whose plane it lies on best, averaged with like-minded ones nearby.
-std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, const KdTree& tree, double spacing, double sigma,
+Places normals_from_nodes(const Ordered& in, const Nodes& nodes, const KdTree& tree, double spacing, double sigma,
                                      int threads) {
-  std::vector<Vec3> result(in.points.size(), Vec3::Zero());
+  Places result(in.points.size(), Vec3::Zero());
   parallel_for(in.points.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     for (std::size_t i = begin; i < end; ++i) {
@@ -376,7 +379,7 @@ std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, cons
 constexpr std::size_t looked_at = 12;  // neighbours of an outlier
 
 /// Marks points that lie on no neighbour's surface, or that stand alone.
-std::vector<std::uint8_t> outliers(Neighbourhoods& near, const std::vector<Vec3>& normals, double sigma, double sigmas,
+std::vector<std::uint8_t> outliers(Neighbourhoods& near, const Places& normals, double sigma, double sigmas,
                                    bool given, int threads) {
   constexpr double needed = 3;
   const std::size_t n = near.order.size();
@@ -426,7 +429,7 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
   if (cloud.normals.empty()) cloud.normals.assign(n, Vec3::Zero());
 
   // Normals that came with the data are kept.
-  std::vector<Vec3> normals(in.points.size(), Vec3::Zero());
+  Places normals(in.points.size(), Vec3::Zero());
   std::size_t known = 0;
   for (std::size_t i = 0; i < in.source.size(); ++i) {
     const Vec3& given = cloud.normals[in.source[i]];
