@@ -87,7 +87,7 @@ double status_kb(const char* name) {
 /// In whatever form a method gives them; what it takes to compare them is not its time.
 struct Normals {
   Normals(std::vector<Vec3> some) : all(std::move(some)) {}
-  Normals(std::vector<Eigen::Vector3f> some) : single(std::move(some)) {}
+  Normals(LargeVector<Eigen::Vector3f> some) : single(std::move(some)) {}
 
   /// Of the places truth speaks of: those in the list, or all in order.
   std::vector<Vec3> at(const std::vector<std::uint32_t>& places, std::size_t count) {
@@ -98,7 +98,7 @@ struct Normals {
     return result;
   }
   std::vector<Vec3> all;
-  std::vector<Eigen::Vector3f> single;
+  LargeVector<Eigen::Vector3f> single;
 };
 using Run = std::function<Normals()>;
 
