@@ -337,11 +337,13 @@ void weighted_normals(Neighbourhoods& near, std::size_t rows, const Places& rays
   }
 }
 
-/// Fills in those that are zero.
-void complete(const Neighbourhoods& near, Places& normals) {
+Vec3 normal_of(const PlaneNode& node) { return {node.nx, node.ny, node.nz}; }
+
+/// Normals that are not zero replace those of the nodes.
+void take_over(const Places& normals, Neighbourhoods& near) {
   for (std::size_t k = 0; k < near.order.size(); ++k) {
-    Vec3& normal = normals[near.order[k]];
-    if (!(normal.squaredNorm() > 0)) normal = Vec3(near.nodes[k].nx, near.nodes[k].ny, near.nodes[k].nz);
+    const Vec3& normal = normals[near.order[k]];
+    if (normal.squaredNorm() > 0) near.nodes[k].nx = normal.x(), near.nodes[k].ny = normal.y(), near.nodes[k].nz = normal.z();
   }
 }
 
@@ -379,16 +381,11 @@ Places normals_from_nodes(const Ordered& in, const Nodes& nodes, const KdTree& t
 constexpr std::size_t looked_at = 12;  // neighbours of an outlier
 
 /// Marks points that lie on no neighbour's surface, or that stand alone.
-std::vector<std::uint8_t> outliers(Neighbourhoods& near, const Places& normals, double sigma, double sigmas,
-                                   bool given, int threads) {
+std::vector<std::uint8_t> outliers(const Neighbourhoods& near, double sigma, double sigmas, bool given, int threads) {
   constexpr double needed = 3;
   const std::size_t n = near.order.size();
   std::vector<std::uint8_t> result(n, 0);
   if (n < 50) return result;
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vec3& normal = normals[near.order[k]];
-    near.nodes[k].nx = normal.x(), near.nodes[k].ny = normal.y(), near.nodes[k].nz = normal.z();
-  }
   // 0.05 rad: what the normals themselves may be wrong by. Normals of a mesh's vertices are means over its edges, so
   // any of the planes may hold.
   const SupportRule rule{sigmas * sigma, 0.05, given, needed};
@@ -426,12 +423,14 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
   for (std::size_t i = 0; i < n; ++i)
     if (!cloud.points[i].allFinite()) cloud.rejected[i] = 1;
   const Ordered in = ordered(cloud);
-  if (cloud.normals.empty()) cloud.normals.assign(n, Vec3::Zero());
-
-  // Normals that came with the data are kept.
-  Places normals(in.points.size(), Vec3::Zero());
+  // Normals that came with the data are kept. Zero: not known; empty: none is.
+  Places normals;
   std::size_t known = 0;
-  for (std::size_t i = 0; i < in.source.size(); ++i) {
+  if (cloud.normals.empty())
+    cloud.normals.assign(n, Vec3::Zero());
+  else
+    normals.assign(in.points.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
     const Vec3& given = cloud.normals[in.source[i]];
     if (!given.allFinite() || given.norm() < 0.1) continue;
     normals[i] = given.normalized();
@@ -462,13 +461,12 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
       // error sigma / (r / 2 sqrt(points in r))); a fixed number of points fails where they are dense and noisy.
       const double by_count = std::sqrt(options.neighbours / pi) * level.pitch;
       const double by_noise = std::max(5 * level.sigma, std::sqrt(2 * level.sigma * level.pitch / (1.77 * 0.03)));
-      const double radius = std::max(by_count, std::min(by_noise, usual_size(in.points) / 50));
+      const double radius = by_noise > by_count ? std::max(by_count, std::min(by_noise, usual_size(in.points) / 50)) : by_count;
       const double in_radius = pi * radius * radius / (level.pitch * level.pitch);
       const auto slope_error = [&](double reach, double points) { return 2 * level.sigma / (reach * std::sqrt(points)); };
       if (radius < 1.45 * by_count) {
         if (near.rows == 0) near = close(neighbours);
         weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours), options.rounds, context.threads);
-        complete(near, normals);
       } else {
         const double spacing = radius / 3.2;
         Nodes nodes = averaged(in, spacing);
@@ -476,25 +474,29 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
         Neighbourhoods around = neighbourhoods(nodes.points, node_tree, 72, 72, radius, context.threads);
         for (std::size_t k = 0; k < around.order.size(); ++k) around.nodes[k].weight = nodes.weights[around.order[k]];
         weighted_normals(around, 72, nodes.rays, level.sigma, slope_error(radius, in_radius), options.rounds, context.threads);
-        nodes.normals.assign(nodes.points.size(), Vec3::Zero());
-        complete(around, nodes.normals);
+        nodes.normals.resize(nodes.points.size());
+        for (std::size_t k = 0; k < around.order.size(); ++k) nodes.normals[around.order[k]] = normal_of(around.nodes[k]);
         const auto found = normals_from_nodes(in, nodes, node_tree, spacing, level.sigma, context.threads);
+        normals.resize(in.points.size(), Vec3::Zero());
         for (std::size_t i = 0; i < found.size(); ++i)
           if (!(normals[i].squaredNorm() > 0)) normals[i] = !in.rays.empty() && found[i].dot(in.rays[i]) > 0 ? Vec3(-found[i]) : found[i];
       }
     }
     context.report("normals", 0.8);
     if (near.rows == 0) near = close(looked_at + 1);
+    if (!normals.empty()) take_over(normals, near);
     summary.spacing = near.spacing;
-    const auto flags = outliers(near, normals, level.sigma, options.outlier_sigmas, all_known, context.threads);
+    const auto flags = outliers(near, level.sigma, options.outlier_sigmas, all_known, context.threads);
     const auto count = static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
     // The vertices of a sparse mesh are no samples of its surface: with given normals, a share beyond any scanner's
     // outlier rate says that the test does not apply.
     if (!all_known || count * 20 <= flags.size())
       for (std::size_t i = 0; i < flags.size(); ++i)
         if (flags[i]) cloud.rejected[in.source[i]] = 1;
+    for (std::size_t k = 0; k < near.order.size(); ++k) cloud.normals[in.source[near.order[k]]] = normal_of(near.nodes[k]);
+  } else {
+    for (std::size_t i = 0; i < normals.size(); ++i) cloud.normals[in.source[i]] = normals[i];
   }
-  for (std::size_t i = 0; i < in.source.size(); ++i) cloud.normals[in.source[i]] = normals[i];
   if (cloud.sigma.size() != n) cloud.sigma.assign(n, static_cast<float>(summary.sigma));
   summary.rejected = static_cast<std::size_t>(
       std::count_if(cloud.rejected.begin(), cloud.rejected.end(), [](std::uint8_t r) { return r != 0; }));
