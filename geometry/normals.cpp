@@ -62,9 +62,18 @@ struct QuadricScale {
   double sigma = -1, extent = 0, reach = 0;
 };
 
-QuadricScale quadric_scale(const Places& points, const std::vector<Neighbour>& near, std::size_t count) {
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  using Mat6 = Eigen::Matrix<double, 6, 6>;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// Memory for quadrics, one after the other.
+struct QuadricScratch {
+  std::vector<Neighbour> near;
+  std::vector<Vec6> rows;
+  std::vector<double> heights, residuals, sizes;
+};
+
+QuadricScale quadric_scale(const Places& points, QuadricScratch& scratch, std::size_t count) {
+  auto& [near, rows, heights, residuals, sizes] = scratch;
   QuadricScale result;
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < count; ++k) mean += points[near[k].index];
@@ -80,8 +89,7 @@ QuadricScale quadric_scale(const Places& points, const std::vector<Neighbour>& n
   result.reach = std::sqrt(near[count - 1].sq_distance);
   if (!(result.extent > 1e-3 * std::sqrt(eigen.eigenvalues()[2])) || result.extent <= 0) return result;
   const double unit = std::sqrt(eigen.eigenvalues()[2]);
-  std::vector<Vec6> rows(count);
-  std::vector<double> heights(count), residuals(count);
+  rows.resize(count), heights.resize(count), residuals.resize(count), sizes.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const Vec3 d = eigen.eigenvectors().transpose() * (points[near[k].index] - mean) / unit;
     const double u = d[2], v = d[1];
@@ -101,7 +109,6 @@ QuadricScale quadric_scale(const Places& points, const std::vector<Neighbour>& n
     }
     const Vec6 x = a.ldlt().solve(b);
     if (!x.allFinite()) return result;
-    std::vector<double> sizes(count);
     sum = 0, used = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const bool in = round == 0 || std::abs(residuals[k]) <= limit;
@@ -111,7 +118,7 @@ QuadricScale quadric_scale(const Places& points, const std::vector<Neighbour>& n
     }
     // A neighbourhood of few points has no scale of its own to trim by.
     if (count < 24) break;
-    limit = 3.5 * 1.4826 * median(sizes) * std::sqrt(static_cast<double>(count) / static_cast<double>(count - 6));
+    limit = 3.5 * 1.4826 * median_in_place(sizes) * std::sqrt(static_cast<double>(count) / static_cast<double>(count - 6));
   }
   if (used <= 7) return result;
   const double freedom = static_cast<double>(used) - 6;
@@ -131,13 +138,13 @@ Level sampling_level(const Places& points, const Nearest& nearest, int threads) 
     parallel_for(
         chosen.size(), threads,
         [&](std::size_t begin, std::size_t end) {
-          std::vector<Neighbour> near;
+          QuadricScratch scratch;
           for (std::size_t i = begin; i < end; ++i) {
-            nearest(chosen[i], count, near);
-            scales[i] = quadric_scale(points, near, count);
+            nearest(chosen[i], count, scratch.near);
+            scales[i] = quadric_scale(points, scratch, count);
           }
         },
-        16);
+        64);
     std::vector<double> sigmas, ratios, pitches;
     for (const QuadricScale& s : scales) {
       if (s.sigma < 0) continue;
