@@ -11,8 +11,8 @@ namespace partscribe {
 void* take_large_memory(std::size_t bytes);
 void give_back_large_memory(void* memory);
 
-/// For std::vector. Touching a page of 4 kB for the first time takes as long as finding the neighbours of ten points. Elements
-/// without a value are what their constructor makes of them: numbers are left undefined.
+/// For std::vector. Touching a page of 4 kB for the first time takes as long as finding the neighbours of ten points.
+/// Elements without a value are what their constructor makes of them: numbers are left undefined.
 template <class T>
 struct LargeAllocator {
   using value_type = T;

@@ -118,7 +118,8 @@ QuadricScale quadric_scale(const Places& points, QuadricScratch& scratch, std::s
     }
     // A neighbourhood of few points has no scale of its own to trim by.
     if (count < 24) break;
-    limit = 3.5 * 1.4826 * median_in_place(sizes) * std::sqrt(static_cast<double>(count) / static_cast<double>(count - 6));
+    limit =
+        3.5 * 1.4826 * median_in_place(sizes) * std::sqrt(static_cast<double>(count) / static_cast<double>(count - 6));
   }
   if (used <= 7) return result;
   const double freedom = static_cast<double>(used) - 6;
@@ -239,8 +240,8 @@ struct Neighbourhoods {
 };
 
 /// `rows` neighbours, and beyond the first 14 only those within `radius`; the reach is of the first `used`.
-Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::size_t rows, std::size_t used, double radius,
-                              int threads) {
+Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::size_t rows, std::size_t used,
+                              double radius, int threads) {
   const std::size_t n = points.size(), padded = (n + plane_block - 1) / plane_block * plane_block;
   const auto nobody = static_cast<std::uint32_t>(padded);
   Neighbourhoods result;
@@ -252,7 +253,9 @@ Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::siz
   result.links.resize(padded * rows);
   result.sq_reach.resize(padded);
   result.third.resize(padded);
-  const auto links_of = [&](std::size_t own) { return result.links.data() + own / plane_block * plane_block * rows + own % plane_block; };
+  const auto links_of = [&](std::size_t own) {
+    return result.links.data() + own / plane_block * plane_block * rows + own % plane_block;
+  };
   for (std::size_t k = n; k < padded; ++k) {
     result.sq_reach[k] = 0, result.third[k] = 0;
     for (std::size_t row = 0; row < rows; ++row) links_of(k)[plane_block * row] = nobody;
@@ -350,13 +353,14 @@ Vec3 normal_of(const PlaneNode& node) { return {node.nx, node.ny, node.nz}; }
 void take_over(const Places& normals, Neighbourhoods& near) {
   for (std::size_t k = 0; k < near.order.size(); ++k) {
     const Vec3& normal = normals[near.order[k]];
-    if (normal.squaredNorm() > 0) near.nodes[k].nx = normal.x(), near.nodes[k].ny = normal.y(), near.nodes[k].nz = normal.z();
+    if (normal.squaredNorm() > 0)
+      near.nodes[k].nx = normal.x(), near.nodes[k].ny = normal.y(), near.nodes[k].nz = normal.z();
   }
 }
 
 /// Every point takes the normal of the node whose plane it lies on best, averaged with like-minded ones nearby.
 Places normals_from_nodes(const Ordered& in, const Nodes& nodes, const KdTree& tree, double spacing, double sigma,
-                                     int threads) {
+                          int threads) {
   Places result(in.points.size(), Vec3::Zero());
   parallel_for(in.points.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
@@ -468,12 +472,14 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
       // error sigma / (r / 2 sqrt(points in r))); a fixed number of points fails where they are dense and noisy.
       const double by_count = std::sqrt(options.neighbours / pi) * level.pitch;
       const double by_noise = std::max(5 * level.sigma, std::sqrt(2 * level.sigma * level.pitch / (1.77 * 0.03)));
-      const double radius = by_noise > by_count ? std::max(by_count, std::min(by_noise, usual_size(in.points) / 50)) : by_count;
+      const double radius =
+          by_noise > by_count ? std::max(by_count, std::min(by_noise, usual_size(in.points) / 50)) : by_count;
       const double in_radius = pi * radius * radius / (level.pitch * level.pitch);
       const auto slope_error = [&](double reach, double points) { return 2 * level.sigma / (reach * std::sqrt(points)); };
       if (radius < 1.45 * by_count) {
         if (near.rows == 0) near = close(neighbours);
-        weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours), options.rounds, context.threads);
+        weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours),
+                         options.rounds, context.threads);
       } else {
         const double spacing = radius / 3.2;
         Nodes nodes = averaged(in, spacing);
@@ -482,7 +488,8 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
         for (std::size_t k = 0; k < around.order.size(); ++k) around.nodes[k].weight = nodes.weights[around.order[k]];
         weighted_normals(around, 72, nodes.rays, level.sigma, slope_error(radius, in_radius), options.rounds, context.threads);
         nodes.normals.resize(nodes.points.size());
-        for (std::size_t k = 0; k < around.order.size(); ++k) nodes.normals[around.order[k]] = normal_of(around.nodes[k]);
+        for (std::size_t k = 0; k < around.order.size(); ++k)
+          nodes.normals[around.order[k]] = normal_of(around.nodes[k]);
         const auto found = normals_from_nodes(in, nodes, node_tree, spacing, level.sigma, context.threads);
         normals.resize(in.points.size(), Vec3::Zero());
         for (std::size_t i = 0; i < found.size(); ++i)
@@ -500,7 +507,8 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
     if (!all_known || count * 20 <= flags.size())
       for (std::size_t i = 0; i < flags.size(); ++i)
         if (flags[i]) cloud.rejected[in.source[i]] = 1;
-    for (std::size_t k = 0; k < near.order.size(); ++k) cloud.normals[in.source[near.order[k]]] = normal_of(near.nodes[k]);
+    for (std::size_t k = 0; k < near.order.size(); ++k)
+      cloud.normals[in.source[near.order[k]]] = normal_of(near.nodes[k]);
   } else {
     for (std::size_t i = 0; i < normals.size(); ++i) cloud.normals[in.source[i]] = normals[i];
   }

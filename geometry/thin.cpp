@@ -70,7 +70,8 @@ void sort_items(const std::vector<Vec3>& points, std::span<Keyed> items, std::sp
   };
   if (items.size() < 2000) return by_comparing();
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Keyed& item : items) low = std::min(low, points[item.index][axis]), high = std::max(high, points[item.index][axis]);
+  for (const Keyed& item : items)
+    low = std::min(low, points[item.index][axis]), high = std::max(high, points[item.index][axis]);
   if (low == high && axis < 2) return sort_items(points, items, other, axis + 1);
   const double scale = ((1 << 2 * Keyed::bits) - 1) / (high - low);
   if (!(scale > 0 && std::isfinite(scale))) return by_comparing();

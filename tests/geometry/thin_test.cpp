@@ -43,8 +43,8 @@ std::vector<Vec3> cloud(const std::string& kind, std::size_t size) {
 }  // namespace
 
 TEST_CASE("coordinate order: what comparing all coordinates gives, then the index") {
-  for (const char* kind : {"anywhere", "image, rows downwards", "image, rows upwards", "image of three columns", "in one plane",
-                           "on one line", "in few places", "far outliers", "too far apart"})
+  for (const char* kind : {"anywhere", "image, rows downwards", "image, rows upwards", "image of three columns",
+                           "in one plane", "on one line", "in few places", "far outliers", "too far apart"})
     for (const std::size_t size : {0, 1, 50, 1999, 2000, 20000}) {
       INFO(kind << ", " << size << " points");
       const auto points = cloud(kind, size);
