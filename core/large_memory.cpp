@@ -12,8 +12,7 @@ namespace partscribe {
 
 void* take_large_memory(std::size_t bytes) {
   constexpr std::size_t line = 64, page = std::size_t(1) << 21;
-  // The last large page is there as a whole once it is touched, which takes as long as touching a tenth of it in small
-  // ones.
+  // The last large page is there as a whole once it is touched: as long as touching a fifth of it in small pages takes.
   std::size_t in_pages = bytes / page * page;
   if (bytes - in_pages > page / 4) in_pages += page;
   const std::size_t step = in_pages > 0 ? page : line;  // what is asked for beyond `bytes` stays untouched, and is never there

@@ -145,7 +145,7 @@ Level sampling_level(const Places& points, const Nearest& nearest, int threads) 
             scales[i] = quadric_scale(points, scratch, count);
           }
         },
-        64);
+        16);
     std::vector<double> sigmas, ratios, pitches;
     for (const QuadricScale& s : scales) {
       if (s.sigma < 0) continue;
