@@ -96,11 +96,11 @@ bool smoothly_bent(const RangeHeights& h, const Planes& planes, int row, int loc
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> grid_normals(const RangeImage& image, const GridNormalOptions& options, int threads) {
+LargeVector<Eigen::Vector3f> grid_normals(const RangeImage& image, const GridNormalOptions& options, int threads) {
   ensure(image.width >= 0 && image.height >= 0 &&
              image.codes.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height),
          "an image has a code for every pixel");
-  std::vector<Eigen::Vector3f> normals(image.codes.size());
+  LargeVector<Eigen::Vector3f> normals(image.codes.size());
   if (normals.empty()) return normals;
   std::fill_n(normals.front().data(), 3 * normals.size(), 0.F);  // the constructor leaves them as they are
   const RangeHeights h(image);

@@ -1,5 +1,6 @@
 #include "geometry/kd_leaves.h"
 
+#include <algorithm>
 #include <cstring>
 
 #if PARTSCRIBE_VECTOR_VERSIONS

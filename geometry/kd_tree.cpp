@@ -145,7 +145,7 @@ struct KdTree::Tree {
     std::uint32_t index;
   };
 
-  explicit Tree(const std::vector<Vec3>& points) {
+  explicit Tree(std::span<const Vec3> points) {
     LargeVector<Item> items;
     items.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -279,7 +279,7 @@ struct KdTree::Tree {
   }
 };
 
-KdTree::KdTree(const std::vector<Vec3>& points) : tree_(std::make_unique<Tree>(points)) {}
+KdTree::KdTree(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
 KdTree::~KdTree() = default;
 KdTree::KdTree(KdTree&&) noexcept = default;
 
@@ -307,8 +307,8 @@ void KdTree::nearest_of_each(std::size_t count, int threads,
       64);
 }
 
-std::vector<std::uint32_t> KdTree::order() const {
-  std::vector<std::uint32_t> result;
+LargeVector<std::uint32_t> KdTree::order() const {
+  LargeVector<std::uint32_t> result;
   result.reserve(tree_->leaves.size() * leaf_size);
   for (const Leaf& leaf : tree_->leaves) result.insert(result.end(), leaf.index.begin(), leaf.index.end());
   result.resize(tree_->finite);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/large_memory.h"
 #include "geometry/vec.h"
 
 namespace partscribe {
@@ -21,7 +22,7 @@ struct Neighbour {
 /// nobody's neighbours.
 class KdTree {
  public:
-  explicit KdTree(const std::vector<Vec3>& points);
+  explicit KdTree(std::span<const Vec3> points);
   ~KdTree();
   KdTree(KdTree&&) noexcept;
 
@@ -32,7 +33,7 @@ class KdTree {
   void nearest_of_each(std::size_t count, int threads,
                        const std::function<void(std::uint32_t, std::span<const Neighbour>)>& use) const;
   /// The finite points leaf by leaf, in the order in which nearest_of_each comes to them: neighbours lie together.
-  std::vector<std::uint32_t> order() const;
+  LargeVector<std::uint32_t> order() const;
   /// All points within `radius`, nearest first.
   void within(const Vec3& query, double radius, std::vector<Neighbour>& result) const;
   /// Index of the nearest point; the set must not be empty.

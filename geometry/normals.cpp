@@ -19,11 +19,13 @@
 namespace partscribe {
 namespace {
 
+using Places = LargeVector<Vec3>;
+
 /// The usable points in coordinate order, so that sums, ties and strides never depend on the order in a file.
 struct Ordered {
   std::vector<std::uint32_t> source;  // index in the cloud
-  std::vector<Vec3> points;
-  std::vector<Vec3> rays;  // empty or one each
+  Places points;
+  Places rays;  // empty or one each
 };
 
 Ordered ordered(const PointCloud& cloud) {
@@ -60,9 +62,18 @@ struct QuadricScale {
   double sigma = -1, extent = 0, reach = 0;
 };
 
-QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Neighbour>& near, std::size_t count) {
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  using Mat6 = Eigen::Matrix<double, 6, 6>;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// Memory for quadrics, one after the other.
+struct QuadricScratch {
+  std::vector<Neighbour> near;
+  std::vector<Vec6> rows;
+  std::vector<double> heights, residuals, sizes;
+};
+
+QuadricScale quadric_scale(const Places& points, QuadricScratch& scratch, std::size_t count) {
+  auto& [near, rows, heights, residuals, sizes] = scratch;
   QuadricScale result;
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < count; ++k) mean += points[near[k].index];
@@ -78,8 +89,7 @@ QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Ne
   result.reach = std::sqrt(near[count - 1].sq_distance);
   if (!(result.extent > 1e-3 * std::sqrt(eigen.eigenvalues()[2])) || result.extent <= 0) return result;
   const double unit = std::sqrt(eigen.eigenvalues()[2]);
-  std::vector<Vec6> rows(count);
-  std::vector<double> heights(count), residuals(count);
+  rows.resize(count), heights.resize(count), residuals.resize(count), sizes.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const Vec3 d = eigen.eigenvectors().transpose() * (points[near[k].index] - mean) / unit;
     const double u = d[2], v = d[1];
@@ -99,7 +109,6 @@ QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Ne
     }
     const Vec6 x = a.ldlt().solve(b);
     if (!x.allFinite()) return result;
-    std::vector<double> sizes(count);
     sum = 0, used = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const bool in = round == 0 || std::abs(residuals[k]) <= limit;
@@ -109,7 +118,8 @@ QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Ne
     }
     // A neighbourhood of few points has no scale of its own to trim by.
     if (count < 24) break;
-    limit = 3.5 * 1.4826 * median(sizes) * std::sqrt(static_cast<double>(count) / static_cast<double>(count - 6));
+    limit =
+        3.5 * 1.4826 * median_in_place(sizes) * std::sqrt(static_cast<double>(count) / static_cast<double>(count - 6));
   }
   if (used <= 7) return result;
   const double freedom = static_cast<double>(used) - 6;
@@ -121,7 +131,7 @@ QuadricScale quadric_scale(const std::vector<Vec3>& points, const std::vector<Ne
 /// The noise along the normal and the pitch, from the smallest neighbourhoods that are wider than the noise is thick.
 /// `nearest(i, count, list)` gives the neighbours of a point, itself among them.
 template <class Nearest>
-Level sampling_level(const std::vector<Vec3>& points, const Nearest& nearest, int threads) {
+Level sampling_level(const Places& points, const Nearest& nearest, int threads) {
   Level best;
   for (std::size_t count = 14; count <= 1000 && count <= points.size(); count *= 2) {
     const auto chosen = sample(points.size(), count < 200 ? 1200 : 400);
@@ -129,10 +139,10 @@ Level sampling_level(const std::vector<Vec3>& points, const Nearest& nearest, in
     parallel_for(
         chosen.size(), threads,
         [&](std::size_t begin, std::size_t end) {
-          std::vector<Neighbour> near;
+          QuadricScratch scratch;
           for (std::size_t i = begin; i < end; ++i) {
-            nearest(chosen[i], count, near);
-            scales[i] = quadric_scale(points, near, count);
+            nearest(chosen[i], count, scratch.near);
+            scales[i] = quadric_scale(points, scratch, count);
           }
         },
         16);
@@ -152,7 +162,7 @@ Level sampling_level(const std::vector<Vec3>& points, const Nearest& nearest, in
 }
 
 /// Diagonal of the box without the outermost hundredth on every side.
-double usual_size(const std::vector<Vec3>& points) {
+double usual_size(const Places& points) {
   const auto chosen = sample(points.size(), 20000);
   std::vector<double> values(chosen.size());
   Vec3 size;
@@ -170,7 +180,7 @@ double usual_size(const std::vector<Vec3>& points) {
 
 /// Points with weights whose neighbourhoods are planes wide enough for good normals.
 struct Nodes {
-  std::vector<Vec3> points, rays, normals;
+  Places points, rays, normals;
   std::vector<double> weights;
 };
 
@@ -204,12 +214,12 @@ Nodes averaged(const Ordered& in, double spacing) {
 /// Points in the order of a tree's leaves, with their nearest neighbours: what lies together is worked on together.
 struct Neighbourhoods {
   std::size_t rows = 0;                // neighbours of each at most, itself the first
-  std::vector<std::uint32_t> order;    // the point of a place
-  std::vector<std::uint32_t> place;    // of a point
+  LargeVector<std::uint32_t> order;    // the point of a place
+  LargeVector<std::uint32_t> place;    // of a point
   LargeVector<PlaneNode> nodes;        // by place, filled up to whole blocks, and one that is nobody's neighbour
   LargeVector<std::uint32_t> links;    // by block; places
-  std::vector<double> sq_reach;        // of the farthest neighbour
-  std::vector<float> third;            // distance of the third neighbour
+  LargeVector<double> sq_reach;        // of the farthest neighbour
+  LargeVector<float> third;            // distance of the third neighbour
   double spacing = 0;
 
   std::size_t blocks() const { return sq_reach.size() / plane_block; }
@@ -230,42 +240,45 @@ struct Neighbourhoods {
 };
 
 /// `rows` neighbours, and beyond the first 14 only those within `radius`; the reach is of the first `used`.
-Neighbourhoods neighbourhoods(const std::vector<Vec3>& points, const KdTree& tree, std::size_t rows, std::size_t used,
+Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::size_t rows, std::size_t used,
                               double radius, int threads) {
   const std::size_t n = points.size(), padded = (n + plane_block - 1) / plane_block * plane_block;
+  const auto nobody = static_cast<std::uint32_t>(padded);
   Neighbourhoods result;
   result.rows = rows = std::min(rows, n);
   result.order = tree.order();
-  result.nodes.resize(padded + 1);
-  result.links.assign(padded * rows, static_cast<std::uint32_t>(padded));
-  result.sq_reach.assign(padded, 0);
-  result.third.assign(padded, 0);
-  std::vector<std::uint32_t>& place = result.place;
-  place.resize(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vec3& p = points[result.order[k]];
-    place[result.order[k]] = static_cast<std::uint32_t>(k);
-    result.nodes[k].x = p.x(), result.nodes[k].y = p.y(), result.nodes[k].z = p.z(), result.nodes[k].weight = 1;
+  result.nodes.reserve(padded + 1);
+  for (const std::uint32_t i : result.order) result.nodes.push_back({points[i].x(), points[i].y(), points[i].z(), 1});
+  result.nodes.resize(padded + 1, {points[0].x(), points[0].y(), points[0].z(), 0});
+  result.links.resize(padded * rows);
+  result.sq_reach.resize(padded);
+  result.third.resize(padded);
+  const auto links_of = [&](std::size_t own) {
+    return result.links.data() + own / plane_block * plane_block * rows + own % plane_block;
+  };
+  for (std::size_t k = n; k < padded; ++k) {
+    result.sq_reach[k] = 0, result.third[k] = 0;
+    for (std::size_t row = 0; row < rows; ++row) links_of(k)[plane_block * row] = nobody;
   }
-  for (std::size_t k = n; k <= padded; ++k)
-    result.nodes[k].x = points[0].x(), result.nodes[k].y = points[0].y(), result.nodes[k].z = points[0].z();
+  LargeVector<std::uint32_t>& place = result.place;
+  place.resize(n);
+  for (std::size_t k = 0; k < n; ++k) place[result.order[k]] = static_cast<std::uint32_t>(k);
   const std::size_t samples = std::min(n, spacing_samples);
   std::vector<double> gaps(samples, -1);
   tree.nearest_of_each(rows, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
     const std::size_t own = place[i];
-    std::uint32_t* const to = result.links.data() + own / plane_block * plane_block * rows + own % plane_block;
     std::size_t count = std::min(used, near.size());
     while (radius > 0 && count > 14 && near[count - 1].sq_distance > radius * radius) --count;
     result.sq_reach[own] = near[count - 1].sq_distance;
     if (count == std::min(used, near.size())) count = near.size();
     // Itself first, also where many points coincide.
+    std::uint32_t* const to = links_of(own);
     to[0] = static_cast<std::uint32_t>(own);
-    std::size_t at = 1;
-    for (std::size_t k = 0; k < count && at < count; ++k) {
-      if (near[k].index == i) continue;
-      if (at == 3) result.third[own] = static_cast<float>(std::sqrt(near[k].sq_distance));
-      to[plane_block * at++] = place[near[k].index];
-    }
+    std::size_t self = 0;
+    while (self < count && near[self].index != i) ++self;
+    for (std::size_t k = 1; k < count; ++k) to[plane_block * k] = place[near[k <= self ? k - 1 : k].index];
+    for (std::size_t k = count; k < rows; ++k) to[plane_block * k] = nobody;
+    result.third[own] = count > 3 ? static_cast<float>(std::sqrt(near[self < 3 ? 3 : 2].sq_distance)) : 0;
     const std::size_t slot = i * samples / n;
     if (sampled(slot, n, samples) == i)
       for (std::size_t k = 0; k < std::min<std::size_t>(4, near.size()) && gaps[slot] < 0; ++k)
@@ -291,7 +304,7 @@ Vec3 any_direction(const FoundPlanes& found, std::size_t lane) {
 
 /// Reweighted PCA over all nodes, round by round (every round reads the normals of the round before). Nodes that a round
 /// turned by less than `rest` (rad) stay as they are: near edges all rounds are needed, elsewhere they only follow the noise.
-void weighted_normals(Neighbourhoods& near, std::size_t rows, const std::vector<Vec3>& rays, double sigma, double rest, int rounds,
+void weighted_normals(Neighbourhoods& near, std::size_t rows, const Places& rays, double sigma, double rest, int rounds,
                       int threads) {
   struct Planes {
     double x[plane_block], y[plane_block], z[plane_block], spread[plane_block];
@@ -334,18 +347,21 @@ void weighted_normals(Neighbourhoods& near, std::size_t rows, const std::vector<
   }
 }
 
-/// Fills in those that are zero.
-void complete(const Neighbourhoods& near, std::vector<Vec3>& normals) {
+Vec3 normal_of(const PlaneNode& node) { return {node.nx, node.ny, node.nz}; }
+
+/// Normals that are not zero replace those of the nodes.
+void take_over(const Places& normals, Neighbourhoods& near) {
   for (std::size_t k = 0; k < near.order.size(); ++k) {
-    Vec3& normal = normals[near.order[k]];
-    if (!(normal.squaredNorm() > 0)) normal = Vec3(near.nodes[k].nx, near.nodes[k].ny, near.nodes[k].nz);
+    const Vec3& normal = normals[near.order[k]];
+    if (normal.squaredNorm() > 0)
+      near.nodes[k].nx = normal.x(), near.nodes[k].ny = normal.y(), near.nodes[k].nz = normal.z();
   }
 }
 
 /// Every point takes the normal of the node whose plane it lies on best, averaged with like-minded ones nearby.
-std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, const KdTree& tree, double spacing, double sigma,
-                                     int threads) {
-  std::vector<Vec3> result(in.points.size(), Vec3::Zero());
+Places normals_from_nodes(const Ordered& in, const Nodes& nodes, const KdTree& tree, double spacing, double sigma,
+                          int threads) {
+  Places result(in.points.size(), Vec3::Zero());
   parallel_for(in.points.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     for (std::size_t i = begin; i < end; ++i) {
@@ -376,16 +392,11 @@ std::vector<Vec3> normals_from_nodes(const Ordered& in, const Nodes& nodes, cons
 constexpr std::size_t looked_at = 12;  // neighbours of an outlier
 
 /// Marks points that lie on no neighbour's surface, or that stand alone.
-std::vector<std::uint8_t> outliers(Neighbourhoods& near, const std::vector<Vec3>& normals, double sigma, double sigmas,
-                                   bool given, int threads) {
+std::vector<std::uint8_t> outliers(const Neighbourhoods& near, double sigma, double sigmas, bool given, int threads) {
   constexpr double needed = 3;
   const std::size_t n = near.order.size();
   std::vector<std::uint8_t> result(n, 0);
   if (n < 50) return result;
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vec3& normal = normals[near.order[k]];
-    near.nodes[k].nx = normal.x(), near.nodes[k].ny = normal.y(), near.nodes[k].nz = normal.z();
-  }
   // 0.05 rad: what the normals themselves may be wrong by. Normals of a mesh's vertices are means over its edges, so
   // any of the planes may hold.
   const SupportRule rule{sigmas * sigma, 0.05, given, needed};
@@ -423,12 +434,14 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
   for (std::size_t i = 0; i < n; ++i)
     if (!cloud.points[i].allFinite()) cloud.rejected[i] = 1;
   const Ordered in = ordered(cloud);
-  if (cloud.normals.empty()) cloud.normals.assign(n, Vec3::Zero());
-
-  // Normals that came with the data are kept.
-  std::vector<Vec3> normals(in.points.size(), Vec3::Zero());
+  // Normals that came with the data are kept. Zero: not known; empty: none is.
+  Places normals;
   std::size_t known = 0;
-  for (std::size_t i = 0; i < in.source.size(); ++i) {
+  if (cloud.normals.empty())
+    cloud.normals.assign(n, Vec3::Zero());
+  else
+    normals.assign(in.points.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
     const Vec3& given = cloud.normals[in.source[i]];
     if (!given.allFinite() || given.norm() < 0.1) continue;
     normals[i] = given.normalized();
@@ -459,13 +472,14 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
       // error sigma / (r / 2 sqrt(points in r))); a fixed number of points fails where they are dense and noisy.
       const double by_count = std::sqrt(options.neighbours / pi) * level.pitch;
       const double by_noise = std::max(5 * level.sigma, std::sqrt(2 * level.sigma * level.pitch / (1.77 * 0.03)));
-      const double radius = std::max(by_count, std::min(by_noise, usual_size(in.points) / 50));
+      const double radius =
+          by_noise > by_count ? std::max(by_count, std::min(by_noise, usual_size(in.points) / 50)) : by_count;
       const double in_radius = pi * radius * radius / (level.pitch * level.pitch);
       const auto slope_error = [&](double reach, double points) { return 2 * level.sigma / (reach * std::sqrt(points)); };
       if (radius < 1.45 * by_count) {
         if (near.rows == 0) near = close(neighbours);
-        weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours), options.rounds, context.threads);
-        complete(near, normals);
+        weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours),
+                         options.rounds, context.threads);
       } else {
         const double spacing = radius / 3.2;
         Nodes nodes = averaged(in, spacing);
@@ -473,25 +487,31 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
         Neighbourhoods around = neighbourhoods(nodes.points, node_tree, 72, 72, radius, context.threads);
         for (std::size_t k = 0; k < around.order.size(); ++k) around.nodes[k].weight = nodes.weights[around.order[k]];
         weighted_normals(around, 72, nodes.rays, level.sigma, slope_error(radius, in_radius), options.rounds, context.threads);
-        nodes.normals.assign(nodes.points.size(), Vec3::Zero());
-        complete(around, nodes.normals);
+        nodes.normals.resize(nodes.points.size());
+        for (std::size_t k = 0; k < around.order.size(); ++k)
+          nodes.normals[around.order[k]] = normal_of(around.nodes[k]);
         const auto found = normals_from_nodes(in, nodes, node_tree, spacing, level.sigma, context.threads);
+        normals.resize(in.points.size(), Vec3::Zero());
         for (std::size_t i = 0; i < found.size(); ++i)
           if (!(normals[i].squaredNorm() > 0)) normals[i] = !in.rays.empty() && found[i].dot(in.rays[i]) > 0 ? Vec3(-found[i]) : found[i];
       }
     }
     context.report("normals", 0.8);
     if (near.rows == 0) near = close(looked_at + 1);
+    if (!normals.empty()) take_over(normals, near);
     summary.spacing = near.spacing;
-    const auto flags = outliers(near, normals, level.sigma, options.outlier_sigmas, all_known, context.threads);
+    const auto flags = outliers(near, level.sigma, options.outlier_sigmas, all_known, context.threads);
     const auto count = static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
     // The vertices of a sparse mesh are no samples of its surface: with given normals, a share beyond any scanner's
     // outlier rate says that the test does not apply.
     if (!all_known || count * 20 <= flags.size())
       for (std::size_t i = 0; i < flags.size(); ++i)
         if (flags[i]) cloud.rejected[in.source[i]] = 1;
+    for (std::size_t k = 0; k < near.order.size(); ++k)
+      cloud.normals[in.source[near.order[k]]] = normal_of(near.nodes[k]);
+  } else {
+    for (std::size_t i = 0; i < normals.size(); ++i) cloud.normals[in.source[i]] = normals[i];
   }
-  for (std::size_t i = 0; i < in.source.size(); ++i) cloud.normals[in.source[i]] = normals[i];
   if (cloud.sigma.size() != n) cloud.sigma.assign(n, static_cast<float>(summary.sigma));
   summary.rejected = static_cast<std::size_t>(
       std::count_if(cloud.rejected.begin(), cloud.rejected.end(), [](std::uint8_t r) { return r != 0; }));

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
+
+#include "core/large_memory.h"
 
 namespace partscribe {
 
@@ -21,7 +22,7 @@ class PaddedGrid {
 
  private:
   int stride_;
-  std::vector<T> cells_;
+  LargeVector<T> cells_;
 };
 
 }  // namespace partscribe

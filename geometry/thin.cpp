@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/ensure.h"
@@ -36,58 +37,59 @@ std::vector<std::uint32_t> usable(const std::vector<Vec3>& points, const std::ve
   return result;
 }
 
-/// Whole numbers in the order of the coordinates that they stand for.
-struct Keyed {
-  std::uint64_t key;
-  std::uint32_t index;
-};
-
-std::uint64_t key_of(double x) {
-  const auto bits = std::bit_cast<std::uint64_t>(x + 0.0);  // both zeros are one
-  return bits >> 63 ? ~bits : bits | std::uint64_t(1) << 63;
+bool before(const std::vector<Vec3>& points, std::uint32_t a, std::uint32_t b) {
+  const int c = compared(points[a], points[b]);
+  return c != 0 ? c < 0 : a < b;
 }
 
-/// By counting digits, the last first.
-void sort_by_key(LargeVector<Keyed>& items) {
-  constexpr int digits = 6, bits = 11;
-  constexpr std::size_t values = std::size_t(1) << bits;
-  std::vector<std::uint32_t> counts(digits * values, 0);
-  for (const Keyed& item : items)
-    for (int d = 0; d < digits; ++d) ++counts[d * values + (item.key >> (bits * d) & (values - 1))];
-  LargeVector<Keyed> other(items.size());
-  for (int d = 0; d < digits; ++d) {
-    std::uint32_t* const from = counts.data() + d * values;
-    if (from[items.front().key >> (bits * d) & (values - 1)] == items.size()) continue;  // all alike
+/// What of a coordinate fits into two digits, and whose it is.
+struct Keyed {
+  static constexpr int bits = 11;  // of a digit
+  std::uint32_t key, index;
+};
+
+/// By counting digits, the last first: what is equal stays in order. `other` is as long.
+void sort_by_key(std::span<Keyed> items, std::span<Keyed> other) {
+  constexpr std::size_t values = std::size_t(1) << Keyed::bits;
+  std::array<std::uint32_t, 2 * values> counts{};
+  for (const Keyed& item : items) ++counts[item.key & (values - 1)], ++counts[values + (item.key >> Keyed::bits)];
+  for (std::size_t first : {std::size_t(0), values}) {
     std::uint32_t sum = 0;
-    for (std::size_t v = 0; v < values; ++v) sum += std::exchange(from[v], sum);
-    for (const Keyed& item : items) other[from[item.key >> (bits * d) & (values - 1)]++] = item;
-    items.swap(other);
+    for (std::size_t v = 0; v < values; ++v) sum += std::exchange(counts[first + v], sum);
+  }
+  for (const Keyed& item : items) other[counts[item.key & (values - 1)]++] = item;
+  for (const Keyed& item : other) items[counts[values + (item.key >> Keyed::bits)]++] = item;
+}
+
+/// Sorts by the coordinates from `axis` on; the ones before are equal.
+void sort_items(const std::vector<Vec3>& points, std::span<Keyed> items, std::span<Keyed> other, Eigen::Index axis) {
+  const auto by_comparing = [&] {
+    const auto in_order = [&](const Keyed& a, const Keyed& b) { return before(points, a.index, b.index); };
+    // All points of a column of an image have one x, and mostly they are in order.
+    if (!std::is_sorted(items.begin(), items.end(), in_order)) std::sort(items.begin(), items.end(), in_order);
+  };
+  if (items.size() < 2000) return by_comparing();
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Keyed& item : items)
+    low = std::min(low, points[item.index][axis]), high = std::max(high, points[item.index][axis]);
+  if (low == high && axis < 2) return sort_items(points, items, other, axis + 1);
+  const double scale = ((1 << 2 * Keyed::bits) - 1) / (high - low);
+  if (!(scale > 0 && std::isfinite(scale))) return by_comparing();
+  for (Keyed& item : items) {
+    const double place = (points[item.index][axis] - low) * scale;
+    item.key = place > 0 ? static_cast<std::uint32_t>(place) : 0;
+  }
+  sort_by_key(items, other);
+  for (std::size_t begin = 0, end = 0; begin < items.size(); begin = end) {
+    while (end < items.size() && items[end].key == items[begin].key) ++end;
+    if (end - begin > 1) sort_items(points, items.subspan(begin, end - begin), other.subspan(begin, end - begin), axis);
   }
 }
 
 void sort_by_coordinates(const std::vector<Vec3>& points, std::vector<std::uint32_t>& order) {
-  const auto before = [&](std::uint32_t a, std::uint32_t b) {
-    const int c = compared(points[a], points[b]);
-    return c != 0 ? c < 0 : a < b;
-  };
-  if (order.size() < 2000) return std::sort(order.begin(), order.end(), before);
-  LargeVector<Keyed> items(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) items[k] = {key_of(points[order[k]].x()), order[k]};
-  sort_by_key(items);
-  // Equal ones: all points of a column of an image have one x.
-  const auto each_run = [](auto first, auto last, const auto& use) {
-    for (auto end = first; first != last; first = end) {
-      while (end != last && end->key == first->key) ++end;
-      if (end - first > 1) use(first, end);
-    }
-  };
-  each_run(items.begin(), items.end(), [&](auto first, auto last) {
-    for (auto i = first; i != last; ++i) i->key = key_of(points[i->index].y());
-    std::sort(first, last, [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
-    each_run(first, last, [&](auto begin, auto end) {
-      std::sort(begin, end, [&](const Keyed& a, const Keyed& b) { return before(a.index, b.index); });
-    });
-  });
+  LargeVector<Keyed> items(order.size()), other(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) items[k] = {0, order[k]};
+  sort_items(points, items, other, 0);
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = items[k].index;
 }
 

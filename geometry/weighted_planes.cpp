@@ -1,5 +1,6 @@
 #include "geometry/weighted_planes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -78,7 +78,7 @@ TEST_CASE("kd tree: every answer is what comparing with all points gives, in the
           wrong[i] = !same(found, by_hand(points, points[i]), count);
         });
         CHECK(std::count(wrong.begin(), wrong.end(), 1) == 0);
-        std::vector<std::uint32_t> order;
+        LargeVector<std::uint32_t> order;
         tree.nearest_of_each(count, 1, [&](std::uint32_t i, std::span<const Neighbour>) { order.push_back(i); });
         CHECK(order == tree.order());
         for (std::size_t i = 0; i < size; ++i) CHECK(asked[i] == int(points[i].allFinite()));
