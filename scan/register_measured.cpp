@@ -26,6 +26,10 @@ double off_surface(const ViewSurface& surface, std::size_t i) {
   return (surface.measured[i] - surface.points[i]).dot(surface.normals[i]) / surface.sigma;
 }
 
+/// Of many views noise averages out, and what is wrong for whole slanted faces stays; of two noise is most of the error, and slanted
+/// faces are needed against it.
+double share_of(double cosine, std::size_t views) { return views > 2 ? slant_share(cosine) : std::max(cosine, 1e-3); }
+
 /// A measured place against that of its partner in another view.
 struct Match {
   Vec6 row;
@@ -55,7 +59,7 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
     Match match;
     match.row << ((middle - adjusted.center) / adjusted.size).cross(normal), normal;
     const double own = off_surface(from, i), other = off_surface(to, near);
-    match.e = d.dot(n), match.weight = slant_share(cosine) * std::exp(-(own * own + other * other) / (2 * kernel * kernel));
+    match.e = d.dot(n), match.weight = share_of(cosine, adjusted.views.size()) * std::exp(-(own * own + other * other) / (2 * kernel * kernel));
     result.push_back(match);
   }
   return result;
