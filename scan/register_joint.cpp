@@ -461,7 +461,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   Round round;
   round.reach = std::max(options.start_reach, end_reach);
   round.surface_sigma = round.reach / 4;
-  if (options.roughly && views.size() == 2) round.stride = 4;  // the one pose is searched for anew from many starts
+  const bool two = views.size() == 2;
   PairList pairs = neighbour_pairs(problem, round.reach, options.neighbours, context.threads), borders;
   if (options.contours && views.size() > 2)  // of two nothing would tell which face a border belongs to
     for (std::size_t a = 0; a < views.size(); ++a)
@@ -477,6 +477,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   round.border_wide = round.reach / 2;
   const auto match = [&] {
     round.wide = std::max(round.border_wide, 3 * round.surface_sigma);
+    round.stride = two && !round.narrow && !round.grouped ? 4 : 1;  // one pose is soon found that well
     sums.assign(pairs.size(), {}), contour_sums.assign(borders.size(), {});
     parallel_for(pairs.size() + borders.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
