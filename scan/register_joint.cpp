@@ -461,7 +461,9 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   Round round;
   round.reach = std::max(options.start_reach, end_reach);
   round.surface_sigma = round.reach / 4;
-  const bool two = views.size() == 2;
+  // One pose is soon found well enough for narrow kernels.
+  constexpr std::size_t many_samples = 1000, share_of_many = 4;
+  const bool two = views.size() == 2 && std::min(problem.surface(0).samples.size(), problem.surface(1).samples.size()) >= many_samples;
   PairList pairs = neighbour_pairs(problem, round.reach, options.neighbours, context.threads), borders;
   if (options.contours && views.size() > 2)  // of two nothing would tell which face a border belongs to
     for (std::size_t a = 0; a < views.size(); ++a)
@@ -477,7 +479,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   round.border_wide = round.reach / 2;
   const auto match = [&] {
     round.wide = std::max(round.border_wide, 3 * round.surface_sigma);
-    round.stride = two && !round.narrow && !round.grouped ? 4 : 1;  // one pose is soon found that well
+    round.stride = two && !round.narrow && !round.grouped ? share_of_many : 1;
     sums.assign(pairs.size(), {}), contour_sums.assign(borders.size(), {});
     parallel_for(pairs.size() + borders.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)

@@ -74,7 +74,7 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
   VectorXd border_g = border_share * adjusted.border_g;
   const bool two = adjusted.views.size() == 2;
   auto pairs = adjusted.pairs;
-  if (two && surfaces[adjusted.views[pairs[0].first]].points.size() > enough_places) pairs.resize(1);
+  if (two && pairs.size() == 2 && surfaces[adjusted.views[0]].points.size() > enough_places) pairs.pop_back();
   std::vector<NearestAgain> partners;
   for (const auto& [a, b] : pairs) {
     const ViewSurface &from = surfaces[adjusted.views[a]], &to = surfaces[adjusted.views[b]];

@@ -110,7 +110,12 @@ void basin(const Path& scan_json) {
     for (const int off : {5, 10, 20, 30}) std::printf(" %d |", row.by_start[off]);
     std::printf(" %d | %d |", row.refused, row.wrong);
     for (auto* errors : {&row.angle, &row.shift})
-      for (const int overlap : {30, 50, 70, 90}) std::printf("%s%.4f", overlap == 30 ? " " : " / ", median((*errors)[overlap])), std::printf(overlap == 90 ? " |" : "");
+      for (const int overlap : {30, 50, 70, 90}) {
+        std::printf(overlap == 30 ? " " : " / ");
+        if ((*errors)[overlap].empty()) std::printf("none");
+        else std::printf("%.4f", median((*errors)[overlap]));
+        std::printf(overlap == 90 ? " |" : "");
+      }
     std::printf(" %.0f |\n", median(row.spent));
   }
 }
