@@ -62,6 +62,7 @@ struct Round {
   double reach = 0, wide = 0, border_wide = 0;    // mm: across, and the kernels' widths along the normal
   double surface_sigma = 1, contour_sigma = 0.8;    // mm; pixels
   double normal_variance = 1e-3, bias = 0;        // rad^2; pixels
+  std::size_t stride = 1;                         // of the samples
   bool grouped = false, narrow = false;
 
   /// Width of the borders' kernel, in pixels of this size.
@@ -127,7 +128,7 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
   PairSum sum = empty_sum(a, b, round.grouped);
   const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
   const Pose there = problem.poses[b].inverse() * problem.poses[a];
-  for (std::size_t k = 0; k < from.samples.size(); ++k) {
+  for (std::size_t k = 0; k < from.samples.size(); k += round.stride) {
     const auto i = from.samples[k];
     const Vec3 x = there * from.points[i], nx = there.rotation * from.normals[i];
     if (nx.dot(to.raster.ray(x)) > 0.1) continue;  // faces away: the other cannot see it
@@ -460,6 +461,9 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   Round round;
   round.reach = std::max(options.start_reach, end_reach);
   round.surface_sigma = round.reach / 4;
+  // One pose is soon found well enough for narrow kernels.
+  constexpr std::size_t many_samples = 1000, share_of_many = 4;
+  const bool two = views.size() == 2 && std::min(problem.surface(0).samples.size(), problem.surface(1).samples.size()) >= many_samples;
   PairList pairs = neighbour_pairs(problem, round.reach, options.neighbours, context.threads), borders;
   if (options.contours && views.size() > 2)  // of two nothing would tell which face a border belongs to
     for (std::size_t a = 0; a < views.size(); ++a)
@@ -475,6 +479,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   round.border_wide = round.reach / 2;
   const auto match = [&] {
     round.wide = std::max(round.border_wide, 3 * round.surface_sigma);
+    round.stride = two && !round.narrow && !round.grouped ? share_of_many : 1;
     sums.assign(pairs.size(), {}), contour_sums.assign(borders.size(), {});
     parallel_for(pairs.size() + borders.size(), context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)

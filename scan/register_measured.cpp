@@ -19,12 +19,17 @@ constexpr std::size_t most_places = 50000;  // of a view; all that range images 
 constexpr double same_face = 0.9;            // cosine of 26 degrees
 constexpr double border_share = 0.2;       // of what borders weigh beside filtered places; see adjust_by_measured
 constexpr double kernel = 2;                // deviations: mixed pixels of slanted faces lie three to five off, all to one side
-constexpr int rounds = 3;
+constexpr int rounds = 3, rounds_of_two = 2;  // one pose is there after two
+constexpr std::size_t enough_places = 12000;  // of one of two views: the way back finds much the same pairs
 
 /// How far a place was measured from the surface through its neighbours, in deviations.
 double off_surface(const ViewSurface& surface, std::size_t i) {
   return (surface.measured[i] - surface.points[i]).dot(surface.normals[i]) / surface.sigma;
 }
+
+/// Of many views noise averages out, and what is wrong for whole slanted faces stays; of two noise is most of the error, and slanted
+/// faces are needed against it.
+double share_of(double cosine, std::size_t views) { return views > 2 ? slant_share(cosine) : std::max(cosine, 1e-3); }
 
 /// A measured place against that of its partner in another view.
 struct Match {
@@ -55,7 +60,7 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
     Match match;
     match.row << ((middle - adjusted.center) / adjusted.size).cross(normal), normal;
     const double own = off_surface(from, i), other = off_surface(to, near);
-    match.e = d.dot(n), match.weight = slant_share(cosine) * std::exp(-(own * own + other * other) / (2 * kernel * kernel));
+    match.e = d.dot(n), match.weight = share_of(cosine, adjusted.views.size()) * std::exp(-(own * own + other * other) / (2 * kernel * kernel));
     result.push_back(match);
   }
   return result;
@@ -67,15 +72,18 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
   if (adjusted.fixed.cols() == 0) return;
   const auto unknowns = static_cast<Eigen::Index>(6 * (adjusted.views.size() - 1));
   VectorXd border_g = border_share * adjusted.border_g;
+  const bool two = adjusted.views.size() == 2;
+  auto pairs = adjusted.pairs;
+  if (two && pairs.size() == 2 && surfaces[adjusted.views[0]].points.size() > enough_places) pairs.pop_back();
   std::vector<NearestAgain> partners;
-  for (const auto& [a, b] : adjusted.pairs) {
+  for (const auto& [a, b] : pairs) {
     const ViewSurface &from = surfaces[adjusted.views[a]], &to = surfaces[adjusted.views[b]];
     partners.emplace_back(*to.tree, to.points, from.points.size());
   }
-  for (int round = 0; round < rounds && !context.cancelled; ++round) {
-    std::vector<std::vector<Match>> matches(adjusted.pairs.size());
+  for (int round = 0; round < (two ? rounds_of_two : rounds) && !context.cancelled; ++round) {
+    std::vector<std::vector<Match>> matches(pairs.size());
     parallel_for(matches.size(), context.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) matches[k] = matches_of(surfaces, adjusted, poses, adjusted.pairs[k], partners[k]);
+      for (std::size_t k = begin; k < end; ++k) matches[k] = matches_of(surfaces, adjusted, poses, pairs[k], partners[k]);
     }, 1);
     std::vector<double> residuals;
     for (const auto& of_pair : matches)
@@ -91,7 +99,7 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
         const double w = match.weight * std::exp(-match.e * match.e / (2 * wide * wide)) / (sigma * sigma);
         pair_h += w * match.row * match.row.transpose(), pair_g -= w * match.e * match.row;
       }
-      const auto& [a, b] = adjusted.pairs[k];
+      const auto& [a, b] = pairs[k];
       add_pair(a, b, pair_h, h), add_pull(a, b, pair_g, g);
     }
     h += border_share * adjusted.border_h, g += border_g;

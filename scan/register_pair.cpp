@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <unordered_map>
 
 #include "core/statistics.h"
 #include "geometry/nearest_again.h"
@@ -83,13 +83,23 @@ struct CellSum {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   int count = 0;
 };
-using CellSums = std::map<Cell, CellSum>;
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t k : cell) hash = (hash ^ static_cast<std::uint64_t>(k)) * 0x9E3779B97F4A7C15ull, hash ^= hash >> 32;
+    return hash;
+  }
+};
+using CellSums = std::unordered_map<Cell, CellSum, CellHash>;  // means_of puts them in order
 
 void add_cells(const ViewSurface& surface, const Pose& pose, double cell, CellSums& cells) {
+  Cell last{};
+  CellSum* sum = nullptr;  // neighbours mostly share their cell
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
     const Vec3 p = pose * surface.points[i], n = pose.rotation * surface.normals[i];
-    CellSum& sum = cells[cell_of(p, n, cell)];
-    sum.point += p, sum.normal += n, ++sum.count;
+    const Cell key = cell_of(p, n, cell);
+    if (!sum || key != last) sum = &cells[key], last = key;
+    sum->point += p, sum->normal += n, ++sum->count;
   }
 }
 
@@ -101,9 +111,15 @@ std::vector<OrientedPoint> oriented(const Surfels& surfels) {
 }
 
 Surfels means_of(const CellSums& cells) {
+  std::vector<const CellSums::value_type*> sorted;
+  sorted.reserve(cells.size());
+  for (const auto& entry : cells) sorted.push_back(&entry);
+  std::sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->first < b->first; });
   Surfels result;
-  for (const auto& [key, sum] : cells)
+  for (const auto* entry : sorted) {
+    const CellSum& sum = entry->second;
     result.points.push_back(sum.point / sum.count), result.normals.push_back(sum.normal.normalized());
+  }
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "core/number.h"
 #include "core/parallel.h"
@@ -192,23 +193,27 @@ class PoseSearch {
   /// Poses the view ends in from `starts`, best first, each place once. The coarse search keeps many, for what it says
   /// of a place is coarse as well. What ends there where something is `known` is left out.
   std::vector<PoseCandidate> from(const std::vector<Pose>& starts, const std::vector<PoseCandidate>& known = {}) const {
-    std::vector<PoseCandidate> found;
-    for (const Pose& start : guess ? with_places(placement_, view_, starts) : starts) found.push_back({start, {}});
     AlignOptions rough;
     rough.start_reach = 0.35 * surface_.radius, rough.end_reach = coarse_->cell, rough.noise = 0.1 * coarse_->cell, rough.iterations = 40;
     if (guess) rough.settled = 1e-2;
+    std::vector<PoseCandidate> found;
+    for (const Pose& start : guess ? under_way(with_places(placement_, view_, starts), rough) : starts) found.push_back({start, {}});
+    if (guess) rough.start_reach *= 0.36;  // they come from there
     align(found, few_, *coarse_, rough, 4, 200);
     constexpr double near_known = 0.05;  // rad, share of the radius
     std::erase_if(found, [&](const PoseCandidate& c) {
       return std::any_of(known.begin(), known.end(), [&](const PoseCandidate& k) { return same_place(surface_, c.pose, k.pose, near_known, near_known * surface_.radius); });
     });
     found = distinct(found, surface_, 0.1, 32);
+    constexpr double hopeless_coarse = 0.6, hopeless = 0.2;
+    if (guess) drop_contradicted(found, known, hopeless_coarse);
     if (!starts.empty() && known.empty()) found.insert(found.begin(), {starts.front(), {}});  // which may be better than coarse cells can tell
     AlignOptions exact;
-    exact.start_reach = 2 * coarse_->cell, exact.end_reach = std::max(1.5 * surface_.spacing, 4 * surface_.sigma), exact.noise = std::max(0.5 * surface_.sigma, 0.02 * surface_.spacing);
+    exact.start_reach = (guess ? 1 : 2) * coarse_->cell, exact.end_reach = std::max(1.5 * surface_.spacing, 4 * surface_.sigma), exact.noise = std::max(0.5 * surface_.sigma, 0.02 * surface_.spacing);
     if (guess) exact.settled = 3e-3;
     align(found, few_, *fine_, exact, 2, 400);
     found = families(distinct(found, surface_, 0.05, found.size()));
+    if (guess) drop_contradicted(found, known, hopeless);
     slide(found, exact);
     exact.start_reach = exact.end_reach;
     if (guess) exact.settled = 1e-3;
@@ -233,6 +238,31 @@ class PoseSearch {
       if (++count[of] <= most_of_one) result.push_back(c);
     }
     return result;
+  }
+
+  /// Poses after a few rounds from each start, while partners are far: where several are on their way to one place, one of them.
+  std::vector<Pose> under_way(const std::vector<Pose>& starts, AlignOptions rough) const {
+    constexpr double alike = 0.05;  // rad, share of the radius
+    rough.iterations = 8;
+    std::vector<Pose> all(starts.size()), result;
+    parallel_for(starts.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) all[k] = align_symmetric(few_, *coarse_, starts[k], rough);
+    }, 1);
+    for (const Pose& pose : all)
+      if (std::none_of(result.begin(), result.end(), [&](const Pose& r) { return same_place(surface_, r, pose, alike, alike * surface_.radius); })) result.push_back(pose);
+    return result;
+  }
+
+  /// Leaves out what is contradicted by so much more than the best place that may be taken that nothing after this would make it
+  /// a rival. Overlap is not asked: a right place may have a fifth of a wrong one's.
+  void drop_contradicted(std::vector<PoseCandidate>& found, const std::vector<PoseCandidate>& known, double more) const {
+    const Agreement* best = nullptr;
+    for (const auto* list : {&std::as_const(known), &std::as_const(found)})
+      for (const PoseCandidate& c : *list)
+        if (allowed(c.pose) && (!best || c.agreement.score() > best->score())) best = &c.agreement;
+    if (!best) return;
+    const double most = 1.5 * best->contradiction() + more;
+    std::erase_if(found, [&](const PoseCandidate& c) { return c.agreement.contradiction() > most; });
   }
 
   void align(std::vector<PoseCandidate>& candidates, const Surfels& source, const PlacedModel& model, const AlignOptions& options, double factor, std::size_t samples) const {

@@ -1,6 +1,9 @@
 #include "beside.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <map>
 #include <optional>
@@ -42,12 +45,84 @@ Medians medians_of(const Row& row, const Row& other) {
   return {median(std::move(angle)), median(std::move(shift)), starts};
 }
 
+/// Those whose names hold $PEERS, where that is set: some take long.
+std::vector<peers::Method> all_methods() {
+  auto methods = peers::small_gicp_methods();
+  for (const auto& more : {peers::pcl_methods(), peers::open3d_methods()}) methods.insert(methods.end(), more.begin(), more.end());
+  if (const char* asked = std::getenv("PEERS")) std::erase_if(methods, [&](const peers::Method& m) { return m.name.find(asked) == std::string::npos; });
+  return methods;
+}
+
+/// What one method made of the pairs of one part.
+struct BasinRow {
+  std::string name, gate;
+  std::map<int, int> by_overlap{}, by_start{};  // within one degree; percent, degrees
+  int refused = 0, wrong = 0;
+  std::map<int, std::vector<double>> angle{}, shift{};  // degrees, mm, where it was within one degree
+  std::vector<double> spent{};                            // ms
+
+  void count(const PairCase& pair, const PairError& e) {
+    const double degrees = e.angle * 180 / pi;
+    if (degrees > 1) { ++wrong; return; }
+    const int overlap = static_cast<int>(std::lround(100 * pair.overlap));
+    ++by_overlap[overlap], ++by_start[degrees_off(pair)];
+    angle[overlap].push_back(degrees), shift[overlap].push_back(e.shift);
+  }
+};
+
 }  // namespace
+
+void basin(const Path& scan_json) {
+  Context context;
+  std::vector<BasinRow> rows{{"Partscribe", "itself"}};
+  std::vector<peers::Method> methods;
+  for (const double gate : {10.0, 25.0})
+    for (const auto& method : all_methods()) {
+      if (std::any_of(rows.begin(), rows.end(), [&](const BasinRow& r) { return r.name == method.name && r.gate == print_number(gate) + " mm"; })) continue;
+      methods.push_back(method), methods.back().gate = gate;
+      rows.push_back({method.name, print_number(gate) + " mm"});
+    }
+  const auto pairs = basin_cases(scan_json, context);
+  std::size_t declared = 0;
+  for (const PairCase& pair : pairs) {
+    RegisterOptions options;
+    options.guess_angle = pair.start + 0.1;
+    double start = seconds();
+    const auto ours = register_views({pair.first, pair.second}, options, context);
+    rows[0].spent.push_back(1000 * (seconds() - start));
+    if (!ours.ok()) continue;
+    declared += !ours->free_motions.empty();
+    if (ours->views[1].status == ViewStatus::refused) ++rows[0].refused;
+    else rows[0].count(pair, pair_error(pair, ours->views[1].world_from_view, ours->free_motions));
+    const Pose first = *pair.first.guess;
+    for (std::size_t k = 0; k < methods.size(); ++k) {
+      start = seconds();
+      const Pose found = methods[k].align(pair.first.cloud.points, pair.second.cloud.points, first.inverse() * *pair.second.guess, pair.spacing, methods[k].gate);
+      rows[k + 1].spent.push_back(1000 * (seconds() - start));
+      rows[k + 1].count(pair, pair_error(pair, first * found, ours->free_motions));
+    }
+  }
+  std::printf("%zu starts, free motions declared of %zu\n", pairs.size(), declared);
+  std::printf("| method | partners within | overlap 30 %% | 50 | 70 | 90 | 5 deg | 10 | 20 | 30 | refused | wrong | median deg at 30 / 50 / 70 / 90 %% | mm | ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (BasinRow& row : rows) {
+    std::printf("| %s | %s |", row.name.c_str(), row.gate.c_str());
+    for (const int overlap : {30, 50, 70, 90}) std::printf(" %d |", row.by_overlap[overlap]);
+    for (const int off : {5, 10, 20, 30}) std::printf(" %d |", row.by_start[off]);
+    std::printf(" %d | %d |", row.refused, row.wrong);
+    for (auto* errors : {&row.angle, &row.shift})
+      for (const int overlap : {30, 50, 70, 90}) {
+        std::printf(overlap == 30 ? " " : " / ");
+        if ((*errors)[overlap].empty()) std::printf("none");
+        else std::printf("%.4f", median((*errors)[overlap]));
+        std::printf(overlap == 90 ? " |" : "");
+      }
+    std::printf(" %.0f |\n", median(row.spent));
+  }
+}
 
 void beside(const Path& folder, const std::vector<std::string>& names) {
   Context context;
-  auto methods = peers::small_gicp_methods();
-  for (const auto& more : {peers::pcl_methods(), peers::open3d_methods()}) methods.insert(methods.end(), more.begin(), more.end());
+  const auto methods = all_methods();
   std::vector<Row> rows(methods.size() + 1);
   for (const auto& name : scans_in(folder, names))
     for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, context)) {

@@ -30,6 +30,48 @@ double overlap_of(const ViewSurface& first, const Pose& first_pose, const ViewSu
   return asked ? double(shared) / double(asked) : 0;
 }
 
+/// Two views and the share of the second's surface that the first has as well.
+struct Overlap {
+  std::size_t a, b;
+  double share;
+};
+
+/// The views of a scan at their true poses, and every two of them.
+struct ScanPairs {
+  std::vector<RegisterView> views;
+  std::vector<double> spacing;
+  std::vector<Overlap> pairs;
+  Vec3 middle = Vec3::Zero();
+  double radius = 0;
+};
+
+ScanPairs pairs_of_scan(const Path& scan_json, Context& context) {
+  ScanPairs result;
+  std::vector<RangeImage> images;
+  const auto scan = read_scan({scan_json}, {}, context, &images);
+  if (!scan.ok()) return result;
+  result.views = views_to_register(*scan, images, context);
+  result.middle = scan->cloud.bounds().center(), result.radius = scan->cloud.bounds().diagonal() / 3.5;
+  const auto surfaces = view_surfaces(result.views, 1500, context);
+  for (std::size_t a = 0; a < surfaces.size(); ++a) {
+    result.spacing.push_back(surfaces[a].spacing);
+    for (std::size_t b = a + 1; b < surfaces.size(); ++b)
+      if (surfaces[a].usable() && surfaces[b].usable())
+        result.pairs.push_back({a, b, overlap_of(surfaces[a], *result.views[a].guess, surfaces[b], *result.views[b].guess)});
+  }
+  return result;
+}
+
+/// From so many degrees and a twentieth of the radius off.
+PairCase started(const ScanPairs& scan, const std::string& name, const Overlap& of, int off, Random& random) {
+  const auto direction = [&] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
+  const Mat3 turn = rotation_of(off * pi / 180 * direction());
+  const Pose truth = *scan.views[of.b].guess;
+  PairCase pair{name + " " + std::to_string(of.a) + " " + std::to_string(of.b), scan.views[of.a], scan.views[of.b], truth, of.share, off * pi / 180, scan.radius, scan.spacing[of.b]};
+  pair.second.guess = Pose{turn, scan.middle - turn * scan.middle + 0.05 * scan.radius * direction()} * truth;
+  return pair;
+}
+
 }  // namespace
 
 std::vector<std::string> scans_in(const Path& folder, std::vector<std::string> names) {
@@ -42,40 +84,31 @@ std::vector<std::string> scans_in(const Path& folder, std::vector<std::string> n
 
 std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context) {
   std::vector<PairCase> result;
-  std::vector<RangeImage> images;
-  const auto scan = read_scan({scan_json}, {}, context, &images);
-  if (!scan.ok()) return result;
-  const auto views = views_to_register(*scan, images, context);
-  std::vector<Pose> poses;
-  for (const auto& view : views) poses.push_back(*view.guess);
-  const auto surfaces = view_surfaces(views, 1500, context);
-  struct Found {
-    std::size_t a, b;
-    double overlap;
-  };
-  std::array<std::vector<Found>, 5> fifths;
-  for (std::size_t a = 0; a < views.size(); ++a)
-    for (std::size_t b = a + 1; b < views.size(); ++b) {
-      if (!surfaces[a].usable() || !surfaces[b].usable()) continue;
-      const double overlap = overlap_of(surfaces[a], poses[a], surfaces[b], poses[b]);
-      fifths[std::size_t(std::min(4, int(overlap * 5)))].push_back({a, b, overlap});
-    }
-  const Vec3 middle = scan->cloud.bounds().center();
-  const double radius = scan->cloud.bounds().diagonal() / 3.5;
+  const ScanPairs scan = pairs_of_scan(scan_json, context);
+  std::array<std::vector<Overlap>, 5> fifths;
+  for (const Overlap& pair : scan.pairs) fifths[std::size_t(std::min(4, int(pair.share * 5)))].push_back(pair);
   Random random(11);
   for (std::size_t fifth = 1; fifth < fifths.size(); ++fifth) {
     const auto& list = fifths[fifth];
     const std::size_t count = std::min(list.size(), std::size_t(most));
-    for (std::size_t k = 0; k < count; ++k) {
-      const Found& f = list[(2 * k + 1) * list.size() / (2 * count)];
-      for (const int off : {5, 15, 30, 60}) {
-        const auto direction = [&] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
-        const Mat3 turn = rotation_of(off * pi / 180 * direction());
-        PairCase pair{name + " " + std::to_string(f.a) + " " + std::to_string(f.b), views[f.a], views[f.b], poses[f.b], f.overlap, off * pi / 180, radius, surfaces[f.b].spacing};
-        pair.second.guess = Pose{turn, middle - turn * middle + 0.05 * radius * direction()} * poses[f.b];
-        result.push_back(std::move(pair));
+    for (std::size_t k = 0; k < count; ++k)
+      for (const int off : {5, 15, 30, 60}) result.push_back(started(scan, name, list[(2 * k + 1) * list.size() / (2 * count)], off, random));
+  }
+  return result;
+}
+
+std::vector<PairCase> basin_cases(const Path& scan_json, Context& context) {
+  constexpr std::size_t seeds = 8;
+  std::vector<PairCase> result;
+  ScanPairs scan = pairs_of_scan(scan_json, context);
+  Random random(11);
+  for (const double share : {0.3, 0.5, 0.7, 0.9}) {
+    std::stable_sort(scan.pairs.begin(), scan.pairs.end(), [&](const Overlap& a, const Overlap& b) { return std::abs(a.share - share) < std::abs(b.share - share); });
+    for (std::size_t seed = 0; seed < std::min(seeds, scan.pairs.size()); ++seed)
+      for (const int off : {5, 10, 20, 30}) {
+        result.push_back(started(scan, "", scan.pairs[seed], off, random));
+        result.back().overlap = share;
       }
-    }
   }
   return result;
 }

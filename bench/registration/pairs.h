@@ -27,6 +27,10 @@ std::vector<std::string> scans_in(const Path& folder, std::vector<std::string> n
 /// radius off. The same every time.
 std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context);
 
+/// Of one part: for overlaps of 30, 50, 70 and 90 % the eight pairs that come nearest, each from 5, 10, 20 and 30 degrees and a
+/// twentieth of the radius off; `overlap` is the one asked for. The same every time.
+std::vector<PairCase> basin_cases(const Path& scan_json, Context& context);
+
 /// How far a pose of the second view is off, at the middle of its points, once the motions that were declared free are
 /// followed to where it comes nearest.
 struct PairError {

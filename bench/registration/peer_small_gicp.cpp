@@ -1,4 +1,4 @@
-// small_gicp: point to plane, GICP and GICP against voxels, one thread, neighbours and ends as its authors advise.
+// small_gicp: point to point, point to plane, GICP and GICP against voxels, one thread, neighbours and ends as its authors advise.
 #include "peers.h"
 
 #if __has_include(<small_gicp/registration/registration.hpp>)
@@ -8,6 +8,7 @@
 #include <small_gicp/ann/gaussian_voxelmap.hpp>
 #include <small_gicp/ann/kdtree.hpp>
 #include <small_gicp/factors/gicp_factor.hpp>
+#include <small_gicp/factors/icp_factor.hpp>
 #include <small_gicp/factors/plane_icp_factor.hpp>
 #include <small_gicp/points/point_cloud.hpp>
 #include <small_gicp/registration/reduction.hpp>
@@ -48,6 +49,11 @@ Pose run(const small_gicp::PointCloud& source, const Target& target, const Searc
   return {found.T_target_source.linear(), found.T_target_source.translation()};
 }
 
+Pose icp(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing, double gate) {
+  const Prepared target = prepare(first, 2 * spacing), source = prepare(second, 2 * spacing);
+  return run<small_gicp::ICPFactor>(*source.cloud, *target.cloud, *target.tree, guess, gate);
+}
+
 Pose plane(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing, double gate) {
   const Prepared target = prepare(first, 2 * spacing), source = prepare(second, 2 * spacing);
   return run<small_gicp::PointToPlaneICPFactor>(*source.cloud, *target.cloud, *target.tree, guess, gate);
@@ -70,7 +76,7 @@ Pose vgicp(const std::vector<Vec3>& first, const std::vector<Vec3>& second, cons
 std::vector<Method> small_gicp_methods() {
   std::vector<Method> result;
   for (const double gate : {0.2, 0.5})
-    for (const auto& [name, align] : {std::pair{"plane", &plane}, std::pair{"gicp", &gicp}, std::pair{"vgicp", &vgicp}})
+    for (const auto& [name, align] : {std::pair{"icp", &icp}, std::pair{"plane", &plane}, std::pair{"gicp", &gicp}, std::pair{"vgicp", &vgicp}})
       result.push_back({std::string("small_gicp ") + name, gate, align});
   return result;
 }

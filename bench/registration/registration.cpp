@@ -288,6 +288,7 @@ int main(int count, char** arguments) {
   if (words.size() >= 3 && words[0] == "turntable") return turntable({words.begin() + 1, words.end()}), 0;
   if (words.size() >= 2 && words[0] == "starts") return starts(words[1], {words.begin() + 2, words.end()}), 0;
   if (words.size() >= 2 && words[0] == "beside") return beside(words[1], {words.begin() + 2, words.end()}), 0;
-  std::fprintf(stderr, "usage: bench_registration cases|paper|starts|beside DIR [CASE...] | published FILE DEG MM | unknown FILE | turntable FILE...\n");
+  if (words.size() == 2 && words[0] == "basin") return basin(words[1]), 0;
+  std::fprintf(stderr, "usage: bench_registration cases|paper|starts|beside DIR [CASE...] | basin FILE | published FILE DEG MM | unknown FILE | turntable FILE...\n");
   return 2;
 }

@@ -671,6 +671,51 @@ TEST_CASE("register: a pair of views of a box from 60 degrees off is right, or i
   CHECK(placed >= 1);
 }
 
+namespace {
+
+/// Two views of a block that nothing turns onto itself, the second from so many degrees off.
+std::vector<RegisterView> block_pair(const Case& scan, double degrees, const Vec3& axis) {
+  std::vector<RegisterView> pair{scan.views[0], scan.views[1]};
+  const Mat3 turn = rotation_of(degrees * pi / 180 * axis.normalized());
+  pair[0].guess = scan.truth[0], pair[1].guess = Pose{turn, Vec3(0.5, -0.5, 0.3)} * scan.truth[1];
+  return pair;
+}
+
+RegisterOptions within(double degrees) {
+  RegisterOptions options;
+  options.guess_angle = degrees * pi / 180 + 0.1;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("register: a pair of views comes to one place from wherever it starts") {
+  auto options = small();
+  options.resolution = 96;
+  const Case scan = scan_of(cut_block(), options, 0, 0);
+  std::vector<Pose> found;
+  for (const double degrees : {5.0, 15.0, 30.0})
+    for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 1), Vec3(-1, 1, -1)}) {
+      INFO(degrees << " degrees about " << axis.transpose());
+      const Registration result = run(block_pair(scan, degrees, axis), within(degrees));
+      REQUIRE(result.views[1].status == ViewStatus::registered);
+      CHECK(off_truth(result, {scan.truth[0], scan.truth[1]}).angle < 0.3 * pi / 180);
+      found.push_back(result.views[1].world_from_view);
+    }
+  for (const Pose& pose : found) CHECK(rotation_vector(found[0].rotation.transpose() * pose.rotation).norm() < 0.03 * pi / 180);
+}
+
+TEST_CASE("register: a pair of views far off has the same bytes for any number of threads") {
+  auto options = small();
+  options.resolution = 48;
+  const Case scan = scan_of(cut_block(), options, 0, 0);
+  const auto pair = block_pair(scan, 25, {1, 2, 3});
+  const Registration one = run(pair, within(25), 1), three = run(pair, within(25), 3);
+  CHECK(one.views[1].world_from_view.rotation == three.views[1].world_from_view.rotation);
+  CHECK(one.views[1].world_from_view.translation == three.views[1].world_from_view.translation);
+  CHECK(one.views[1].covariance == three.views[1].covariance);
+}
+
 TEST_CASE("register: what a free motion would displace floats, and what it leaves alone does not") {
   Registration registration;
   registration.views.resize(3);
