@@ -235,6 +235,8 @@ struct Fitter {
     if (bend.shape.flat()) return f;
     if (planes.count.row(r)[c] < 25 || bend.far_steeper)
       return better(f, bent(f, bend, r, c, sigma), bend.far_steeper, sigma);
+    // Where it ends within the window no arc is right.
+    if (std::abs(f.value - bend.shape.mean()) > acceptance * sigma) return broken(r, c, sigma);
     f.value -= bend.shape.mean();
     f.slope_x -= bend.shape.steepening() * tilt.x, f.slope_y -= bend.shape.steepening() * tilt.y;
     f.variance += bend.variance, f.model = RltsModel::quadric;
@@ -291,10 +293,9 @@ struct Fitter {
   /// A bend from less steep places beside may be that of another face: then the samples have to ask for it. What they
   /// do not tell makes the value uncertain.
   static WindowFacet better(const WindowFacet& flat, const WindowFacet& bent, bool doubtful, float sigma) {
-    if (!doubtful) return bent;
     const float gain = flat.cost - bent.cost;
     if (bent.model == RltsModel::raw || gain < -significant_bend) return flat;
-    if (gain > significant_bend) return bent;
+    if (!doubtful || gain > significant_bend) return bent;
     WindowFacet either = flat;
     const float off = (flat.value - bent.value) / sigma;
     either.variance += 0.25F * off * off;
