@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "core/ensure.h"
 #include "core/parallel.h"
@@ -331,15 +333,17 @@ void put(const RangeHeights& h, int r, int c, const WindowFacet& facet, float si
 
 constexpr WindowFacet rejected_facet{0, 0, 0, 1, RltsModel::rejected};
 
-/// Whether a sample lies on the surfaces of two or more pixels beside it, one of them known well. Where a bent edge
-/// passes, or three faces meet, no two planes explain its own window, but one of theirs may hold it.
-bool continues_neighbours(const RangeHeights& h, const FilteredImage& out, int r, int c, float sigma) {
+/// A sample that lies on the surfaces of two or more pixels beside it, one of them known well, on the one known best; raw if
+/// there are none. Where a bent edge passes, or three faces meet, no two planes explain its own window, but one of theirs
+/// may hold it.
+WindowFacet continued(const RangeHeights& h, const FilteredImage& out, int r, int c, float sigma) {
   constexpr double limit = 3;  // deviations
   constexpr int enough = 2;
-  constexpr float well_known = 0.55F;  // of the noise: surfaces of a handful of samples can be drawn through anything
-  const double own = h.grid.row(r)[c];
+  constexpr double well_known = 0.55;  // of the noise: surfaces of a handful of samples can be drawn through anything
+  const double own = h.grid.row(r)[c], noise = sigma;
   int agreeing = 0;
-  bool known = false;
+  double least = well_known;
+  WindowFacet best = rejected_facet;
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x) {
       if (r + y < 0 || c + x < 0 || r + y >= h.height_px || c + x >= h.width) continue;
@@ -347,13 +351,18 @@ bool continues_neighbours(const RangeHeights& h, const FilteredImage& out, int r
       const RltsModel model = out.model[i];
       if (model != RltsModel::plane && model != RltsModel::quadric && model != RltsModel::side) continue;
       const double there = h.height(out.depth[i]), scale = h.mm_per_height(there);
-      const double expected = there - (x * out.slope_column[i] + y * out.slope_row[i]) / scale;
-      const double noise = std::hypot(static_cast<double>(sigma), out.sigma[i] / scale);
-      if (std::abs(own - expected) > limit * noise) continue;
+      const double slope_x = out.slope_column[i] / scale, slope_y = out.slope_row[i] / scale;
+      const double off = there - x * slope_x - y * slope_y - own, known_to = out.sigma[i] / scale;
+      if (std::abs(off) > limit * std::hypot(noise, known_to)) continue;
       ++agreeing;
-      known = known || out.sigma[i] <= well_known * out.raw_sigma[i];
+      const double share = out.sigma[i] / out.raw_sigma[i];
+      if (share > least) continue;
+      least = share;
+      // What it foretells beside its own pixel is about twice as uncertain.
+      const double variance = 2 * known_to * known_to / (noise * noise), weight = 1 / (1 + variance);
+      best = {static_cast<float>(weight * off), static_cast<float>(slope_x), static_cast<float>(slope_y), static_cast<float>(variance * weight), RltsModel::side};
     }
-  return agreeing >= enough && known;
+  return agreeing >= enough ? best : rejected_facet;
 }
 
 /// The bit whose flip brings a rejected code back to the surface around it; -1 if there is none.
@@ -428,12 +437,14 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
       put(h, r, c, facet, s, out);
     }
   });
-  // Only pixels with a surface of their own are asked, so that the order does not matter.
+  // Only pixels with a surface of their own are asked: all are, before any is changed.
+  std::vector<std::vector<std::pair<int, WindowFacet>>> found(static_cast<std::size_t>(h.height_px));
   each_row(h, context, [&](int r) {
     for (int c = 0; c < h.width; ++c)
-      if (unexplained.row(r)[c] && continues_neighbours(h, out, r, c, sigma.row(r)[c]))
-        put(h, r, c, {0, 0, 0, 1, RltsModel::raw}, sigma.row(r)[c], out);
+      if (unexplained.row(r)[c]) found[static_cast<std::size_t>(r)].emplace_back(c, continued(h, out, r, c, sigma.row(r)[c]));
   });
+  for (int r = 0; r < h.height_px; ++r)
+    for (const auto& [c, facet] : found[static_cast<std::size_t>(r)]) put(h, r, c, facet, sigma.row(r)[c], out);
   count(image, h, &planes, &sigma, out);
   return out;
 }
