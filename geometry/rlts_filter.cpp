@@ -342,7 +342,7 @@ WindowFacet continued(const RangeHeights& h, const FilteredImage& out, int r, in
   constexpr double well_known = 0.55;  // of the noise: surfaces of a handful of samples can be drawn through anything
   const double own = h.grid.row(r)[c], noise = sigma;
   int agreeing = 0;
-  double least = well_known;
+  double least = well_known, weight = 0, mean = 0, square = 0;
   WindowFacet best = rejected_facet;
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x) {
@@ -352,17 +352,21 @@ WindowFacet continued(const RangeHeights& h, const FilteredImage& out, int r, in
       if (model != RltsModel::plane && model != RltsModel::quadric && model != RltsModel::side) continue;
       const double there = h.height(out.depth[i]), scale = h.mm_per_height(there);
       const double slope_x = out.slope_column[i] / scale, slope_y = out.slope_row[i] / scale;
-      const double off = there - x * slope_x - y * slope_y - own, known_to = out.sigma[i] / scale;
-      if (std::abs(off) > limit * std::hypot(noise, known_to)) continue;
+      const double off = (there - x * slope_x - y * slope_y - own) / noise, known_to = out.sigma[i] / scale / noise;
+      if (std::abs(off) > limit * std::hypot(1, known_to)) continue;
       ++agreeing;
+      const double w = 1 / (known_to * known_to);
+      weight += w, mean += w * off, square += w * off * off;
       const double share = out.sigma[i] / out.raw_sigma[i];
       if (share > least) continue;
       least = share;
-      // What it foretells beside its own pixel is about twice as uncertain.
-      const double variance = 2 * known_to * known_to / (noise * noise), weight = 1 / (1 + variance);
-      best = {static_cast<float>(weight * off), static_cast<float>(slope_x), static_cast<float>(slope_y), static_cast<float>(variance * weight), RltsModel::side};
+      best = {0, static_cast<float>(slope_x), static_cast<float>(slope_y), static_cast<float>(2 * known_to * known_to), RltsModel::side};
     }
-  return agreeing >= enough ? best : rejected_facet;
+  if (agreeing < enough || best.model == RltsModel::rejected) return rejected_facet;
+  mean /= weight;
+  const double variance = best.variance + square / weight - mean * mean, share = 1 / (1 + variance);
+  best.value = static_cast<float>(share * mean * noise), best.variance = static_cast<float>(share * variance);
+  return best;
 }
 
 /// The bit whose flip brings a rejected code back to the surface around it; -1 if there is none.
