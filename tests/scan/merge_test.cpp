@@ -104,6 +104,34 @@ TEST_CASE("merge: a sharp edge is not rounded") {
   CHECK(std::abs(sum / double(merged.cloud.size())) < 0.2 * sigma);
 }
 
+TEST_CASE("merge: a sample that nobody confirms is left out, and its place goes to others") {
+  PointCloud cloud = plane_twice();
+  cloud.points[40].z() += 0.4, cloud.points[4040].z() -= 0.6;
+  cloud.sigma[40] = cloud.sigma[4040] = 0.01F;  // the first to be asked
+  Context context;
+  const MergedCloud merged = merge_views(cloud, {}, context);
+  for (const Vec3& p : merged.cloud.points) CHECK(std::abs(p.z()) < 5 * sigma);
+  const KdTree tree(merged.cloud.points);
+  for (const std::size_t i : {40, 4040}) CHECK(tree.nearest_one(cloud.points[i]).sq_distance < 1);
+}
+
+TEST_CASE("merge: a wire of single samples, a step and the far end of a sparse view stay") {
+  PointCloud cloud;
+  Random random(6);
+  for (int i = 0; i < 60; ++i) add(cloud, {0.3 * i, -3, 5}, Vec3::UnitZ(), 0, random);  // a wire
+  for (std::int32_t view = 0; view < 2; ++view)
+    for (int x = 0; x < 60; ++x)
+      for (int y = 0; y < 40; ++y) add(cloud, {0.3 * x, 0.3 * y, y < 20 ? 0.0 : 0.5}, Vec3::UnitZ(), view, random);
+  for (int x = 0; x < 6; ++x)
+    for (int y = 0; y < 6; ++y) add(cloud, {30 + 4.0 * x, 4.0 * y, 0}, Vec3::UnitZ(), 1, random);
+  Context context;
+  const MergedCloud merged = merge_views(cloud, {}, context);
+  const KdTree tree(merged.cloud.points);
+  std::size_t gone = 0;
+  for (const Vec3& p : cloud.points) gone += tree.nearest_one(p).sq_distance > 0.4 * 0.4;
+  CHECK(gone == 0);
+}
+
 TEST_CASE("merge: the same for any number of threads; bad input gives nothing") {
   const PointCloud cloud = plane_twice();
   Context one, four;
