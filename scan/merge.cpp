@@ -94,7 +94,7 @@ bool confirmed(const PointCloud& cloud, const KdTree& tree, const std::vector<st
   for (const Neighbour& neighbour : near) {
     const std::uint32_t k = usable[neighbour.index];
     const Vec3& m = cloud.normals[k];
-    if (k == i || m.isZero()) continue;
+    if (k == i || m.isZero() || m.dot(n) < 0) continue;  // who saw the other side of a wall cannot tell
     if (++asked > least && neighbour.sq_distance > reach * reach) break;
     if (!n.isZero() && !(m.dot(n) > cosine)) continue;
     // Off the other's plane; on a round face, where that bends away, the mean of both normals knows better.

@@ -1,5 +1,6 @@
 #include "scan/merge.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
@@ -130,6 +131,18 @@ TEST_CASE("merge: a wire of single samples, a step and the far end of a sparse v
   std::size_t gone = 0;
   for (const Vec3& p : cloud.points) gone += tree.nearest_one(p).sq_distance > 0.4 * 0.4;
   CHECK(gone == 0);
+}
+
+TEST_CASE("merge: of a thin wall a side of few samples stays beside one of many") {
+  PointCloud cloud;
+  Random random(7);
+  for (int x = 0; x < 100; ++x)
+    for (int y = 0; y < 100; ++y) add(cloud, {0.1 * x, 0.1 * y, 0.15}, Vec3::UnitZ(), 0, random);
+  for (int x = 0; x < 10; ++x)
+    for (int y = 0; y < 10; ++y) add(cloud, {x + 0.1, y + 0.1, -0.15}, -Vec3::UnitZ(), 1, random);
+  Context context;
+  const MergedCloud merged = merge_views(cloud, {}, context);
+  CHECK(std::count_if(merged.cloud.normals.begin(), merged.cloud.normals.end(), [](const Vec3& n) { return n.z() < 0; }) == 100);
 }
 
 TEST_CASE("merge: the same for any number of threads; bad input gives nothing") {
