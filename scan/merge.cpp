@@ -85,8 +85,9 @@ class Disks {
 /// `reach`. True where nobody can tell.
 bool confirmed(const PointCloud& cloud, const KdTree& tree, const std::vector<std::uint32_t>& usable, std::uint32_t i, double reach,
                const MergeOptions& options, std::vector<Neighbour>& near) {
-  constexpr std::size_t most = 16;
-  constexpr int least = 5, enough = 2;
+  constexpr std::size_t most = 16;  // of thousands of overlapping views the nearest are enough
+  constexpr int least = 5;          // near or far: a view may be sparser than the others
+  constexpr int enough = 2;         // three cost 0.4 % more of the points and take as many far-off ones out
   const Vec3 &p = cloud.points[i], &n = cloud.normals[i];
   const double cosine = std::cos(options.max_normal_angle);
   int agreeing = 0, asked = 0;
