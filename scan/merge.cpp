@@ -87,7 +87,7 @@ bool confirmed(const PointCloud& cloud, const KdTree& tree, const std::vector<st
                const MergeOptions& options, std::vector<Neighbour>& near) {
   constexpr std::size_t most = 16;  // of thousands of overlapping views the nearest are enough
   constexpr int least = 5;          // near or far: a view may be sparser than the others
-  constexpr int enough = 2;         // three cost 0.4 % more of the points and take as many far-off ones out
+  constexpr int enough = 2;         // three leave out up to 0.4 % more, hardly any of them far off
   const Vec3 &p = cloud.points[i], &n = cloud.normals[i];
   const double cosine = std::cos(options.max_normal_angle);
   int agreeing = 0, asked = 0;
