@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "core/ensure.h"
 #include "core/parallel.h"
@@ -235,6 +237,8 @@ struct Fitter {
     if (bend.shape.flat()) return f;
     if (planes.count.row(r)[c] < 25 || bend.far_steeper)
       return better(f, bent(f, bend, r, c, sigma), bend.far_steeper, sigma);
+    // Where it ends within the window no arc is right.
+    if (std::abs(f.value - bend.shape.mean()) > acceptance * sigma) return broken(r, c, sigma);
     f.value -= bend.shape.mean();
     f.slope_x -= bend.shape.steepening() * tilt.x, f.slope_y -= bend.shape.steepening() * tilt.y;
     f.variance += bend.variance, f.model = RltsModel::quadric;
@@ -291,10 +295,9 @@ struct Fitter {
   /// A bend from less steep places beside may be that of another face: then the samples have to ask for it. What they
   /// do not tell makes the value uncertain.
   static WindowFacet better(const WindowFacet& flat, const WindowFacet& bent, bool doubtful, float sigma) {
-    if (!doubtful) return bent;
     const float gain = flat.cost - bent.cost;
     if (bent.model == RltsModel::raw || gain < -significant_bend) return flat;
-    if (gain > significant_bend) return bent;
+    if (!doubtful || gain > significant_bend) return bent;
     WindowFacet either = flat;
     const float off = (flat.value - bent.value) / sigma;
     either.variance += 0.25F * off * off;
@@ -330,15 +333,17 @@ void put(const RangeHeights& h, int r, int c, const WindowFacet& facet, float si
 
 constexpr WindowFacet rejected_facet{0, 0, 0, 1, RltsModel::rejected};
 
-/// Whether a sample lies on the surfaces of two or more pixels beside it, one of them known well. Where a bent edge
-/// passes, or three faces meet, no two planes explain its own window, but one of theirs may hold it.
-bool continues_neighbours(const RangeHeights& h, const FilteredImage& out, int r, int c, float sigma) {
+/// A sample that lies on the surfaces of two or more pixels beside it, one of them known well: the mean of its own height
+/// and what they foretell, with the slope of the one known best; rejected if there are none. Where a bent edge passes, or
+/// three faces meet, no two planes explain its own window, but one of theirs may hold it.
+WindowFacet continued(const RangeHeights& h, const FilteredImage& out, int r, int c, float sigma) {
   constexpr double limit = 3;  // deviations
   constexpr int enough = 2;
-  constexpr float well_known = 0.55F;  // of the noise: surfaces of a handful of samples can be drawn through anything
-  const double own = h.grid.row(r)[c];
+  constexpr double well_known = 0.55;  // of the noise: surfaces of a handful of samples can be drawn through anything
+  const double own = h.grid.row(r)[c], noise = sigma;
   int agreeing = 0;
-  bool known = false;
+  double least = well_known, weight = 0, mean = 0, square = 0;
+  WindowFacet best = rejected_facet;
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x) {
       if (r + y < 0 || c + x < 0 || r + y >= h.height_px || c + x >= h.width) continue;
@@ -346,13 +351,22 @@ bool continues_neighbours(const RangeHeights& h, const FilteredImage& out, int r
       const RltsModel model = out.model[i];
       if (model != RltsModel::plane && model != RltsModel::quadric && model != RltsModel::side) continue;
       const double there = h.height(out.depth[i]), scale = h.mm_per_height(there);
-      const double expected = there - (x * out.slope_column[i] + y * out.slope_row[i]) / scale;
-      const double noise = std::hypot(static_cast<double>(sigma), out.sigma[i] / scale);
-      if (std::abs(own - expected) > limit * noise) continue;
+      const double slope_x = out.slope_column[i] / scale, slope_y = out.slope_row[i] / scale;
+      const double off = (there - x * slope_x - y * slope_y - own) / noise, known_to = out.sigma[i] / scale / noise;
+      if (std::abs(off) > limit * std::hypot(1, known_to)) continue;
       ++agreeing;
-      known = known || out.sigma[i] <= well_known * out.raw_sigma[i];
+      const double w = 1 / (known_to * known_to);
+      weight += w, mean += w * off, square += w * off * off;
+      const double share = out.sigma[i] / out.raw_sigma[i];
+      if (share > least) continue;
+      least = share;
+      best = {0, static_cast<float>(slope_x), static_cast<float>(slope_y), static_cast<float>(2 * known_to * known_to), RltsModel::side};
     }
-  return agreeing >= enough && known;
+  if (agreeing < enough || best.model == RltsModel::rejected) return rejected_facet;
+  mean /= weight;
+  const double variance = best.variance + square / weight - mean * mean, share = 1 / (1 + variance);
+  best.value = static_cast<float>(share * mean * noise), best.variance = static_cast<float>(share * variance);
+  return best;
 }
 
 /// The bit whose flip brings a rejected code back to the surface around it; -1 if there is none.
@@ -427,12 +441,14 @@ FilteredImage combined(const RangeImage& image, const RangeHeights& h, const Rlt
       put(h, r, c, facet, s, out);
     }
   });
-  // Only pixels with a surface of their own are asked, so that the order does not matter.
+  // Only pixels with a surface of their own are asked: all are, before any is changed.
+  std::vector<std::vector<std::pair<int, WindowFacet>>> found(static_cast<std::size_t>(h.height_px));
   each_row(h, context, [&](int r) {
     for (int c = 0; c < h.width; ++c)
-      if (unexplained.row(r)[c] && continues_neighbours(h, out, r, c, sigma.row(r)[c]))
-        put(h, r, c, {0, 0, 0, 1, RltsModel::raw}, sigma.row(r)[c], out);
+      if (unexplained.row(r)[c]) found[static_cast<std::size_t>(r)].emplace_back(c, continued(h, out, r, c, sigma.row(r)[c]));
   });
+  for (int r = 0; r < h.height_px; ++r)
+    for (const auto& [c, facet] : found[static_cast<std::size_t>(r)]) put(h, r, c, facet, sigma.row(r)[c], out);
   count(image, h, &planes, &sigma, out);
   return out;
 }

@@ -1,6 +1,7 @@
 #include "geometry/window_facet.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/bent_surface.h"
 #include "geometry/window_kernels.h"
@@ -53,6 +54,27 @@ bool wild_middle(const Window& heights, Window weights, float cost_with) {
   return true;
 }
 
+/// Where the middle lies by all sides, each as likely as it explains the window.
+void average(const Sides& sides, float least, WindowFacet& facet) {
+  double weight = 0, value = 0, square = 0;
+  for (std::size_t j = 0; j < sides.cost.size(); ++j) {
+    if (sides.cost[j] > least + 14) continue;
+    const double w = std::exp(-0.5 * static_cast<double>(sides.cost[j] - least)), v = sides.value[j];
+    weight += w, value += w * v, square += w * (v * v + static_cast<double>(sides.variance[j]));
+  }
+  value /= weight, square /= weight;
+  facet.value = static_cast<float>(value), facet.variance = static_cast<float>(square - value * value);
+}
+
+/// Of a few hundredths of all edges two planes say nothing (three faces meet, the edge is bent), and the sample alone tells.
+void doubt(WindowFacet& facet) {
+  constexpr double strays = 0.05;  // density of what they say then, in that of noise at its middle
+  const double v = facet.value, left = std::max(1 - static_cast<double>(facet.variance), 0.01);
+  const double wrong = strays / (strays + std::exp(-0.5 * v * v / left) / std::sqrt(left));
+  facet.value = static_cast<float>((1 - wrong) * v);
+  facet.variance = static_cast<float>((1 - wrong) * static_cast<double>(facet.variance) + wrong + wrong * (1 - wrong) * v * v);
+}
+
 }  // namespace
 
 WindowFacet window_facet(const Window& heights, const Window& weights, bool firm) {
@@ -78,6 +100,8 @@ WindowFacet window_facet(const Window& heights, const Window& weights, bool firm
   if (split_cost >= cost) return best;
   if (!firm && wild_middle(heights, weights, sides.cost[s])) return {0, 0, 0, 1, RltsModel::raw, split_cost};
   best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side, split_cost};
+  average(sides, sides.cost[s], best);
+  doubt(best);
   if (sides.near_count[s] < 9 || sides.near_sse[s] <= significant_bend + 0.5F * sides.near_count[s]) return best;
   Window near = weights;
   for (int k = 0; k < 25; ++k)
@@ -85,6 +109,7 @@ WindowFacet window_facet(const Window& heights, const Window& weights, bool firm
   const WindowFit bent = quadric_fit(heights, near);
   if (!bent.good || bent.sse + significant_bend >= sides.near_sse[s]) return best;
   best = bent.facet, best.model = RltsModel::side;
+  doubt(best);
   best.cost = split_cost - sides.near_sse[s] + bent.sse + significant_bend;
   return best;
 }

@@ -25,7 +25,8 @@ struct MergedCloud {
 /// Keeps, at every place, the sample of smallest sigma (Poisson disks of `spacing`, apart for normals that differ by more
 /// than 60 degrees, so that edges and both sides of thin walls stay) and moves it along its own normal to the mean of the
 /// views around it, each weighted by its variance: what is next to an edge keeps its place. Samples of one view count as
-/// one, for a filter has made them alike. `cloud` needs normals, sigma and view; rejected points are left out. Where the
+/// one, for a filter has made them alike. A sample of which no two others around say that a surface passes there, of its own
+/// view or another, is left out. `cloud` needs normals, sigma and view; rejected points are left out. Where the
 /// normal is unknown (zero) a sample stands for itself. The same for any number of threads.
 MergedCloud merge_views(const PointCloud& cloud, const MergeOptions& options, Context& context);
 

@@ -48,22 +48,38 @@ Scene scene_of(const Model& model, int bits, double sigma, double bit_error) {
   return scene;
 }
 
-void row(const char* name, const std::vector<Vec3>& points, const ModelDistance& truth, const Scene& scene, double sigma, double spent) {
-  std::vector<double> off, away;
+/// `stated`: the sigma of each point; nothing where a method states none.
+void row(const char* name, const std::vector<Vec3>& points, const std::vector<float>& stated, const ModelDistance& truth, const Scene& scene,
+         double sigma, double spent) {
+  std::vector<double> off, ratio;
   double square = 0;
   for (const Vec3& p : points) off.push_back(std::abs(truth(p).distance)), square += off.back() * off.back();
+  for (std::size_t i = 0; i < stated.size(); ++i) ratio.push_back(off[i] / std::max<double>(stated[i], 1e-9));
   const KdTree tree(points);
   std::size_t shown = 0;
   for (const Vec3& p : scene.seen) shown += tree.nearest_one(p).sq_distance < 1;
-  std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.3f | %.2f | %.2f %% | %.2f |\n", name, points.size(), std::sqrt(square / double(points.size())), median(off),
-              quantile(off, 0.95), *std::max_element(off.begin(), off.end()), median(off) / sigma, 100 * double(shown) / double(scene.seen.size()), spent);
+  const double worst = *std::max_element(off.begin(), off.end());
+  std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.3f | %.2f | %.2f | ", name, points.size(), std::sqrt(square / double(points.size())), median(off),
+              quantile(off, 0.95), worst, median(off) / sigma, worst / sigma);
+  if (ratio.empty()) std::printf("| | ");
+  else std::printf("%.2f | %.2f | ", quantile(ratio, 0.999), *std::max_element(ratio.begin(), ratio.end()));
+  std::printf("%.2f %% | %.2f |\n", 100 * double(shown) / double(scene.seen.size()), spent);
 }
 
-std::vector<Vec3> kept_points(const PointCloud& cloud) {
+/// What the filter kept, and how much of the good: samples within four deviations and a code of the part.
+void filtered_row(const Scan& filtered, const ModelDistance& truth, const Scene& scene, double sigma, double spent) {
   std::vector<Vec3> points;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (cloud.rejected.empty() || !cloud.rejected[i]) points.push_back(cloud.points[i]);
-  return points;
+  std::vector<float> stated;
+  std::size_t good = 0, good_kept = 0;
+  for (std::size_t i = 0; i < filtered.cloud.size(); ++i) {
+    const bool kept = !filtered.cloud.rejected[i];
+    const bool is_good = std::abs(truth(scene.scan.merged.cloud.points[i]).distance) < 4 * sigma + scene.images.front().q;
+    good += is_good, good_kept += is_good && kept;
+    if (kept) points.push_back(filtered.cloud.points[i]), stated.push_back(filtered.cloud.sigma[i]);
+  }
+  char name[80];
+  std::snprintf(name, sizeof name, "filtered, %.2f %% of the good kept", 100 * double(good_kept) / double(good));
+  row(name, points, stated, truth, scene, sigma, spent);
 }
 
 std::vector<peers::DepthView> depth_views(const Scan& scan, const std::vector<RangeImage>& images) {
@@ -86,17 +102,17 @@ void compare(const Model& model, int bits, double sigma, double bit_error) {
   const ModelDistance truth(model);
   const Scene scene = scene_of(model, bits, sigma, bit_error);
   std::printf("\n**%s, %d bits, sigma %g mm, bit errors %g**\n\n", model.name.c_str(), bits, sigma, bit_error);
-  std::printf("| method | points | rms mm | median | 95 %% | worst | median / sigma | seen surface within 1 mm | s |\n|---|---|---|---|---|---|---|---|---|\n");
-  row("as measured", scene.scan.merged.cloud.points, truth, scene, sigma, 0);
+  std::printf("| method | points | rms mm | median | 95 %% | worst | median / sigma | worst / sigma | off / stated sigma, 99.9 %% | worst | seen surface within 1 mm | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  row("as measured", scene.scan.merged.cloud.points, {}, truth, scene, sigma, 0);
   double start = seconds();
   Scan filtered = scene.scan.merged;
   filter_views(filtered, scene.images, context);
   const double filter_time = seconds() - start;
-  row("filtered", kept_points(filtered.cloud), truth, scene, sigma, filter_time);
+  filtered_row(filtered, truth, scene, sigma, filter_time);
   start = seconds();
   const MergedCloud merged = merge_views(filtered.cloud, {}, context);
   const double merge_time = filter_time + seconds() - start;
-  row("filtered, merged", merged.cloud.points, truth, scene, sigma, merge_time);
+  row("filtered, merged", merged.cloud.points, merged.cloud.sigma, truth, scene, sigma, merge_time);
   if (!peers::has_open3d()) {
     std::printf("| Open3D: not run | | | | | | | | |\n");
     return;
@@ -109,13 +125,13 @@ void compare(const Model& model, int bits, double sigma, double bit_error) {
       const double spent = seconds() - start;
       char name[80];
       std::snprintf(name, sizeof name, "filtered, Open3D %s distance field, voxel %g mm", scalable ? "scalable" : "uniform", voxel);
-      row(name, zeros, truth, scene, sigma, filter_time + spent);
+      row(name, zeros, {}, truth, scene, sigma, filter_time + spent);
     }
   for (const int depth : {8, 9}) {
     start = seconds();
     const auto vertices = peers::open3d_poisson(merged.cloud.points, merged.cloud.normals, depth);
     const double spent = seconds() - start;
-    row(("filtered, merged, Open3D Poisson, depth " + std::to_string(depth)).c_str(), vertices, truth, scene, sigma, merge_time + spent);
+    row(("filtered, merged, Open3D Poisson, depth " + std::to_string(depth)).c_str(), vertices, {}, truth, scene, sigma, merge_time + spent);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "scan/merge.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
@@ -102,6 +103,46 @@ TEST_CASE("merge: a sharp edge is not rounded") {
     sum += d;
   }
   CHECK(std::abs(sum / double(merged.cloud.size())) < 0.2 * sigma);
+}
+
+TEST_CASE("merge: a sample that nobody confirms is left out, and its place goes to others") {
+  PointCloud cloud = plane_twice();
+  cloud.points[40].z() += 0.4, cloud.points[4040].z() -= 0.6;
+  cloud.sigma[40] = cloud.sigma[4040] = 0.01F;  // the first to be asked
+  Context context;
+  const MergedCloud merged = merge_views(cloud, {}, context);
+  for (const Vec3& p : merged.cloud.points) CHECK(std::abs(p.z()) < 5 * sigma);
+  const KdTree tree(merged.cloud.points);
+  for (const std::size_t i : {40, 4040}) CHECK(tree.nearest_one(cloud.points[i]).sq_distance < 1);
+}
+
+TEST_CASE("merge: a wire of single samples, a step and the far end of a sparse view stay") {
+  PointCloud cloud;
+  Random random(6);
+  for (int i = 0; i < 60; ++i) add(cloud, {0.3 * i, -3, 5}, Vec3::UnitZ(), 0, random);  // a wire
+  for (std::int32_t view = 0; view < 2; ++view)
+    for (int x = 0; x < 60; ++x)
+      for (int y = 0; y < 40; ++y) add(cloud, {0.3 * x, 0.3 * y, y < 20 ? 0.0 : 0.5}, Vec3::UnitZ(), view, random);
+  for (int x = 0; x < 6; ++x)
+    for (int y = 0; y < 6; ++y) add(cloud, {30 + 4.0 * x, 4.0 * y, 0}, Vec3::UnitZ(), 1, random);
+  Context context;
+  const MergedCloud merged = merge_views(cloud, {}, context);
+  const KdTree tree(merged.cloud.points);
+  std::size_t gone = 0;
+  for (const Vec3& p : cloud.points) gone += tree.nearest_one(p).sq_distance > 0.4 * 0.4;
+  CHECK(gone == 0);
+}
+
+TEST_CASE("merge: of a thin wall a side of few samples stays beside one of many") {
+  PointCloud cloud;
+  Random random(7);
+  for (int x = 0; x < 100; ++x)
+    for (int y = 0; y < 100; ++y) add(cloud, {0.1 * x, 0.1 * y, 0.15}, Vec3::UnitZ(), 0, random);
+  for (int x = 0; x < 10; ++x)
+    for (int y = 0; y < 10; ++y) add(cloud, {x + 0.1, y + 0.1, -0.15}, -Vec3::UnitZ(), 1, random);
+  Context context;
+  const MergedCloud merged = merge_views(cloud, {}, context);
+  CHECK(std::count_if(merged.cloud.normals.begin(), merged.cloud.normals.end(), [](const Vec3& n) { return n.z() < 0; }) == 100);
 }
 
 TEST_CASE("merge: the same for any number of threads; bad input gives nothing") {

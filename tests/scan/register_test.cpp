@@ -569,7 +569,7 @@ TEST_CASE("register: where surfaces fix nothing they do not pull against the bor
   INFO(std::sqrt(squares / 3) << " mm, sigma " << std::sqrt(variances / 3) << ", pixel " << pixel);
   CHECK(std::sqrt(squares / 3) < 0.04 * pixel);
   CHECK(squares < 4 * variances);
-  CHECK(variances < 25 * squares);  // sigma counts on scanners whose borders lie 0.03 pixel out; the simulator's do not
+  CHECK(variances < 36 * squares);  // sigma counts on scanners whose borders lie 0.03 pixel out; the simulator's do not
 }
 
 TEST_CASE("register: rejected returns inside a face are no border") {
