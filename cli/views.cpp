@@ -28,15 +28,14 @@ Json rows_of(const Pose& pose) {
   return rows;
 }
 
-Json rows_of(const Mat3& m) {
+template <int size>
+Json rows_of(const Eigen::Matrix<double, size, size>& m) {
   Json rows = Json::array();
-  for (int r = 0; r < 3; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2)});
-  return rows;
-}
-
-Json rows_of(const Mat6& m) {
-  Json rows = Json::array();
-  for (int r = 0; r < 6; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3), m(r, 4), m(r, 5)});
+  for (int r = 0; r < size; ++r) {
+    Json row = Json::array();
+    for (int c = 0; c < size; ++c) row.push_back(m(r, c));
+    rows.push_back(std::move(row));
+  }
   return rows;
 }
 

@@ -297,25 +297,19 @@ std::optional<Error> check(const std::vector<RegisterView>& views, const Registe
   return {};
 }
 
-/// `views` say in which frames the points were measured.
-void correct_depths(const DepthCorrection& depth, const std::vector<View>& views, PointCloud& cloud) {
-  std::vector<Pose> view_from_world;
-  for (const View& view : views) view_from_world.push_back(view.world_from_view.inverse());
-  const Mat3 of_normals = depth.linear.inverse().transpose();
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::size_t v = cloud.view.empty() ? 0 : static_cast<std::size_t>(cloud.view[i]);
-    if (v >= views.size()) continue;
-    const Pose &in = view_from_world[v], &out = views[v].world_from_view;
-    cloud.points[i] = out * (depth * (in * cloud.points[i]));
-    if (!cloud.normals.empty()) cloud.normals[i] = out.rotation * (of_normals * (in.rotation * cloud.normals[i])).normalized();
-    if (!cloud.rays.empty()) cloud.rays[i] = out.rotation * (depth.linear * (in.rotation * cloud.rays[i])).normalized();
-  }
+/// `world_from_view`: from the frame in which the point was measured to that of the cloud.
+void correct_depth(const DepthCorrection& depth, const Pose& world_from_view, PointCloud& cloud, std::size_t i) {
+  const Pose view_from_world = world_from_view.inverse();
+  cloud.points[i] = world_from_view * (depth * (view_from_world * cloud.points[i]));
+  const auto turned = [&](Vec3& v, const Mat3& linear) { v = world_from_view.rotation * (linear * (view_from_world.rotation * v)).normalized(); };
+  if (!cloud.normals.empty()) turned(cloud.normals[i], depth.linear.inverse().transpose());
+  if (!cloud.rays.empty()) turned(cloud.rays[i], depth.linear);
 }
 
 /// Views whose depths were corrected, as if they had been measured so.
 std::vector<RegisterView> corrected(std::vector<RegisterView> views, const DepthCorrection& depth) {
   for (RegisterView& view : views) {
-    correct_depths(depth, {View{}}, view.cloud);
+    for (std::size_t i = 0; i < view.cloud.size(); ++i) correct_depth(depth, {}, view.cloud, i);
     for (Vec3& p : view.measured) p = depth * p;
   }
   return views;
@@ -351,9 +345,9 @@ std::vector<RegisterView> views_of(const Scan& scan, const std::vector<Vec3>& me
 
 void place_views(const Registration& registration, Scan& scan) {
   ensure(registration.views.size() == scan.views.size(), "the registration must be of this scan's views");
-  if (registration.depth) correct_depths(*registration.depth, scan.views, scan.cloud);
-  std::vector<Pose> change;
+  std::vector<Pose> before, change;
   for (std::size_t v = 0; v < scan.views.size(); ++v) {
+    before.push_back(scan.views[v].world_from_view);
     change.push_back(registration.views[v].world_from_view * scan.views[v].world_from_view.inverse());
     scan.views[v].world_from_view = registration.views[v].world_from_view;
   }
@@ -366,6 +360,7 @@ void place_views(const Registration& registration, Scan& scan) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const std::int32_t v = cloud.view.empty() ? 0 : cloud.view[i];
     if (v < 0 || static_cast<std::size_t>(v) >= change.size() || registration.views[static_cast<std::size_t>(v)].status == ViewStatus::refused) continue;
+    if (registration.depth) correct_depth(*registration.depth, before[static_cast<std::size_t>(v)], cloud, i);
     const Pose& pose = change[static_cast<std::size_t>(v)];
     cloud.points[kept] = pose * cloud.points[i];
     if (!cloud.normals.empty()) cloud.normals[kept] = pose.rotation * cloud.normals[i];

@@ -88,7 +88,7 @@ double score_of(const std::vector<ViewSurface>& surfaces, const Pose& step, doub
 
 void keep_round(std::vector<ViewSurface>& surfaces, const AxisLine& line) {
   for (ViewSurface& s : surfaces)
-    std::erase_if(s.samples, [&](std::uint32_t i) { return off_axis(line, s.points[i], s.normals[i], 0.02 * s.radius) > 0.35; });
+    std::erase_if(s.samples, [&](std::uint32_t i) { return !round_about(line, s, i); });
 }
 
 std::string in_percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
@@ -98,22 +98,21 @@ std::string in_words(const DepthCorrection& depth) {
          (depth.stretch < 0 ? ") smaller" : ") larger") + " and sheared by " + in_percent(depth.shear) + " of the width: depths and widths of this scanner do not agree; ";
 }
 
-/// Of a round part: by how far it turned, told by its relief. Without relief only what is wrong with depths is said.
-std::optional<TurntableStart> turned_by_relief(const std::vector<RegisterView>& views, const std::vector<ViewSurface>& surfaces, const AxisLine& axis,
-                                               const RegisterOptions& options, std::string& trouble, Context& context) {
-  RoundViews round = round_views(surfaces, axis, false);
-  RoundViews rounder = round_views(surfaces, axis, true);
+/// Of a round part: by how far it turned, told by its relief. Without relief there are no poses, and only what is wrong with depths is said.
+TurntableStart turned_by_relief(const std::vector<RegisterView>& views, const std::vector<ViewSurface>& surfaces, const AxisLine& axis,
+                                const RegisterOptions& options, Context& context) {
+  const RoundFits round = round_views(surfaces, axis);
   // Cells of a few points each; surfaces may be thinned.
   double cell = 0;
   for (std::size_t v = 0; v < views.size(); ++v)
     cell = std::max(cell, 3 * surfaces[v].spacing * std::sqrt(double(surfaces[v].points.size()) / double(views[v].cloud.size())));
-  const bool stretched = clearly_rounder(rounder, round), correct = stretched && options.correct_depth;
-  auto poses = poses_by_relief(views, stretched ? rounder : round, cell, context);
-  if (stretched)
-    trouble = in_words(rounder.depth) + (!poses ? "it is too smooth to correct that" : correct ? "depths are corrected, and no size is surer than that" : "ask for corrected depths (--correct-depth)");
-  if (!poses) return {};
+  auto poses = poses_by_relief(views, round.rounder ? *round.rounder : round.raw, cell, context);
   TurntableStart result;
-  if (correct) result.depth = rounder.depth;
+  if (round.rounder) {
+    result.trouble = in_words(round.rounder->depth) + (!poses ? "it is too smooth to correct that" : options.correct_depth ? "depths are corrected, and no size is surer than that" : "ask for corrected depths (--correct-depth)");
+    if (poses && options.correct_depth) result.depth = round.rounder->depth;
+  }
+  if (!poses) return result;
   result.table = table_of(*poses, surfaces[0].center);
   result.start = {std::move(*poses), std::vector<std::uint8_t>(views.size(), 1), std::vector<std::string>(views.size()), {}};
   return result;
@@ -206,10 +205,9 @@ std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterVie
   if (!table.step_observed) {
     // Only a part that is round about the axis may look the same after any step; the steps are taken as parts of a turn.
     if (!round_axis) return {};
-    if (auto by_relief = turned_by_relief(views, surfaces, *round_axis, options, result.trouble, context)) {
-      by_relief->trouble = result.trouble;
-      return by_relief;
-    }
+    TurntableStart by_relief = turned_by_relief(views, surfaces, *round_axis, options, context);
+    if (!by_relief.start.poses.empty()) return by_relief;
+    result.trouble = std::move(by_relief.trouble);
     exact.angle = full;
     const Pose step = align_symmetric(exact_pairs, rotation_about(line.point, line.axis, full), exact);
     const double score = score_of(surfaces, step, 1.5 * reach, 500);

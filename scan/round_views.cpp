@@ -10,7 +10,6 @@
 namespace partscribe {
 namespace {
 
-constexpr double most_off_axis = 0.35;         // sine; loops of yarn and threads of screws stay in
 constexpr std::size_t fewest_of_a_bin = 12;    // points
 constexpr std::size_t stride = 7;              // axes are fitted to every seventh point
 constexpr double most_along_sight = 0.9;       // cosine between the axis and the direction of sight
@@ -45,7 +44,7 @@ RoundFit started(const std::vector<ViewSurface>& surfaces, const AxisLine& axis)
   for (const ViewSurface& s : surfaces) {
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < s.points.size(); ++i) {
-      if (!s.smooth[i] || off_axis(axis, s.points[i], s.normals[i], 0.02 * s.radius) > most_off_axis) continue;
+      if (!s.smooth[i] || !round_about(axis, s, i)) continue;
       points.push_back(s.measured[i]);
       const double along = place_about(common, points.back()).along;
       low = std::min(low, along), high = std::max(high, along);
@@ -159,11 +158,26 @@ void jackknife(const RoundFit& fit, DepthCorrection& depth) {
   depth.stretch_sigma = std::sqrt(share * stretch), depth.shear_sigma = std::sqrt(share * shear);
 }
 
+RoundViews views_of(const RoundFit& fit) { return {fit.frames, fit.profile, fit.width, fit.median_off, fit.depth()}; }
+
+bool clearly_rounder(const RoundViews& corrected, const RoundViews& raw) {
+  constexpr double of_distance = 0.85;  // of the points from the profile
+  constexpr double least = 0.01, sigmas = 4;
+  const DepthCorrection& d = corrected.depth;
+  const bool stretched = std::abs(d.stretch) > std::max(least, sigmas * d.stretch_sigma), sheared = std::abs(d.shear) > std::max(least, sigmas * d.shear_sigma);
+  return (stretched || sheared) && corrected.median_off < of_distance * raw.median_off;
+}
+
 }  // namespace
 
 double off_axis(const AxisLine& line, const Vec3& p, const Vec3& normal, double least) {
   const Vec3 q = p - line.point, across = q - q.dot(line.axis) * line.axis;
   return std::abs(normal.dot(line.axis.cross(across))) / std::max(across.norm(), least);
+}
+
+bool round_about(const AxisLine& line, const ViewSurface& surface, std::size_t place) {
+  constexpr double most_off_axis = 0.35;
+  return off_axis(line, surface.points[place], surface.normals[place], 0.02 * surface.radius) <= most_off_axis;
 }
 
 std::optional<std::pair<double, double>> RadiusProfile::at(double along) const {
@@ -181,27 +195,18 @@ CylinderPlace place_about(const AxisFrame& frame, const Vec3& p) {
   return {q.dot(frame.line.axis), std::hypot(x, y), std::atan2(y, x)};
 }
 
-RoundViews round_views(const std::vector<ViewSurface>& surfaces, const AxisLine& axis, bool correct_depth) {
+RoundFits round_views(const std::vector<ViewSurface>& surfaces, const AxisLine& axis) {
   constexpr int rounds = 80;
   RoundFit fit = started(surfaces, axis);
   refine(fit, rounds);
-  RoundViews result;
-  if (correct_depth && std::abs(axis.axis.dot(fit.sight)) < most_along_sight) {
-    fit.correct = true;
-    refine(fit, rounds);
-    result.depth = fit.depth();
-    jackknife(fit, result.depth);
-  }
-  result.frames = fit.frames, result.profile = fit.profile, result.width = fit.width, result.median_off = fit.median_off;
+  RoundFits result{views_of(fit), {}};
+  if (std::abs(axis.axis.dot(fit.sight)) >= most_along_sight) return result;
+  fit.correct = true;
+  refine(fit, rounds);
+  RoundViews corrected = views_of(fit);
+  jackknife(fit, corrected.depth);
+  if (clearly_rounder(corrected, result.raw)) result.rounder = std::move(corrected);
   return result;
-}
-
-bool clearly_rounder(const RoundViews& corrected, const RoundViews& raw) {
-  constexpr double of_distance = 0.85;  // of the points from the profile
-  constexpr double least = 0.01, sigmas = 4;
-  const DepthCorrection& d = corrected.depth;
-  const bool stretched = std::abs(d.stretch) > std::max(least, sigmas * d.stretch_sigma), sheared = std::abs(d.shear) > std::max(least, sigmas * d.shear_sigma);
-  return (stretched || sheared) && corrected.median_off < of_distance * raw.median_off;
 }
 
 }  // namespace partscribe

@@ -16,6 +16,9 @@ struct AxisLine {
 /// How far a normal passes by an axis, as a sine; places nearer than `least` (mm) to it count as that far away.
 double off_axis(const AxisLine& line, const Vec3& p, const Vec3& normal, double least);
 
+/// Whether a place may be on what is round about the axis: loops of yarn and threads of screws are.
+bool round_about(const AxisLine& line, const ViewSurface& surface, std::size_t place);
+
 /// Radius over the place along the axis: the median of each of equal bins.
 struct RadiusProfile {
   double start = 0, bin = 1;   ///< mm
@@ -42,15 +45,17 @@ struct RoundViews {
   RadiusProfile profile;
   double width = 0;         ///< mm, of the kernel exp(-e^2 / 2 width^2) under which a point belongs to the profile
   double median_off = 0;    ///< mm, of the points from the profile
-  DepthCorrection depth;    ///< in which all of this is; the identity if none was asked for
+  DepthCorrection depth;    ///< in which all of this is
 };
 
-/// Axes and profile by Gauss-Newton under Welsch weights, from an axis that holds for all views roughly.
-/// `correct_depth`: with the stretch and shear of the depth that make the part round in all views. They are the sensor's, since the
-/// part turned between the views and they did not. Not found where the sensor looks along the axis.
-RoundViews round_views(const std::vector<ViewSurface>& surfaces, const AxisLine& axis, bool correct_depth);
+struct RoundFits {
+  RoundViews raw;                     ///< as measured
+  std::optional<RoundViews> rounder;  ///< with depths corrected, where that makes the part clearly rounder
+};
 
-/// Whether the part is clearly rounder with its depths corrected.
-bool clearly_rounder(const RoundViews& corrected, const RoundViews& raw);
+/// Axes and profile by Gauss-Newton under Welsch weights, from an axis that holds for all views roughly; then with the stretch and
+/// shear of the depth that make the part round in all views. They are the sensor's, since the part turned between the views and they did
+/// not. Not found where the sensor looks along the axis.
+RoundFits round_views(const std::vector<ViewSurface>& surfaces, const AxisLine& axis);
 
 }  // namespace partscribe

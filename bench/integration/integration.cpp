@@ -114,7 +114,7 @@ void compare(const Model& model, int bits, double sigma, double bit_error) {
   const double merge_time = filter_time + seconds() - start;
   row("filtered, merged", merged.cloud.points, merged.cloud.sigma, truth, scene, sigma, merge_time);
   if (!peers::has_open3d()) {
-    std::printf("| Open3D: not run | | | | | | | | |\n");
+    std::printf("| Open3D: not run | | | | | | | | | | | |\n");
     return;
   }
   const auto views = depth_views(filtered, scene.images);

@@ -67,12 +67,13 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
     const bool believed = score.answer == Answer::wrong && verdict_on(score, c, context) == Outcome::verified;
     wrong_and_verified += believed;
     seconds.push_back(score.seconds);
-    auto& of_kind = c.scan.cloud.rays.empty() ? ratios : ratios_on_rays;
-    if (score.answer == Answer::right) of_kind.insert(of_kind.end(), score.ratios.begin(), score.ratios.end());
-    if (score.answer == Answer::right && !score.ratios.empty()) {
-      const auto numbers = best_numbers(c);
-      for (std::size_t k = 0; k < score.judged.size() && !numbers.empty(); ++k)
-        (c.scan.cloud.rays.empty() ? best : best_on_rays).push_back(std::abs(numbers[score.judged[k]] - c.truth.parameters[score.judged[k]].value) / (0.6745 * score.bounds[k]));
+    const bool on_rays = !c.scan.cloud.rays.empty();
+    if (score.answer == Answer::right && !score.numbers.empty()) {
+      const auto fitted = best_numbers(c);
+      for (const Score::Number& n : score.numbers) {
+        (on_rays ? ratios_on_rays : ratios).push_back(n.ratio);
+        if (!fitted.empty()) (on_rays ? best_on_rays : best).push_back(std::abs(fitted[n.parameter] - c.truth.parameters[n.parameter].value) / n.typical);
+      }
     }
     if (verbose && (score.answer != Answer::right || runs == 1))
       std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",

@@ -230,7 +230,7 @@ Score recovered(const Case& c, Context& context) {
     double best = 1e300;
     for (const auto& way : found) {
       double most = 0;
-      std::vector<double> ratios;
+      std::vector<Score::Number> of_way;
       for (std::size_t k = 0; k < wanted.size(); ++k) {
         if (bounds[k] > 0.1 * c.size) continue;
         const double error = std::abs(way[k] - wanted[k]);
@@ -238,14 +238,13 @@ Score recovered(const Case& c, Context& context) {
         for (const auto& p : model.parameters)
           if (p.fitted == way[k]) sigma = p.sigma;
         most = std::max(most, std::min(error / std::max(4 * sigma, 1e-9), error / (6 * bounds[k])));
-        ratios.push_back(error / (0.6745 * bounds[k]));
+        const double typical = 0.6745 * bounds[k];
+        of_way.push_back({k, typical, error / typical});
       }
-      if (most < best) best = most, score.ratios = ratios;
+      if (most < best) best = most, score.numbers = of_way;
     }
-    for (std::size_t k = 0; k < wanted.size(); ++k)
-      if (bounds[k] <= 0.1 * c.size) score.judged.push_back(k), score.bounds.push_back(bounds[k]);
     // Nearly equal exponents: another axis in the middle writes the same surface within the noise.
-    if (best > 1 && c.kind == "superellipsoid" && score.surface_error < 2) best = -1, score.ratios.clear();
+    if (best > 1 && c.kind == "superellipsoid" && score.surface_error < 2) best = -1, score.numbers.clear();
     worst = best;
   }
   const double off = sizes[static_cast<std::size_t>(0.95 * count)];

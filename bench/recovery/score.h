@@ -24,9 +24,13 @@ struct Score {
   std::string found;             ///< kind, "mesh" if none
   std::string why;               ///< for anything but `right`
   double surface_error = 0;      ///< root mean square distance of the exact places, in units of their expected error
-  std::vector<double> ratios;    ///< |error| / (0.6745 sigma of the Cramer-Rao bound) of each number that the data fix
-  std::vector<std::size_t> judged;  ///< which of the truth's parameters `ratios` are of
-  std::vector<double> bounds;    ///< mm (or of exponents), of each of these: sigma of the Cramer-Rao bound
+  /// A parameter of the truth that the data fix, and 0.6745 sigma of its Cramer-Rao bound, in its own unit.
+  struct Number {
+    std::size_t parameter = 0;
+    double typical = 0;          ///< half of all errors are smaller, if they are as small as can be
+    double ratio = 0;            ///< |error| / typical
+  };
+  std::vector<Number> numbers;
   double seconds = 0;            ///< processor time
   std::optional<CheckedModel> model;
   std::vector<std::uint8_t> rejected;  ///< points of the scan that were set aside

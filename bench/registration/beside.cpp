@@ -53,6 +53,33 @@ std::vector<peers::Method> all_methods() {
   return methods;
 }
 
+/// Where ours and then each method put the second view of a pair.
+struct Answers {
+  std::vector<Pose> world_from_second;
+  std::vector<double> spent;  // ms
+  bool refused = false;       // by ours
+  std::vector<FreeMotion> free;
+};
+
+/// `gates`: mm, of each method. Nothing where ours cannot use the views.
+std::optional<Answers> answers_to(const PairCase& pair, const std::vector<peers::Method>& methods, const std::vector<double>& gates, Context& context) {
+  RegisterOptions options;
+  options.guess_angle = pair.start + 0.1;
+  double start = seconds();
+  const auto ours = register_views({pair.first, pair.second}, options, context);
+  const double spent = 1000 * (seconds() - start);
+  if (!ours.ok()) return {};
+  Answers answers{{ours->views[1].world_from_view}, {spent}, ours->views[1].status == ViewStatus::refused, ours->free_motions};
+  const Pose first = *pair.first.guess;
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    start = seconds();
+    const Pose found = methods[k].align(pair.first.cloud.points, pair.second.cloud.points, first.inverse() * *pair.second.guess, pair.spacing, gates[k]);
+    answers.spent.push_back(1000 * (seconds() - start));
+    answers.world_from_second.push_back(first * found);
+  }
+  return answers;
+}
+
 /// What one method made of the pairs of one part.
 struct BasinRow {
   std::string name, gate;
@@ -76,30 +103,23 @@ void basin(const Path& scan_json) {
   Context context;
   std::vector<BasinRow> rows{{"Partscribe", "itself"}};
   std::vector<peers::Method> methods;
+  std::vector<double> gates;
   for (const double gate : {10.0, 25.0})
     for (const auto& method : all_methods()) {
       if (std::any_of(rows.begin(), rows.end(), [&](const BasinRow& r) { return r.name == method.name && r.gate == print_number(gate) + " mm"; })) continue;
-      methods.push_back(method), methods.back().gate = gate;
+      methods.push_back(method), gates.push_back(gate);
       rows.push_back({method.name, print_number(gate) + " mm"});
     }
   const auto pairs = basin_cases(scan_json, context);
   std::size_t declared = 0;
   for (const PairCase& pair : pairs) {
-    RegisterOptions options;
-    options.guess_angle = pair.start + 0.1;
-    double start = seconds();
-    const auto ours = register_views({pair.first, pair.second}, options, context);
-    rows[0].spent.push_back(1000 * (seconds() - start));
-    if (!ours.ok()) continue;
-    declared += !ours->free_motions.empty();
-    if (ours->views[1].status == ViewStatus::refused) ++rows[0].refused;
-    else rows[0].count(pair, pair_error(pair, ours->views[1].world_from_view, ours->free_motions));
-    const Pose first = *pair.first.guess;
-    for (std::size_t k = 0; k < methods.size(); ++k) {
-      start = seconds();
-      const Pose found = methods[k].align(pair.first.cloud.points, pair.second.cloud.points, first.inverse() * *pair.second.guess, pair.spacing, methods[k].gate);
-      rows[k + 1].spent.push_back(1000 * (seconds() - start));
-      rows[k + 1].count(pair, pair_error(pair, first * found, ours->free_motions));
+    const auto answers = answers_to(pair, methods, gates, context);
+    if (!answers) continue;
+    declared += !answers->free.empty();
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      rows[k].spent.push_back(answers->spent[k]);
+      if (k == 0 && answers->refused) ++rows[k].refused;
+      else rows[k].count(pair, pair_error(pair, answers->world_from_second[k], answers->free));
     }
   }
   std::printf("%zu starts, free motions declared of %zu\n", pairs.size(), declared);
@@ -127,20 +147,14 @@ void beside(const Path& folder, const std::vector<std::string>& names) {
   for (const auto& name : scans_in(folder, names))
     for (const PairCase& pair : pair_cases(folder / name / "scan" / "scan.json", name, 1, context)) {
       for (Row& row : rows) ++row.asked[degrees_off(pair)], row.errors.emplace_back();
-      RegisterOptions options;
-      options.guess_angle = pair.start + 0.1;
-      double start = seconds();
-      const auto ours = register_views({pair.first, pair.second}, options, context);
-      rows[0].spent.push_back(1000 * (seconds() - start));
-      if (!ours.ok()) continue;
-      if (ours->views[1].status == ViewStatus::refused) ++rows[0].refused;
-      else count(pair, ours->views[1].world_from_view, ours->free_motions, rows[0]);
-      const Pose first = *pair.first.guess;
-      for (std::size_t k = 0; k < methods.size(); ++k) {
-        start = seconds();
-        const Pose found = methods[k].align(pair.first.cloud.points, pair.second.cloud.points, first.inverse() * *pair.second.guess, pair.spacing, methods[k].gate * pair.radius);
-        rows[k + 1].spent.push_back(1000 * (seconds() - start));
-        count(pair, first * found, ours->free_motions, rows[k + 1]);
+      std::vector<double> gates;
+      for (const auto& method : methods) gates.push_back(method.gate * pair.radius);
+      const auto answers = answers_to(pair, methods, gates, context);
+      if (!answers) continue;
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        rows[k].spent.push_back(answers->spent[k]);
+        if (k == 0 && answers->refused) ++rows[k].refused;
+        else count(pair, answers->world_from_second[k], answers->free, rows[k]);
       }
     }
   std::printf("| method | partners within | 5 deg | 15 | 30 | 60 | refused | wrong | median deg | median mm | ms | both right | ours / its, deg | mm |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
