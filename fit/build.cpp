@@ -327,7 +327,7 @@ void make_exact(Candidate& candidate, const FitInput& input, const RefineOptions
 
 /// Says of lengths that hardly a point speaks about where they come from.
 void name_unseen(Candidate& candidate, const FitInput& input) {
-  constexpr double on_any_face = 0.03;  // share of the strays
+  constexpr double on_any_face = 0.05;  // share of the strays
   const double strays = input.stray_share * double(input.cloud.size());
   for (auto& p : candidate.parameters) {
     const double points = double(p.points);
