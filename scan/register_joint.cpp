@@ -148,7 +148,7 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
     if (d.norm() < 2 * from.spacing) errors -= there.rotation * (from.bending[k] * (there.rotation.transpose() * d));
     const Pose& pose = problem.poses[b];
     const Vec3 place = pose * (x - 0.5 * d);
-    const double from_cosine = -from.normals[i].dot(from.raster.ray(from.points[i])), to_cosine = -ny.dot(to.raster.ray(to.points[near]));
+    const double from_cosine = from.cosine[i], to_cosine = to.cosine[near];
     const double slant = (from_cosine - to_cosine) * 0.5 * (from.sigma + to.sigma);
     const double share = round.narrow ? slant_share(std::min(from_cosine, to_cosine)) : 1;
     add_row(problem, place, pose.rotation * n, e, slant, 0, share * w / (variance * round.surface_sigma * round.surface_sigma),
@@ -248,7 +248,7 @@ PairList neighbour_pairs(const Problem& problem, double reach, int neighbours, i
       for (std::size_t s = 0; s < count; ++s) {
         const auto i = from.samples[s * from.samples.size() / count];
         const Vec3 x = there * from.points[i];
-        const Neighbour near = to.tree->nearest_one(x);
+        const Neighbour near = to.nearest(x);
         hits += near.sq_distance < reach * reach && to.normals[near.index].dot(there.rotation * from.normals[i]) > 0.8;
       }
       share[k] = static_cast<double>(hits) / static_cast<double>(count);
@@ -472,7 +472,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   std::vector<NearestAgain> partners;
   const auto follow = [&] {
     partners.clear();
-    for (const auto& [a, b] : pairs) partners.emplace_back(*problem.surface(b).tree, problem.surface(b).points, problem.surface(a).samples.size());
+    for (const auto& [a, b] : pairs) partners.emplace_back(*problem.surface(b).tree, problem.surface(b).points, problem.surface(a).samples.size(), problem.surface(b).grid.get());
   };
   follow();
   std::vector<PairSum> sums, contour_sums;

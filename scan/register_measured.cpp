@@ -54,7 +54,7 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
     if (nx.dot(ny) < same_face) continue;
     const Vec3 n = (nx + ny).normalized(), across = place - to.points[near];
     if ((across - across.dot(n) * n).norm() > to.spacing) continue;
-    const double cosine = std::min(-from.normals[i].dot(from.raster.ray(from.points[i])), -ny.dot(to.raster.ray(to.points[near])));
+    const double cosine = std::min(from.cosine[i], to.cosine[near]);
     const Vec3 d = there * from.measured[i] - to.measured[near];
     const Vec3 middle = poses[b] * (to.measured[near] + 0.5 * d), normal = poses[b].rotation * n;
     Match match;
@@ -78,7 +78,7 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
   std::vector<NearestAgain> partners;
   for (const auto& [a, b] : pairs) {
     const ViewSurface &from = surfaces[adjusted.views[a]], &to = surfaces[adjusted.views[b]];
-    partners.emplace_back(*to.tree, to.points, from.points.size());
+    partners.emplace_back(*to.tree, to.points, from.points.size(), to.grid.get());
   }
   for (int round = 0; round < (two ? rounds_of_two : rounds) && !context.cancelled; ++round) {
     std::vector<std::vector<Match>> matches(pairs.size());

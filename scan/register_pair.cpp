@@ -297,7 +297,7 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
         default: continue;
       }
       if (facing < 0.3) continue;
-      const Neighbour near = other.tree->nearest_one(p);
+      const Neighbour near = other.nearest(p);
       const bool must_return = facing > 0.4;  // beyond 65 degrees a surface may fail to
       result.faced += must_return;
       const Vec3 d = p - other.points[near.index];

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/kd_tree.h"
+#include "geometry/pixel_grid.h"
 #include "scan/register.h"
 
 namespace partscribe {
@@ -22,7 +23,7 @@ struct SightRaster {
   /// Column, row and depth of a point of the view.
   Vec3 project(const Vec3& p) const;
   /// Unit, from the sensor to the point.
-  Vec3 ray(const Vec3& p) const;
+  Vec3 ray(const Vec3& p) const { return pinhole ? Vec3((p - origin).normalized()) : Vec3(axes.col(2)); }
 };
 
 /// What a sensor says of a place.
@@ -47,6 +48,7 @@ struct ViewSurface {
   std::vector<Vec3> normals;          ///< unit, towards the sensor
   std::vector<std::uint8_t> smooth;   ///< 1: inside a smooth piece, so that place and normal are good
   std::vector<float> variance;        ///< of each place along its normal, relative to that of most
+  std::vector<double> cosine;         ///< of the angle under which the sensor sees each
   std::vector<std::uint32_t> samples; ///< smooth points, evenly spread over directions and places
   std::vector<Mat3> bending;          ///< of each sample: the change of the normal with the place, 1/mm
   std::vector<ContourPoint> contour;
@@ -56,15 +58,20 @@ struct ViewSurface {
   double spacing = 0, sigma = 0;      ///< of neighbours; noise along the normal of a single point, mm
   std::size_t rejected = 0;
   bool organised = false;             ///< the raster is the sensor's own
+  std::vector<std::uint32_t> pixels;  ///< of `points`: row times width plus column; only if organised
   std::unique_ptr<KdTree> tree;       ///< over `points`
-  std::unique_ptr<KdTree> sample_tree;  ///< over the places of `samples`
+  std::unique_ptr<PixelGrid> grid;    ///< of `points`; only if organised
+  std::unique_ptr<KdTree> sample_tree;  ///< over the places of `samples`; only with borders
   std::vector<Vec3> sample_points;
 
   bool usable() const { return samples.size() >= 50; }
+  /// Of `points`; there must be some.
+  Neighbour nearest(const Vec3& p) const;
+  void nearest(const Vec3& p, std::size_t count, std::vector<Neighbour>& result) const;
 };
 
-/// Points whose neighbours contradict them are left out. The same for any number of threads.
-std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context);
+/// Points whose neighbours contradict them are left out. `contours`: borders are found as well. The same for any number of threads.
+std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context, bool contours = true);
 
 /// The share of its weight that a match keeps where the more slanted of the two views sees it under this cosine. What is
 /// wrong there is wrong for whole faces (mixed pixels of one side, half a pixel's place) and does not average out; better
