@@ -11,14 +11,17 @@ namespace {
 constexpr int most_half = 4;          // of a window: beyond, a tree is faster
 constexpr double rounded = 1 - 1e-9;  // so that no rounding makes another point the nearest
 
-/// Hilbert's curve through a square of `size` (a power of two) pixels from a corner, first along (along_x, along_y), then
-/// (across_x, across_y); squares that `outside` names are left out.
+/// Hilbert's curve through a square of `size` (a power of two, 2 or more) pixels from the corner (x, y), first `along`, to the corner
+/// that lies `across` from it; squares that `outside` names are left out.
 template <class Outside, class Use>
 void curve(int x, int y, int along_x, int along_y, int across_x, int across_y, int size, const Outside& outside, const Use& use) {
   // The corner of the square with the least coordinates.
   const int left = x + std::min(0, (along_x + across_x) * (size - 1)), top = y + std::min(0, (along_y + across_y) * (size - 1));
   if (outside(left, top)) return;
-  if (size == 1) return use(x, y);
+  if (size == 2) {
+    use(x, y), use(x + along_x, y + along_y), use(x + along_x + across_x, y + along_y + across_y), use(x + across_x, y + across_y);
+    return;
+  }
   const int half = size / 2, rest = half - 1;
   curve(x, y, across_x, across_y, along_x, along_y, half, outside, use);
   curve(x + half * along_x, y + half * along_y, along_x, along_y, across_x, across_y, half, outside, use);
@@ -50,9 +53,10 @@ PixelGrid::PixelGrid(const PixelCamera& camera, const std::vector<std::uint32_t>
 std::vector<std::uint32_t> PixelGrid::order() const {
   std::vector<std::uint32_t> result;
   result.reserve(points_->size());
-  int size = 1;
+  int size = 2;
   while (size < std::max(camera_.width, camera_.height)) size *= 2;
   curve(0, 0, 1, 0, 0, 1, size, [&](int left, int top) { return left >= camera_.width || top >= camera_.height; }, [&](int x, int y) {
+    if (x >= camera_.width || y >= camera_.height) return;
     const std::uint32_t i = index_[std::size_t(y) * std::size_t(camera_.width) + std::size_t(x)];
     if (i != nobody) result.push_back(i);
   });
