@@ -120,22 +120,23 @@ bool PixelGrid::nearest(const Vec3& query, double limit, Found& found) const {
 bool PixelGrid::nearest(const Vec3& query, std::size_t count, std::vector<Neighbour>& result) const {
   Place place;
   if (count == 0 || !locate(query, place)) return false;
+  result.resize(count);
   for (int half = 2; half <= most_half; ++half) {
-    result.clear();
+    std::size_t size = 0;
     double worst = std::numeric_limits<double>::max();
+    Neighbour* list = result.data();
     window(place, half, [&](std::uint32_t i) {
       const Vec3& p = (*points_)[i];
       const double dx = query.x() - p.x(), dy = query.y() - p.y(), dz = query.z() - p.z();
       const double sq = dx * dx + dy * dy + dz * dz;
       if (!(sq < worst)) return;  // equally far ones come in order
-      if (result.size() < count) result.push_back({i, sq});
-      std::size_t at = result.size() - 1;
-      for (; at > 0 && sq < result[at - 1].sq_distance; --at) result[at] = result[at - 1];
-      result[at] = {i, sq};
-      if (result.size() == count) worst = result.back().sq_distance;
+      std::size_t at = size == count ? size - 1 : size++;
+      for (; at > 0 && sq < list[at - 1].sq_distance; --at) list[at] = list[at - 1];
+      list[at] = {i, sq};
+      if (size == count) worst = list[size - 1].sq_distance;
     });
     const double bound = place.bound(half);
-    if (result.size() == count && bound > 0 && worst < bound * bound) return true;
+    if (size == count && bound > 0 && worst < bound * bound) return true;
   }
   return false;
 }

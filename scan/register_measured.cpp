@@ -44,6 +44,7 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
   const Pose there = poses[b].inverse() * poses[a];
   const std::size_t stride = from.points.size() / most_places + 1;
   std::vector<Match> result;
+  result.reserve(from.points.size() / stride + 1);
   for (std::size_t i = 0; i < from.points.size(); i += stride) {
     if (!from.smooth[i]) continue;
     const Vec3 place = there * from.points[i], nx = there.rotation * from.normals[i];
