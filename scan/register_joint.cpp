@@ -145,7 +145,7 @@ PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, con
     const double variance = std::max(0.5 * (from.variance[i] + to.variance[near]), 0.5);
     // Apart from how the surface bends from place to place the normals differ by two errors, their mean by half as much.
     Vec3 errors = nx - ny;
-    if (d.norm() < 2 * from.spacing) errors -= there.rotation * (from.bending[k] * (there.rotation.transpose() * d));
+    if (d.norm() < 2 * from.spacing) errors -= there.rotation * (from.bending(k) * (there.rotation.transpose() * d));
     const Pose& pose = problem.poses[b];
     const Vec3 place = pose * (x - 0.5 * d);
     const double from_cosine = from.cosine[i], to_cosine = to.cosine[near];
@@ -248,7 +248,7 @@ PairList neighbour_pairs(const Problem& problem, double reach, int neighbours, i
       for (std::size_t s = 0; s < count; ++s) {
         const auto i = from.samples[s * from.samples.size() / count];
         const Vec3 x = there * from.points[i];
-        const Neighbour near = to.nearest(x);
+        const Neighbour near = to.nearest_within(x, reach);
         hits += near.sq_distance < reach * reach && to.normals[near.index].dot(there.rotation * from.normals[i]) > 0.8;
       }
       share[k] = static_cast<double>(hits) / static_cast<double>(count);

@@ -54,6 +54,33 @@ void ViewSurface::nearest(const Vec3& p, std::size_t count, std::vector<Neighbou
   if (!grid || !grid->nearest(p, count, result)) tree->nearest(p, count, result);
 }
 
+Neighbour ViewSurface::nearest_within(const Vec3& p, double limit) const {
+  constexpr Neighbour none{0, std::numeric_limits<double>::infinity()};
+  PixelGrid::Found found;
+  const Neighbour first = !grid || !grid->nearest(p, limit, found) ? tree->nearest_two(p, limit * limit)[0]
+                          : found.first == PixelGrid::nobody       ? none
+                                                                   : Neighbour{found.first, found.sq_first};
+  return first.sq_distance <= limit * limit ? first : none;
+}
+
+/// Least squares over the neighbours on the same smooth piece.
+Mat3 ViewSurface::bending(std::size_t sample) const {
+  return bendings.at(sample, [&]() -> Mat3 {
+    constexpr std::size_t neighbours = 12;
+    std::vector<Neighbour> near;
+    const Vec3 &p = points[samples[sample]], &n = normals[samples[sample]];
+    nearest(p, neighbours, near);
+    Mat3 places = spacing * spacing * Mat3::Identity(), changes = Mat3::Zero();
+    for (const Neighbour& at : near) {
+      const Vec3 change = normals[at.index] - n, along = points[at.index] - p;
+      if (!smooth[at.index] || change.norm() > 0.5) continue;
+      const Vec3 t = along - along.dot(n) * n;
+      places += t * t.transpose(), changes += change * t.transpose();
+    }
+    return changes * places.inverse();
+  });
+}
+
 double slant_share(double cosine) {
   const double c = std::max(cosine, 1e-3);
   return c * c * c;
@@ -603,28 +630,6 @@ ViewSurface surface_of_view(const RegisterView& view, int samples, bool contours
   return surface;
 }
 
-/// Least squares over the neighbours on the same smooth piece.
-std::vector<Mat3> bending_of(const ViewSurface& surface, int threads) {
-  constexpr std::size_t neighbours = 12;
-  std::vector<Mat3> result(surface.samples.size(), Mat3::Zero());
-  parallel_for(result.size(), threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
-    for (std::size_t k = begin; k < end; ++k) {
-      const Vec3 &p = surface.points[surface.samples[k]], &n = surface.normals[surface.samples[k]];
-      surface.nearest(p, neighbours, near);
-      Mat3 places = surface.spacing * surface.spacing * Mat3::Identity(), changes = Mat3::Zero();
-      for (const Neighbour& at : near) {
-        const Vec3 change = surface.normals[at.index] - n, along = surface.points[at.index] - p;
-        if (!surface.smooth[at.index] || change.norm() > 0.5) continue;
-        const Vec3 t = along - along.dot(n) * n;
-        places += t * t.transpose(), changes += change * t.transpose();
-      }
-      result[k] = changes * places.inverse();
-    }
-  }, 64);
-  return result;
-}
-
 }  // namespace
 
 std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context, bool contours) {
@@ -648,7 +653,7 @@ std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, i
       for (const auto i : surface.samples) surface.sample_points.push_back(surface.points[i]);
       surface.sample_tree = std::make_unique<KdTree>(surface.sample_points);
     }
-    surface.bending = bending_of(surface, context.threads);
+    surface.bendings = FoundOnce<Mat3>(surface.samples.size());
   }
   return surfaces;
 }
