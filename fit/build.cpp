@@ -308,9 +308,26 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
   put_best_first(search.judged, 0, input);
 }
 
+constexpr double hardly_any = 10;  // points
+
+/// Refined with all points. A length that then turns out to have hardly any, and no limit, stays where the search, which met no
+/// strays beside it, saw the data end: those few would move it across points of other faces.
+void make_exact(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
+  Candidate held = candidate;
+  refine_with_strays_near(candidate, input, options, context);
+  for (const Parameter& p : candidate.parameters) {
+    const bool unlimited = p.sigma > std::max(3 * input.tolerance, 0.05 * std::abs(p.value));
+    const bool is_held = std::any_of(held.held.begin(), held.held.end(), [&](const HeldParameter& h) { return h.name == p.name; });
+    if (p.quantity == Quantity::length && double(p.points) < hardly_any && unlimited && !is_held) held.held.push_back({p.name, p.sigma});
+  }
+  if (held.held.size() == candidate.held.size() || context.cancelled) return;
+  candidate = std::move(held);
+  refine_with_strays_near(candidate, input, options, context);
+}
+
 /// Says of lengths that hardly a point speaks about where they come from.
 void name_unseen(Candidate& candidate, const FitInput& input) {
-  constexpr double hardly_any = 10, on_any_face = 0.03;  // points; share of the strays
+  constexpr double on_any_face = 0.05;  // share of the strays
   const double strays = input.stray_share * double(input.cloud.size());
   for (auto& p : candidate.parameters) {
     const double points = double(p.points);
@@ -357,13 +374,13 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
     full.points = is_slow(exact) ? 2000 : 30000;
     full.near = among_strays(input);
     full.welsch = kernel_for(exact, narrow_last, input);
-    refine_with_strays_near(exact, input, full, context);
+    make_exact(exact, input, full, context);
     if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
       const auto first = search.judged.begin() + static_cast<std::ptrdiff_t>(i), other = search.judged.begin() + static_cast<std::ptrdiff_t>(simpler);
       std::rotate(first, other, other + 1);
       exact = search.judged[i].candidate;
       full.welsch = kernel_for(exact, narrow_last, input);
-      refine_with_strays_near(exact, input, full, context);
+      make_exact(exact, input, full, context);
     }
     name_unseen(exact, input);
     for (const bool nominal : {true, false}) {

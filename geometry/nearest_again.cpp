@@ -21,6 +21,13 @@ std::uint32_t NearestAgain::nearest(std::size_t k, const Vec3& place, double lim
   } else if (std::sqrt(sq_moved) + limit < last.slack) {
     return nobody;
   }
+  PixelGrid::Found found;
+  if (grid_ && grid_->nearest(place, limit, found)) {
+    last = {place.x(), place.y(), place.z(), found.others * rounded, found.first, found.second};
+    if (found.first == nobody) return nobody;
+    last.slack = 0.5 * (last.slack - std::sqrt(found.sq_first));
+    return found.sq_first <= limit * limit ? found.first : nobody;
+  }
   const double sq_room = room * limit * room * limit;
   double sq_limit = sq_room;
   if (last.second != nobody) sq_limit = std::min(sq_limit, std::max(sq_to(last.first), sq_to(last.second)));

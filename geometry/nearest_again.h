@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/kd_tree.h"
+#include "geometry/pixel_grid.h"
 
 namespace partscribe {
 
@@ -15,8 +16,9 @@ class NearestAgain {
  public:
   static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
-  /// `tree` is over `points`; both stay with the caller.
-  NearestAgain(const KdTree& tree, const std::vector<Vec3>& points, std::size_t queries) : tree_(&tree), points_(&points), last_(queries) {}
+  /// `tree` is over `points`, and so is `grid` if there is one, which is asked first; all stay with the caller.
+  NearestAgain(const KdTree& tree, const std::vector<Vec3>& points, std::size_t queries, const PixelGrid* grid = nullptr)
+      : tree_(&tree), grid_(grid), points_(&points), last_(queries) {}
 
   /// Index of the point nearest to query `k`, now at `place`; nobody if it is farther than `limit` (mm).
   std::uint32_t nearest(std::size_t k, const Vec3& place, double limit);
@@ -28,6 +30,7 @@ class NearestAgain {
     std::uint32_t first = nobody, second = nobody;
   };
   const KdTree* tree_;
+  const PixelGrid* grid_;
   const std::vector<Vec3>* points_;
   std::vector<Last> last_;
 };

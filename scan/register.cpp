@@ -412,7 +412,8 @@ std::vector<std::uint8_t> floating_points(const Registration& registration, cons
 Result<Registration> register_views(const std::vector<RegisterView>& views, const RegisterOptions& options, Context& context) {
   if (auto error = check(views, options)) return *error;
   const Error stopped{"stopped while registering views", ErrorKind::stopped};
-  std::vector<ViewSurface> surfaces = view_surfaces(views, options.samples, context);
+  const bool contours = options.contours && views.size() > 2;  // of two views nothing would tell which face a border belongs to
+  std::vector<ViewSurface> surfaces = view_surfaces(views, options.samples, context, contours);
   if (context.cancelled) return stopped;
   std::vector<Pose> guesses;
   for (const RegisterView& view : views) guesses.push_back(view.guess.value_or(Pose{}));
@@ -424,7 +425,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (table) {
       start = std::move(table->start), result.turntable = table->table;
       if (!table->trouble.empty()) result.warnings.push_back(table->trouble);
-      if (table->depth) result.depth = table->depth, surfaces = view_surfaces(corrected(views, *table->depth), options.samples, context);
+      if (table->depth) result.depth = table->depth, surfaces = view_surfaces(corrected(views, *table->depth), options.samples, context, contours);
     }
   } else if (options.method == PairMethod::paper) {
     start = register_as_published(surfaces, guesses, {}, context);

@@ -44,6 +44,7 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
   const Pose there = poses[b].inverse() * poses[a];
   const std::size_t stride = from.points.size() / most_places + 1;
   std::vector<Match> result;
+  result.reserve(from.points.size() / stride + 1);
   for (std::size_t i = 0; i < from.points.size(); i += stride) {
     if (!from.smooth[i]) continue;
     const Vec3 place = there * from.points[i], nx = there.rotation * from.normals[i];
@@ -54,7 +55,7 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
     if (nx.dot(ny) < same_face) continue;
     const Vec3 n = (nx + ny).normalized(), across = place - to.points[near];
     if ((across - across.dot(n) * n).norm() > to.spacing) continue;
-    const double cosine = std::min(-from.normals[i].dot(from.raster.ray(from.points[i])), -ny.dot(to.raster.ray(to.points[near])));
+    const double cosine = std::min(from.cosine[i], to.cosine[near]);
     const Vec3 d = there * from.measured[i] - to.measured[near];
     const Vec3 middle = poses[b] * (to.measured[near] + 0.5 * d), normal = poses[b].rotation * n;
     Match match;
@@ -78,7 +79,7 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
   std::vector<NearestAgain> partners;
   for (const auto& [a, b] : pairs) {
     const ViewSurface &from = surfaces[adjusted.views[a]], &to = surfaces[adjusted.views[b]];
-    partners.emplace_back(*to.tree, to.points, from.points.size());
+    partners.emplace_back(*to.tree, to.points, from.points.size(), to.grid.get());
   }
   for (int round = 0; round < (two ? rounds_of_two : rounds) && !context.cancelled; ++round) {
     std::vector<std::vector<Match>> matches(pairs.size());

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
 
 #include "core/statistics.h"
 #include "geometry/nearest_again.h"
@@ -80,17 +79,39 @@ Surfels strided_surfels(const ViewSurface& surface, std::size_t count) {
 namespace {
 
 struct CellSum {
+  Cell cell{};
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   int count = 0;
 };
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const {
+
+/// Sums by cell, in the order in which the cells were met; means_of puts them in theirs.
+class CellSums {
+ public:
+  const std::vector<CellSum>& all() const { return sums_; }
+
+  /// Stays until another cell is asked for.
+  CellSum& at(const Cell& cell) {
+    if (2 * sums_.size() >= slots_.size()) grow();
+    const std::size_t slot = slot_of(cell);
+    if (slots_[slot] == 0) sums_.emplace_back().cell = cell, slots_[slot] = static_cast<std::uint32_t>(sums_.size());
+    return sums_[slots_[slot] - 1];
+  }
+
+ private:
+  std::size_t slot_of(const Cell& cell) const {
     std::uint64_t hash = 0;
     for (const std::int64_t k : cell) hash = (hash ^ static_cast<std::uint64_t>(k)) * 0x9E3779B97F4A7C15ull, hash ^= hash >> 32;
-    return hash;
+    std::size_t slot = hash & (slots_.size() - 1);
+    while (slots_[slot] != 0 && sums_[slots_[slot] - 1].cell != cell) slot = (slot + 1) & (slots_.size() - 1);
+    return slot;
   }
+  void grow() {
+    slots_.assign(slots_.empty() ? 4096 : 4 * slots_.size(), 0);
+    for (std::uint32_t i = 0; i < sums_.size(); ++i) slots_[slot_of(sums_[i].cell)] = i + 1;
+  }
+  std::vector<CellSum> sums_;
+  std::vector<std::uint32_t> slots_;  // a power of two; index in `sums_` and one
 };
-using CellSums = std::unordered_map<Cell, CellSum, CellHash>;  // means_of puts them in order
 
 void add_cells(const ViewSurface& surface, const Pose& pose, double cell, CellSums& cells) {
   Cell last{};
@@ -98,7 +119,7 @@ void add_cells(const ViewSurface& surface, const Pose& pose, double cell, CellSu
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
     const Vec3 p = pose * surface.points[i], n = pose.rotation * surface.normals[i];
     const Cell key = cell_of(p, n, cell);
-    if (!sum || key != last) sum = &cells[key], last = key;
+    if (!sum || key != last) sum = &cells.at(key), last = key;
     sum->point += p, sum->normal += n, ++sum->count;
   }
 }
@@ -110,14 +131,35 @@ std::vector<OrientedPoint> oriented(const Surfels& surfels) {
   return result;
 }
 
+/// By coordinates, then by direction.
+std::vector<std::uint32_t> in_order(const std::vector<CellSum>& sums) {
+  struct Keyed {
+    std::uint64_t key;
+    std::uint32_t index;
+  };
+  constexpr std::int64_t most = std::int64_t(1) << 20;
+  Cell low{}, high{};
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    for (std::size_t k = 0; k < 4; ++k) low[k] = std::min(i ? low[k] : sums[i].cell[k], sums[i].cell[k]), high[k] = std::max(i ? high[k] : sums[i].cell[k], sums[i].cell[k]);
+  const bool fits = high[0] - low[0] < most && high[1] - low[1] < most && high[2] - low[2] < most;  // of the direction there are six
+  std::vector<Keyed> keyed(sums.size());
+  for (std::uint32_t i = 0; i < sums.size(); ++i) {
+    std::uint64_t key = 0;
+    for (std::size_t k = 0; fits && k < 4; ++k) key = (k < 3 ? key << 20 : key << 3) | static_cast<std::uint64_t>(sums[i].cell[k] - low[k]);
+    keyed[i] = {key, i};
+  }
+  if (fits) std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+  else std::sort(keyed.begin(), keyed.end(), [&](const Keyed& a, const Keyed& b) { return sums[a.index].cell < sums[b.index].cell; });
+  std::vector<std::uint32_t> result(sums.size());
+  for (std::size_t i = 0; i < keyed.size(); ++i) result[i] = keyed[i].index;
+  return result;
+}
+
 Surfels means_of(const CellSums& cells) {
-  std::vector<const CellSums::value_type*> sorted;
-  sorted.reserve(cells.size());
-  for (const auto& entry : cells) sorted.push_back(&entry);
-  std::sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->first < b->first; });
   Surfels result;
-  for (const auto* entry : sorted) {
-    const CellSum& sum = entry->second;
+  result.points.reserve(cells.all().size()), result.normals.reserve(cells.all().size());
+  for (const std::uint32_t i : in_order(cells.all())) {
+    const CellSum& sum = cells.all()[i];
     result.points.push_back(sum.point / sum.count), result.normals.push_back(sum.normal.normalized());
   }
   return result;
@@ -184,16 +226,18 @@ SymmetricRule rule_at(const Pose& pose, const Vec3& origin, double size, double 
 class Partners {
  public:
   explicit Partners(const AlignPair& pair)
-      : source_(pair.source), target_(pair.target), oriented_(oriented(*pair.source)), again_(*target_->tree, target_->surfels.points, target_->map ? 0 : oriented_.size()) {}
+      : source_(pair.source), target_(pair.target), oriented_(oriented(*pair.source)), again_(*target_->tree, target_->surfels.points, target_->map ? 0 : oriented_.size()),
+        from_(oriented_.size()), to_(oriented_.size()) {}
 
   void add(const SymmetricRule& rule, SymmetricSums& sums) {
-    from_.clear(), to_.clear();
+    std::size_t count = 0;
     for (std::uint32_t i = 0; i < oriented_.size(); ++i) {
       const Vec3 x = rule.target_from_source * source_->points[i];
       const std::uint32_t to = target_->map ? target_->map->near(x.x(), x.y(), x.z()) : again_.nearest(i, x, 3 * rule.reach);
-      if (to != NearestAgain::nobody) from_.push_back(i), to_.push_back(to);
+      from_[count] = i, to_[count] = to;
+      count += to != NearestAgain::nobody;
     }
-    add_symmetric(oriented_.data(), target_->oriented.data(), from_.data(), to_.data(), from_.size(), rule, sums);
+    add_symmetric(oriented_.data(), target_->oriented.data(), from_.data(), to_.data(), count, rule, sums);
   }
 
  private:
@@ -297,7 +341,7 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
         default: continue;
       }
       if (facing < 0.3) continue;
-      const Neighbour near = other.tree->nearest_one(p);
+      const Neighbour near = other.nearest(p);
       const bool must_return = facing > 0.4;  // beyond 65 degrees a surface may fail to
       result.faced += must_return;
       const Vec3 d = p - other.points[near.index];

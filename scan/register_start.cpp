@@ -73,15 +73,13 @@ bool connected(const Placement& placement, std::size_t view, const PoseCandidate
   return true;
 }
 
-/// Each start, and the same turn with the view laid over the middle of what both sides can see at that turn: where a
-/// guess is turned about is not known, so that a right turn may come with a wrong place.
-std::vector<Pose> with_places(const Placement& placement, std::size_t view, const std::vector<Pose>& starts) {
-  const ViewSurface& surface = placement.surfaces[view];
-  const Surfels mine = sample_surfels(surface, 200);
-  struct Seen {
-    Surfels surfels;  // world frame
-    Vec3 sight;
-  };
+/// Some of a view's surface, and where it was seen from.
+struct Seen {
+  Surfels surfels;  // world frame
+  Vec3 sight;
+};
+
+std::vector<Seen> seen_by(const Placement& placement) {
   std::vector<Seen> others;
   for (const std::size_t o : placement.placed) {
     const Pose& pose = placement.poses[o];
@@ -91,6 +89,12 @@ std::vector<Pose> with_places(const Placement& placement, std::size_t view, cons
     for (Vec3& n : seen.surfels.normals) n = pose.rotation * n;
     others.push_back(std::move(seen));
   }
+  return others;
+}
+
+/// Each start, and the same turn with the view laid over the middle of what both sides can see at that turn: where a
+/// guess is turned about is not known, so that a right turn may come with a wrong place. `mine`: some of the view's own surface.
+std::vector<Pose> with_places(const ViewSurface& surface, const Surfels& mine, const std::vector<Seen>& others, const std::vector<Pose>& starts) {
   constexpr double facing = -0.2;  // cosine to the sight of the other sensor
   std::vector<Pose> result;
   for (const Pose& start : starts) {
@@ -129,8 +133,8 @@ std::vector<PoseCandidate> distinct(const std::vector<PoseCandidate>& candidates
 }
 
 /// Three directions across each other: that of most normals, of most of those across it, and the third.
-Mat3 main_axes(const ViewSurface& surface) {
-  const Surfels surfels = sample_surfels(surface, 300);
+/// `surfels`: some 300 of the view.
+Mat3 main_axes(const Surfels& surfels) {
   const auto most_common = [&](const auto& allowed) {
     Vec3 best = Vec3::Zero();
     std::size_t most = 0;
@@ -185,7 +189,10 @@ class PoseSearch {
     coarse_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface_.radius / 12, 2 * surface_.spacing), mapped);
     fine_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, 1.5 * surface_.spacing);
     few_ = sample_surfels(surface_, 300), many_ = sample_surfels(surface_, 1000);
+    if (mapped) fewer_ = sample_surfels(surface_, 200), seen_ = seen_by(placement);
   }
+
+  Mat3 axes() const { return main_axes(few_); }
 
   const Pose* guess = nullptr;                    ///< where there is one
   std::function<bool(const Pose&)> too_far;        ///< from the guess
@@ -197,7 +204,7 @@ class PoseSearch {
     rough.start_reach = 0.35 * surface_.radius, rough.end_reach = coarse_->cell, rough.noise = 0.1 * coarse_->cell, rough.iterations = 40;
     if (guess) rough.settled = 1e-2;
     std::vector<PoseCandidate> found;
-    for (const Pose& start : guess ? under_way(with_places(placement_, view_, starts), rough) : starts) found.push_back({start, {}});
+    for (const Pose& start : guess ? under_way(with_places(surface_, fewer_, seen_, starts), rough) : starts) found.push_back({start, {}});
     if (guess) rough.start_reach *= 0.36;  // they come from there
     align(found, few_, *coarse_, rough, 4, 200);
     constexpr double near_known = 0.05;  // rad, share of the radius
@@ -345,7 +352,8 @@ class PoseSearch {
   int threads_;
   const ViewSurface& surface_;
   std::unique_ptr<PlacedModel> coarse_, fine_;
-  Surfels few_, many_;  // of the view
+  Surfels fewer_, few_, many_;  // of the view
+  std::vector<Seen> seen_;      // by the others, where there is a guess
 };
 
 std::string degrees_text(double angle) { return print_number(std::round(angle * 1800 / pi) / 10); }
@@ -425,7 +433,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   std::erase_if(found, [&](const PoseCandidate& c) { return too_far(c.pose); });
   // What was found says where else to look.
   std::vector<Pose> elsewhere;  // without a guess the starts hold such turns already
-  const Mat3 axes = main_axes(surface);
+  const Mat3 axes = search.axes();
   for (std::size_t k = 0; guessed && k < std::min<std::size_t>(2, found.size()); ++k)
     for (const Pose& pose : rivals_of(surface, axes, found[k].pose)) if (!too_far(pose)) elsewhere.push_back(pose);
   std::vector<PoseCandidate> more = search.from(elsewhere, found);
@@ -630,7 +638,7 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
     const std::size_t view = waiting[best];
     Vec3 center = Vec3::Zero();
     for (const std::size_t v : placed) center += result.poses[v] * surfaces[v].center / static_cast<double>(placed.size());
-    for (const Pose& pose : symmetric_turns(main_axes(surfaces[view]), best_starts.front(), center)) best_starts.push_back(pose);
+    for (const Pose& pose : symmetric_turns(main_axes(sample_surfels(surfaces[view], 300)), best_starts.front(), center)) best_starts.push_back(pose);
     if (!growth.place(view, best_starts, placed, false, context)) {
       failed_at[view] = placed.size();
       continue;

@@ -65,8 +65,9 @@ struct Answers {
 std::optional<Answers> answers_to(const PairCase& pair, const std::vector<peers::Method>& methods, const std::vector<double>& gates, Context& context) {
   RegisterOptions options;
   options.guess_angle = pair.start + 0.1;
+  const std::vector<RegisterView> views{pair.first, pair.second};
   double start = seconds();
-  const auto ours = register_views({pair.first, pair.second}, options, context);
+  const auto ours = register_views(views, options, context);
   const double spent = 1000 * (seconds() - start);
   if (!ours.ok()) return {};
   Answers answers{{ours->views[1].world_from_view}, {spent}, ours->views[1].status == ViewStatus::refused, ours->free_motions};

@@ -1,4 +1,5 @@
 /// Extrusions among strays: where a sweep begins and ends.
+#include "fit/coverage.h"
 #include "fit/extrude.h"
 
 #include <catch2/catch.hpp>
@@ -6,9 +7,32 @@
 #include <cmath>
 
 #include "fit/prepare.h"
+#include "fit/refine.h"
 #include "tests/fit/sampled.h"
 
 using namespace partscribe;
+
+TEST_CASE("coverage: a wall that is folded within the noise is thin, a plain one is not") {
+  const auto plate_of = [](std::vector<SketchElement> elements) {
+    Loop outline;
+    outline.name = "outline", outline.elements = std::move(elements);
+    Candidate plate;
+    plate.object_name = "plate";
+    plate.shape = Extrude{{{outline}}, Expr(40)};
+    return plate;
+  };
+  const Candidate plain = plate_of({SketchPoint{0, 0, ""}, SketchPoint{40, 0, ""}, SketchPoint{40, 6, ""}, SketchPoint{0, 6, ""}});
+  // Its lower wall runs to the right, back above itself, and to the right again: a wall and a slot, each within the noise.
+  const Candidate folded = plate_of({SketchPoint{0, -0.4, ""}, SketchPoint{35, -0.4, ""}, SketchPoint{5, 0, ""}, SketchPoint{40, 0.4, ""},
+                                     SketchPoint{40, 6, ""}, SketchPoint{0, 6, ""}});
+  Scan scan = test::sampled(bare_model(plain), {.points = 4000, .noise = 0.4, .reach = 45, .seed = 2});
+  Context context;
+  auto input = prepare(scan, 1.2, context);
+  REQUIRE(input);
+  input->sampling.sigma = 0.4;
+  CHECK(coverage_of(plain, *input, context).thin < 0.01);
+  CHECK(coverage_of(folded, *input, context).thin > 0.12);
+}
 
 TEST_CASE("extrude: strays beside the walls do not move the ends of the sweep") {
   Loop outline;

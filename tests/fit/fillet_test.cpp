@@ -55,6 +55,25 @@ TEST_CASE("fillet: its concave side and little of its legs, among strays") {
     }
 }
 
+TEST_CASE("fillet: without a point on its legs its ends show them, and without an end neither") {
+  Scan scan = test::sampled(model_with(Fillet{24, 18, 40}), {.points = 6000, .noise = 0.1, .reach = 45, .seed = 8});
+  std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() > 39.5 || (std::min(p.x(), p.y()) < 0.5 && p.z() > 0.5); });
+  Scan ends = scan, neither = scan;
+  std::erase_if(neither.cloud.points, [](const Vec3& p) { return p.z() < 0.5; });
+  Context context;
+  REQUIRE(neither.cloud.points.size() > 1000);
+  const FitInput input = prepared(ends, 0.4);
+  std::vector<Candidate> found = propose_fillets(input, context);
+  REQUIRE_FALSE(found.empty());
+  RefineOptions options;
+  options.uncertainty = false;
+  refine(found.back(), input, options, context);
+  const Vec3 size = sizes_of(found);
+  CHECK(size.x() == Approx(18).margin(0.5));
+  CHECK(size.y() == Approx(24).margin(0.5));
+  CHECK(propose_fillets(prepared(neither, 0.4), context).empty());
+}
+
 TEST_CASE("fillet: none among the strays around a block, nor on a rod") {
   for (const Shape& shape : {Shape(Box{30, 20, 40}), Shape(Cylinder{15, 40})}) {
     Scan scan = test::sampled(model_with(shape), {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});

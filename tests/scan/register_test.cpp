@@ -182,6 +182,24 @@ TEST_CASE("register: views come out truer from filtered images") {
   CHECK(off_truth(filtered, truth).shift < 0.1);
 }
 
+TEST_CASE("register: the surface of a filtered view is the same whether its borders are looked for or not") {
+  SimulateOptions options = small();
+  options.sigma = 0.05;
+  Context context;
+  const SimulatedScan scan = simulate(drum_with_bumps(), options, context);
+  std::vector<RangeImage> images;
+  for (const SimulatedView& view : scan.views) images.push_back(view.image);
+  const auto views = views_to_register(scan.merged, images, context);
+  const auto with = view_surfaces(views, 800, context, true), without = view_surfaces(views, 800, context, false);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    CHECK((!with[v].contour.empty() && without[v].contour.empty()));
+    CHECK((with[v].points == without[v].points && with[v].measured == without[v].measured && with[v].normals == without[v].normals));
+    CHECK((with[v].smooth == without[v].smooth && with[v].variance == without[v].variance && with[v].pixels == without[v].pixels));
+    CHECK((with[v].samples == without[v].samples && with[v].raster.depth == without[v].raster.depth));
+    CHECK((with[v].sigma == without[v].sigma && with[v].spacing == without[v].spacing && with[v].rejected == without[v].rejected));
+  }
+}
+
 TEST_CASE("register: places as measured mend what the filter does where surfaces bend") {
   // Filtered places beside creases and the limb lie off by part of the noise, all to one side; measured ones do not.
   Context context;
