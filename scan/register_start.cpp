@@ -361,8 +361,7 @@ std::string percent(double share) { return print_number(std::round(share * 1000)
 
 /// Without guesses a view may be laid beyond the part as well, where nobody is asked and nothing speaks against it: where most of
 /// it is confirmed elsewhere such a place is no rival, though parts full of edges leave some disagreement at the true one. That
-/// holds once most views are placed: beside the first few there is room for what nobody has seen yet (a block of plane faces and
-/// noise came out half a turn wrong).
+/// holds once most views are placed: beside the first few there is room for what nobody has seen yet.
 bool beyond_the_part(const Agreement& a, const Agreement& b) {
   constexpr double most_of_it = 0.5, hardly_any = 0.05;
   return a.overlap() >= most_of_it && b.overlap() < hardly_any;
