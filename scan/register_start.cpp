@@ -359,6 +359,14 @@ class PoseSearch {
 std::string degrees_text(double angle) { return print_number(std::round(angle * 1800 / pi) / 10); }
 std::string percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
+/// Without guesses a view may be laid beyond the part as well, where nobody is asked and nothing speaks against it: where most of
+/// it is confirmed elsewhere such a place is no rival, though parts full of edges leave some disagreement at the true one. That
+/// holds once most views are placed: beside the first few there is room for what nobody has seen yet.
+bool beyond_the_part(const Agreement& a, const Agreement& b) {
+  constexpr double most_of_it = 0.5, hardly_any = 0.05;
+  return a.overlap() >= most_of_it && b.overlap() < hardly_any;
+}
+
 /// Whether the evidence tells a worse pose from the better. More overlap is little evidence, for a face lies on any other
 /// face: what is not contradicted and overlaps half as much is as possible; a fifth, where there is one other view only, which
 /// looked at little of what it could contradict.
@@ -442,9 +450,12 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   PoseCandidate chosen = found.front();
   std::vector<Pose> joined;
   const std::size_t witnesses = guessed ? others.size() : 2;  // features have compared all views already
+  const auto usable = static_cast<std::size_t>(std::count_if(surfaces.begin(), surfaces.end(), [](const ViewSurface& s) { return s.usable(); }));
+  const bool most_are_there = !guessed && enough_agree(others.size(), usable);
   reason.clear();
   for (std::size_t k = 1; k < found.size(); ++k) {
     if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, witnesses)) continue;
+    if (most_are_there && beyond_the_part(found[0].agreement, found[k].agreement)) continue;
     if (!connected(placement, view, found[0], found[k])) {
       if (reason.empty()) reason = "fits in two places that are " + apart(distance(surface, found[0].pose, found[k].pose));
       continue;
@@ -639,6 +650,94 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
   for (const std::size_t v : placed) result.placed[v] = 1;
 }
 
+/// What speaks against the poses of all placed views together.
+double contradiction_of(const Growth& growth, const std::vector<Pose>& poses, int threads) {
+  constexpr std::size_t samples = 300;
+  std::vector<double> of(growth.placed.size());
+  parallel_for(of.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t v = growth.placed[k];
+      const Agreement a = agreement(growth.surfaces, poses, v, poses[v], growth.placed, growth.reach, samples);
+      int missing = 0;
+      for (const int m : a.missing_by) missing += m;
+      of[k] = a.samples ? (3.0 * (a.through + a.back_through) + missing) / a.samples + a.disagreement() : 0;
+    }
+  }, 1);
+  double sum = 0;
+  for (const double c : of) sum += c;
+  return sum;
+}
+
+/// How much of a view others looked through, or did not see, above which something lies wrong.
+constexpr double trouble = 0.02;
+
+bool in_trouble(const Growth& growth, std::size_t view, const std::vector<std::size_t>& others) {
+  const Agreement a = agreement(growth.surfaces, growth.result.poses, view, growth.result.poses[view], others, growth.reach, 1000);
+  return a.seen_through() > trouble || a.unanswered() > trouble;
+}
+
+/// A view that was placed while little else was, and that shape left free then, may be contradicted by what came later: it is
+/// looked for once more against all the others.
+void place_free_views_again(Growth& growth, Context& context) {
+  const std::vector<std::size_t> placed = growth.placed;
+  StartResult& result = growth.result;
+  for (std::size_t k = 1; k < placed.size() && !context.cancelled; ++k) {
+    const std::size_t v = placed[k];
+    std::vector<std::size_t> others = placed;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    if (result.joined[v].empty() || !in_trouble(growth, v, others)) continue;
+    const Placement placement{growth.surfaces, result.poses, others, growth.reach};
+    const Pose before = result.poses[v];
+    const std::vector<Pose> joined = result.joined[v];
+    std::vector<Pose> starts{before};
+    // All the way round, where it may turn.
+    for (const Pose& d : joined)
+      for (const double share : {-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0}) starts.push_back(between(before, d * before, share));
+    const double was = placement.judge(v, before, 1, 1000).contradiction();
+    const bool found = growth.place(v, starts, others, false, context);
+    if (found && placement.judge(v, result.poses[v], 1, 1000).contradiction() < was) {
+      context.say("view " + std::to_string(v) + " placed again");
+      continue;
+    }
+    result.poses[v] = before, result.joined[v] = joined, result.reason[v].clear();
+  }
+}
+
+/// Views that surfaces leave free together move along that as long as contradictions get fewer: each of them has the others for
+/// it, so that alone none would.
+void move_free_views_together(Growth& growth, Context& context) {
+  StartResult& result = growth.result;
+  const auto troubled = [&](std::size_t v) { return in_trouble(growth, v, growth.placed); };
+  if (growth.placed.size() < 3 || std::none_of(growth.placed.begin(), growth.placed.end(), troubled)) return;
+  double radius = 0, spacing = 0;
+  for (const std::size_t v : growth.placed) radius = std::max(radius, growth.surfaces[v].radius), spacing = std::max(spacing, growth.surfaces[v].spacing);
+  JointOptions adjust;
+  adjust.start_reach = 6 * spacing, adjust.contours = growth.options.contours;
+  const JointResult joint = adjust_jointly(growth.surfaces, result.poses, growth.placed, adjust, context);
+  std::vector<Pose> best = joint.poses;
+  const double before = contradiction_of(growth, best, context.threads);
+  double least = before;
+  constexpr int steps = 24;  // each way, up to the radius
+  for (const Eigen::VectorXd& direction : joint.free_directions) {
+    const Eigen::VectorXd unit = direction / largest_of_a_view(direction);
+    const std::vector<Pose> from = best;
+    for (int k = -steps; k <= steps && !context.cancelled; ++k) {
+      if (k == 0) continue;
+      std::vector<Pose> moved = from;
+      for (const std::size_t v : growth.placed) {
+        const auto motion = (k * radius / steps * unit.segment<6>(static_cast<Eigen::Index>(6 * v))).eval();
+        const Mat3 turn = rotation_of(motion.head<3>() / joint.size);
+        moved[v] = Pose{turn, joint.center - turn * joint.center + motion.tail<3>()} * from[v];
+      }
+      const double now = contradiction_of(growth, moved, context.threads);
+      if (now < least) least = now, best = std::move(moved);
+    }
+  }
+  if (context.cancelled || least > 0.7 * before) return;
+  context.say("free views moved together, contradictions " + print_number(before) + " to " + print_number(least));
+  result.poses = std::move(best);
+}
+
 }  // namespace
 
 StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
@@ -656,7 +755,7 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
   std::erase_if(pairs, [](const PairCandidates& p) { return p.found.empty(); });
   std::stable_sort(pairs.begin(), pairs.end(), [](const PairCandidates& a, const PairCandidates& b) { return a.found[0].agreement.score() > b.found[0].agreement.score(); });
   // A pair that only seems to fit does not grow far: a few are tried, the largest structure wins.
-  std::vector<std::size_t> tried;
+  std::vector<std::size_t> tried, largest;
   std::size_t most = 0;
   for (const PairCandidates& pair : pairs) {
     if (tried.size() >= 4 || most == usable.size()) break;
@@ -665,7 +764,16 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, nothing, {}, false};
     grow_from(growth, pairs, pair.target, usable, context);
     context.say("from view " + std::to_string(pair.target) + ": " + std::to_string(growth.placed.size()) + " placed");
-    if (growth.placed.size() > most) most = growth.placed.size(), result = std::move(growth.result);
+    if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
+  }
+  if (enough_agree(most, usable.size())) {
+    Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, std::move(result), largest, false};
+    const StartResult before = growth.result;
+    place_free_views_again(growth, context);
+    move_free_views_together(growth, context);
+    // Beside a view that lies wrong the right ones would be moved for its sake.
+    const bool troubled = std::any_of(largest.begin(), largest.end(), [&](std::size_t v) { return in_trouble(growth, v, largest); });
+    result = troubled ? before : std::move(growth.result);
   }
   // Few views that agree among themselves may do so by chance; of many that is unlikely.
   if (!enough_agree(most, usable.size())) {
