@@ -359,14 +359,6 @@ class PoseSearch {
 std::string degrees_text(double angle) { return print_number(std::round(angle * 1800 / pi) / 10); }
 std::string percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
-/// Without guesses a view may be laid beyond the part as well, where nobody is asked and nothing speaks against it: where most of
-/// it is confirmed elsewhere such a place is no rival, though parts full of edges leave some disagreement at the true one. That
-/// holds once most views are placed: beside the first few there is room for what nobody has seen yet.
-bool beyond_the_part(const Agreement& a, const Agreement& b) {
-  constexpr double most_of_it = 0.5, hardly_any = 0.05;
-  return a.overlap() >= most_of_it && b.overlap() < hardly_any;
-}
-
 /// Whether the evidence tells a worse pose from the better. More overlap is little evidence, for a face lies on any other
 /// face: what is not contradicted and overlaps half as much is as possible; a fifth, where there is one other view only, which
 /// looked at little of what it could contradict.
@@ -450,12 +442,9 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   PoseCandidate chosen = found.front();
   std::vector<Pose> joined;
   const std::size_t witnesses = guessed ? others.size() : 2;  // features have compared all views already
-  const auto usable = static_cast<std::size_t>(std::count_if(surfaces.begin(), surfaces.end(), [](const ViewSurface& s) { return s.usable(); }));
-  const bool most_are_there = !guessed && enough_agree(others.size(), usable);
   reason.clear();
   for (std::size_t k = 1; k < found.size(); ++k) {
     if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, witnesses)) continue;
-    if (most_are_there && beyond_the_part(found[0].agreement, found[k].agreement)) continue;
     if (!connected(placement, view, found[0], found[k])) {
       if (reason.empty()) reason = "fits in two places that are " + apart(distance(surface, found[0].pose, found[k].pose));
       continue;
