@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "geometry/nearest_map.h"
@@ -85,11 +86,15 @@ struct Agreement {
   double disagreement() const { return faced ? double(odd) / faced : 0; }
   double overlap() const { return samples ? double(confirmed) / samples : 0; }
   double seen_through() const { return samples ? double(std::max(through, back_through)) / samples : 0; }
-  /// What speaks against a pose, as a share of the samples.
-  double contradiction() const { return samples ? (3.0 * (through + back_through) + missing()) / double(samples) + disagreement() : 1; }
+  /// What speaks against a pose, as a share of the samples; by all: with what is missing by each of the views, not by the worst one.
+  double contradiction() const { return against(missing()); }
+  double contradiction_by_all() const { return against(std::accumulate(missing_by.begin(), missing_by.end(), 0)); }
   /// What ranks poses: confirmed less what contradicts.
   double score() const { return samples ? overlap() - contradiction() : -1; }
   double unanswered() const { return samples ? double(missing()) / samples : 0; }
+
+ private:
+  double against(int unanswered) const { return samples ? (3.0 * (through + back_through) + unanswered) / double(samples) + disagreement() : 1; }
 };
 
 /// `reach` is how far off a confirmed place may be along the normal, three times that across.

@@ -1,10 +1,8 @@
 #include "scan/register_start.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "core/number.h"
@@ -12,6 +10,8 @@
 #include "scan/register_features.h"
 #include "scan/register_joint.h"
 #include "scan/register_planes.h"
+#include "scan/register_search.h"
+#include "scan/register_steps.h"
 
 namespace partscribe {
 namespace {
@@ -29,12 +29,6 @@ std::vector<Vec3> turns_within(double most) {
   return result;
 }
 
-Pose turned(const Pose& pose, const Vec3& center, const Vec3& turn) {
-  const Mat3 rotation = rotation_of(turn);
-  const Vec3 place = pose * center;
-  return Pose{rotation, place - rotation * place} * pose;
-}
-
 }  // namespace
 
 double confirm_reach(const std::vector<ViewSurface>& surfaces) {
@@ -43,318 +37,7 @@ double confirm_reach(const std::vector<ViewSurface>& surfaces) {
   return reach;
 }
 
-/// A pose of one view that was found, and what speaks for it.
-struct PoseCandidate {
-  Pose pose;
-  Agreement agreement;
-};
-
 namespace {
-
-struct Placement {
-  const std::vector<ViewSurface>& surfaces;
-  const std::vector<Pose>& poses;
-  const std::vector<std::size_t>& placed;
-  double reach;  // confirm_reach
-
-  Agreement judge(std::size_t view, const Pose& pose, double factor, std::size_t samples) const {
-    return agreement(surfaces, poses, view, pose, placed, factor * reach, samples);
-  }
-};
-
-/// All the way from one pose to the other fits as well: a free motion, not two answers.
-bool connected(const Placement& placement, std::size_t view, const PoseCandidate& a, const PoseCandidate& b) {
-  for (const double share : {0.25, 0.5, 0.75}) {
-    const Pose pose = between(a.pose, b.pose, share);
-    const Agreement there = placement.judge(view, pose, 2, 150);
-    if (there.overlap() < 0.8 * std::min(a.agreement.overlap(), b.agreement.overlap())) return false;
-    if (there.contradiction() > std::max(a.agreement.contradiction(), b.agreement.contradiction()) + 0.1) return false;
-  }
-  return true;
-}
-
-/// Some of a view's surface, and where it was seen from.
-struct Seen {
-  Surfels surfels;  // world frame
-  Vec3 sight;
-};
-
-std::vector<Seen> seen_by(const Placement& placement) {
-  std::vector<Seen> others;
-  for (const std::size_t o : placement.placed) {
-    const Pose& pose = placement.poses[o];
-    const ViewSurface& other = placement.surfaces[o];
-    Seen seen{sample_surfels(other, 200), pose.rotation * other.raster.ray(other.center)};
-    for (Vec3& p : seen.surfels.points) p = pose * p;
-    for (Vec3& n : seen.surfels.normals) n = pose.rotation * n;
-    others.push_back(std::move(seen));
-  }
-  return others;
-}
-
-/// Each start, and the same turn with the view laid over the middle of what both sides can see at that turn: where a
-/// guess is turned about is not known, so that a right turn may come with a wrong place. `mine`: some of the view's own surface.
-std::vector<Pose> with_places(const ViewSurface& surface, const Surfels& mine, const std::vector<Seen>& others, const std::vector<Pose>& starts) {
-  constexpr double facing = -0.2;  // cosine to the sight of the other sensor
-  std::vector<Pose> result;
-  for (const Pose& start : starts) {
-    result.push_back(start);
-    const Vec3 sight = start.rotation * surface.raster.ray(surface.center);
-    Vec3 own = Vec3::Zero(), theirs = Vec3::Zero();
-    int own_count = 0, their_count = 0;
-    for (const Seen& seen : others)
-      for (std::size_t i = 0; i < seen.surfels.points.size(); ++i)
-        if (seen.surfels.normals[i].dot(sight) < facing) theirs += seen.surfels.points[i], ++their_count;
-    for (std::size_t i = 0; i < mine.points.size(); ++i) {
-      const Vec3 n = start.rotation * mine.normals[i];
-      if (std::any_of(others.begin(), others.end(), [&](const Seen& seen) { return n.dot(seen.sight) < facing; }))
-        own += start * mine.points[i], ++own_count;
-    }
-    if (own_count < 10 || their_count < 10) continue;
-    const Vec3 shift = theirs / their_count - own / own_count;
-    if (shift.norm() > 0.1 * surface.radius) result.push_back({start.rotation, start.translation + shift});
-  }
-  return result;
-}
-
-void sort_by_score(std::vector<PoseCandidate>& candidates) {
-  std::stable_sort(candidates.begin(), candidates.end(), [](const PoseCandidate& a, const PoseCandidate& b) { return a.agreement.score() > b.agreement.score(); });
-}
-
-/// The first `most` places that are not the same within a tolerance (rad, share of the radius).
-std::vector<PoseCandidate> distinct(const std::vector<PoseCandidate>& candidates, const ViewSurface& surface, double within, std::size_t most) {
-  std::vector<PoseCandidate> result;
-  for (const PoseCandidate& c : candidates) {
-    if (result.size() >= most) break;
-    if (std::none_of(result.begin(), result.end(), [&](const PoseCandidate& r) { return same_place(surface, r.pose, c.pose, within, within * surface.radius); }))
-      result.push_back(c);
-  }
-  return result;
-}
-
-/// Three directions across each other: that of most normals, of most of those across it, and the third.
-/// `surfels`: some 300 of the view.
-Mat3 main_axes(const Surfels& surfels) {
-  const auto most_common = [&](const auto& allowed) {
-    Vec3 best = Vec3::Zero();
-    std::size_t most = 0;
-    for (const Vec3& n : surfels.normals) {
-      if (!allowed(n)) continue;
-      std::size_t like = 0;
-      for (const Vec3& m : surfels.normals) like += std::abs(n.dot(m)) > 0.98;
-      if (like > most) most = like, best = n;
-    }
-    return best;
-  };
-  Mat3 axes;
-  axes.col(0) = most_common([](const Vec3&) { return true; });
-  Vec3 second = most_common([&](const Vec3& n) { return std::abs(n.dot(axes.col(0))) < 0.2; });
-  if (second.isZero()) second = axes.col(0).unitOrthogonal();
-  axes.col(1) = (second - second.dot(axes.col(0)) * axes.col(0)).normalized();
-  axes.col(2) = axes.col(0).cross(axes.col(1));
-  return axes;
-}
-
-/// The 23 turns that lay a cube with these axes onto itself, about `center`: what symmetric parts are mistaken for.
-std::vector<Pose> symmetric_turns(const Mat3& axes, const Pose& pose, const Vec3& center) {
-  std::vector<Pose> result;
-  const Mat3 world = pose.rotation * axes;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (const double a : {1.0, -1.0})
-        for (const double b : {1.0, -1.0}) {
-          if (i == j || (i == 0 && j == 1 && a > 0 && b > 0)) continue;
-          Mat3 image;
-          image << a * world.col(i), b * world.col(j), a * world.col(i).cross(b * world.col(j));
-          const Mat3 turn = image * world.transpose();
-          result.push_back(Pose{turn, center - turn * center} * pose);
-        }
-  return result;
-}
-
-/// Where else a view could lie that fits at `pose`: turned as symmetric parts are mistaken, or slid.
-std::vector<Pose> rivals_of(const ViewSurface& surface, const Mat3& axes, const Pose& pose) {
-  std::vector<Pose> result = symmetric_turns(axes, pose, pose * surface.center);
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double slide : {-1.0, -0.5, -0.25, 0.25, 0.5, 1.0})
-      result.push_back(Pose{Mat3::Identity(), slide * surface.radius * (pose.rotation * axes.col(axis))} * pose);
-  return result;
-}
-
-/// The search for poses of one view against others.
-class PoseSearch {
- public:
-  /// `mapped`: partners of the coarse search are looked up. Without guesses few poses are right, and these must not be missed.
-  PoseSearch(const Placement& placement, std::size_t view, int threads, bool mapped) : placement_(placement), view_(view), threads_(threads), surface_(placement.surfaces[view]) {
-    coarse_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(surface_.radius / 12, 2 * surface_.spacing), mapped);
-    fine_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, 1.5 * surface_.spacing);
-    few_ = sample_surfels(surface_, 300), many_ = sample_surfels(surface_, 1000);
-    if (mapped) fewer_ = sample_surfels(surface_, 200), seen_ = seen_by(placement);
-  }
-
-  Mat3 axes() const { return main_axes(few_); }
-
-  const Pose* guess = nullptr;                    ///< where there is one
-  std::function<bool(const Pose&)> too_far;        ///< from the guess
-
-  /// Poses the view ends in from `starts`, best first, each place once. The coarse search keeps many, for what it says
-  /// of a place is coarse as well. What ends there where something is `known` is left out.
-  std::vector<PoseCandidate> from(const std::vector<Pose>& starts, const std::vector<PoseCandidate>& known = {}) const {
-    AlignOptions rough;
-    rough.start_reach = 0.35 * surface_.radius, rough.end_reach = coarse_->cell, rough.noise = 0.1 * coarse_->cell, rough.iterations = 40;
-    if (guess) rough.settled = 1e-2;
-    std::vector<PoseCandidate> found;
-    for (const Pose& start : guess ? under_way(with_places(surface_, fewer_, seen_, starts), rough) : starts) found.push_back({start, {}});
-    if (guess) rough.start_reach *= 0.36;  // they come from there
-    align(found, few_, *coarse_, rough, 4, 200);
-    constexpr double near_known = 0.05;  // rad, share of the radius
-    std::erase_if(found, [&](const PoseCandidate& c) {
-      return std::any_of(known.begin(), known.end(), [&](const PoseCandidate& k) { return same_place(surface_, c.pose, k.pose, near_known, near_known * surface_.radius); });
-    });
-    found = distinct(found, surface_, 0.1, 32);
-    constexpr double hopeless_coarse = 0.6, hopeless = 0.2;
-    if (guess) drop_contradicted(found, known, hopeless_coarse);
-    if (!starts.empty() && known.empty()) found.insert(found.begin(), {starts.front(), {}});  // which may be better than coarse cells can tell
-    AlignOptions exact;
-    exact.start_reach = (guess ? 1 : 2) * coarse_->cell, exact.end_reach = std::max(1.5 * surface_.spacing, 4 * surface_.sigma), exact.noise = std::max(0.5 * surface_.sigma, 0.02 * surface_.spacing);
-    if (guess) exact.settled = 3e-3;
-    align(found, few_, *fine_, exact, 2, 400);
-    found = families(distinct(found, surface_, 0.05, found.size()));
-    if (guess) drop_contradicted(found, known, hopeless);
-    slide(found, exact);
-    exact.start_reach = exact.end_reach;
-    if (guess) exact.settled = 1e-3;
-    align(found, many_, *fine_, exact, 1.5, 1000);
-    return found;
-  }
-
- private:
-  /// A few of each set of poses that free motions join, and a few sets.
-  std::vector<PoseCandidate> families(const std::vector<PoseCandidate>& candidates) const {
-    constexpr int most_of_one = 2;
-    constexpr std::size_t most_heads = 6;
-    std::vector<PoseCandidate> heads, result;
-    std::vector<int> count;
-    for (const PoseCandidate& c : candidates) {
-      std::size_t of = 0;
-      while (of < heads.size() && !connected(placement_, view_, heads[of], c)) ++of;
-      if (of == heads.size()) {
-        if (heads.size() == most_heads) continue;
-        heads.push_back(c), count.push_back(0);
-      }
-      if (++count[of] <= most_of_one) result.push_back(c);
-    }
-    return result;
-  }
-
-  /// Poses after a few rounds from each start, while partners are far: where several are on their way to one place, one of them.
-  std::vector<Pose> under_way(const std::vector<Pose>& starts, AlignOptions rough) const {
-    constexpr double alike = 0.05;  // rad, share of the radius
-    rough.iterations = 8;
-    std::vector<Pose> all(starts.size()), result;
-    parallel_for(starts.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) all[k] = align_symmetric(few_, *coarse_, starts[k], rough);
-    }, 1);
-    for (const Pose& pose : all)
-      if (std::none_of(result.begin(), result.end(), [&](const Pose& r) { return same_place(surface_, r, pose, alike, alike * surface_.radius); })) result.push_back(pose);
-    return result;
-  }
-
-  /// Leaves out what is contradicted by so much more than the best place that may be taken that nothing after this would make it
-  /// a rival. Overlap is not asked: a right place may have a fifth of a wrong one's.
-  void drop_contradicted(std::vector<PoseCandidate>& found, const std::vector<PoseCandidate>& known, double more) const {
-    const Agreement* best = nullptr;
-    for (const auto* list : {&std::as_const(known), &std::as_const(found)})
-      for (const PoseCandidate& c : *list)
-        if (allowed(c.pose) && (!best || c.agreement.score() > best->score())) best = &c.agreement;
-    if (!best) return;
-    const double most = 1.5 * best->contradiction() + more;
-    std::erase_if(found, [&](const PoseCandidate& c) { return c.agreement.contradiction() > most; });
-  }
-
-  void align(std::vector<PoseCandidate>& candidates, const Surfels& source, const PlacedModel& model, const AlignOptions& options, double factor, std::size_t samples) const {
-    parallel_for(candidates.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        candidates[k].pose = align_symmetric(source, model, candidates[k].pose, options);
-        candidates[k].agreement = placement_.judge(view_, candidates[k].pose, factor, samples);
-      }
-    }, 1);
-    sort_by_score(candidates);
-  }
-
-  /// Where surfaces leave a view free, what was looked through says where it cannot lie: it moves only as that improves.
-  void away_from_contradiction(PoseCandidate& best, const Surfels& source, const AlignOptions& exact) const {
-    for (const double size : {0.5, 0.25, 0.12, 0.06}) {
-      if (best.agreement.contradiction() < 0.01) return;
-      const auto motions = weak_motions(source, *fine_, best.pose, 2 * exact.end_reach, exact.noise, 0.02);
-      bool moved = false;
-      for (int round = 0; round < 3; ++round) {
-        const double before = best.agreement.score();
-        for (const WeakMotion& motion : motions)
-          for (const double way : {size, -size}) {
-            const Pose pose = motion.by(way * surface_.radius) * best.pose;
-            if (!allowed(pose)) continue;
-            const Agreement found = placement_.judge(view_, pose, 2, 250);
-            if (found.score() > best.agreement.score() && found.contradiction() < best.agreement.contradiction() - 0.005) best = {pose, found}, moved = true;
-          }
-        if (best.agreement.score() <= before) break;
-      }
-      if (moved) best.pose = align_symmetric(source, *fine_, best.pose, exact);
-    }
-  }
-
-  /// Along free motions the guess is all that is known: back towards it, as far as nothing speaks against that.
-  void back_to_guess(PoseCandidate& best, const Surfels& source, const AlignOptions& exact) const {
-    const auto motions = weak_motions(source, *fine_, best.pose, 2 * exact.end_reach, exact.noise, 1e-3);
-    if (motions.empty()) return;
-    using Vec6 = Eigen::Matrix<double, 6, 1>;
-    const auto distance_to = [&](const Pose& pose) {
-      Vec6 e;
-      e << surface_.radius * rotation_vector(pose.rotation * guess->rotation.transpose()), pose * surface_.center - *guess * surface_.center;
-      return e;
-    };
-    Pose nearest = best.pose;
-    for (int round = 0; round < 4; ++round) {
-      const Vec6 e = distance_to(nearest);
-      Eigen::MatrixXd j(6, static_cast<Eigen::Index>(motions.size()));
-      for (std::size_t k = 0; k < motions.size(); ++k)
-        j.col(static_cast<Eigen::Index>(k)) << surface_.radius * motions[k].turn, motions[k].turn.cross(nearest * surface_.center - motions[k].center) + motions[k].shift;
-      const Eigen::VectorXd step = j.completeOrthogonalDecomposition().solve(e);
-      for (std::size_t k = 0; k < motions.size(); ++k) nearest = motions[k].by(-step[static_cast<Eigen::Index>(k)]) * nearest;
-    }
-    const double chance = 0.02 + 0.1 * best.agreement.overlap();
-    for (const double share : {1.0, 0.5, 0.25}) {
-      const Pose pose = align_symmetric(source, *fine_, between(best.pose, nearest, share), exact);
-      if (distance_to(pose).norm() > distance_to(best.pose).norm()) continue;
-      const Agreement found = placement_.judge(view_, pose, 2, 250);
-      if (found.score() < best.agreement.score() - chance || found.contradiction() > best.agreement.contradiction() + 0.02) continue;
-      best = {pose, found};
-      return;
-    }
-  }
-
-  void slide(std::vector<PoseCandidate>& candidates, AlignOptions exact) const {
-    const Surfels& source = few_;
-    exact.start_reach = exact.end_reach;
-    parallel_for(candidates.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        candidates[k].agreement = placement_.judge(view_, candidates[k].pose, 2, 250);
-        away_from_contradiction(candidates[k], source, exact);
-        if (guess) back_to_guess(candidates[k], source, exact);
-      }
-    }, 1);
-  }
-
-  bool allowed(const Pose& pose) const { return !too_far || !too_far(pose); }
-
-  const Placement& placement_;
-  std::size_t view_;
-  int threads_;
-  const ViewSurface& surface_;
-  std::unique_ptr<PlacedModel> coarse_, fine_;
-  Surfels fewer_, few_, many_;  // of the view
-  std::vector<Seen> seen_;      // by the others, where there is a guess
-};
 
 std::string degrees_text(double angle) { return print_number(std::round(angle * 1800 / pi) / 10); }
 std::string percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
@@ -367,10 +50,6 @@ bool clearly_better(const Agreement& a, const Agreement& b, std::size_t other_vi
   const double little = other_views == 1 ? 0.2 : 0.5;
   return b.overlap() < little * a.overlap() && a.contradiction() < 1.5 * b.contradiction() + 0.02;
 }
-
-}  // namespace
-
-namespace {
 
 /// How far a pose lies from another.
 struct Distance {
@@ -403,7 +82,7 @@ struct Growth {
   /// The first start as it is, and its guess turned every way that is allowed.
   std::vector<Pose> starts_around(std::size_t view, const Pose& start) const {
     std::vector<Pose> starts{start};
-    for (const Vec3& turn : turns) starts.push_back(turned(guesses[view], surfaces[view].center, turn));
+    for (const Vec3& turn : turns) starts.push_back(moved_about(guesses[view], guesses[view] * surfaces[view].center, turn, Vec3::Zero()));
     return starts;
   }
 };
@@ -424,9 +103,11 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   std::erase_if(found, [&](const PoseCandidate& c) { return too_far(c.pose); });
   // What was found says where else to look.
   std::vector<Pose> elsewhere;  // without a guess the starts hold such turns already
-  const Mat3 axes = search.axes();
-  for (std::size_t k = 0; guessed && k < std::min<std::size_t>(2, found.size()); ++k)
-    for (const Pose& pose : rivals_of(surface, axes, found[k].pose)) if (!too_far(pose)) elsewhere.push_back(pose);
+  if (guessed) {
+    const Mat3 axes = search.axes();
+    for (std::size_t k = 0; k < std::min<std::size_t>(2, found.size()); ++k)
+      for (const Pose& pose : rivals_of(surface, axes, found[k].pose)) if (!too_far(pose)) elsewhere.push_back(pose);
+  }
   std::vector<PoseCandidate> more = search.from(elsewhere, found);
   std::erase_if(more, [&](const PoseCandidate& c) { return too_far(c.pose); });
   found.insert(found.end(), more.begin(), more.end());
@@ -584,10 +265,6 @@ std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfac
   return pairs;
 }
 
-}  // namespace
-
-namespace {
-
 /// Views placed one after the other upon a first pair.
 void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::size_t first, const std::vector<std::size_t>& usable, Context& context) {
   const std::vector<ViewSurface>& surfaces = growth.surfaces;
@@ -626,7 +303,7 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
     const std::size_t view = waiting[best];
     Vec3 center = Vec3::Zero();
     for (const std::size_t v : placed) center += result.poses[v] * surfaces[v].center / static_cast<double>(placed.size());
-    for (const Pose& pose : symmetric_turns(main_axes(sample_surfels(surfaces[view], 300)), best_starts.front(), center)) best_starts.push_back(pose);
+    for (const Pose& pose : symmetric_turns(main_axes(surfaces[view]), best_starts.front(), center)) best_starts.push_back(pose);
     if (!growth.place(view, best_starts, placed, false, context)) {
       failed_at[view] = placed.size();
       continue;
@@ -646,10 +323,7 @@ double contradiction_of(const Growth& growth, const std::vector<Pose>& poses, in
   parallel_for(of.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t v = growth.placed[k];
-      const Agreement a = agreement(growth.surfaces, poses, v, poses[v], growth.placed, growth.reach, samples);
-      int missing = 0;
-      for (const int m : a.missing_by) missing += m;
-      of[k] = a.samples ? (3.0 * (a.through + a.back_through) + missing) / a.samples + a.disagreement() : 0;
+      of[k] = agreement(growth.surfaces, poses, v, poses[v], growth.placed, growth.reach, samples).contradiction_by_all();
     }
   }, 1);
   double sum = 0;
@@ -663,33 +337,6 @@ constexpr double trouble = 0.02;
 bool in_trouble(const Growth& growth, std::size_t view, const std::vector<std::size_t>& others) {
   const Agreement a = agreement(growth.surfaces, growth.result.poses, view, growth.result.poses[view], others, growth.reach, 1000);
   return a.seen_through() > trouble || a.unanswered() > trouble;
-}
-
-/// A view that was placed while little else was, and that shape left free then, may be contradicted by what came later: it is
-/// looked for once more against all the others.
-void place_free_views_again(Growth& growth, Context& context) {
-  const std::vector<std::size_t> placed = growth.placed;
-  StartResult& result = growth.result;
-  for (std::size_t k = 1; k < placed.size() && !context.cancelled; ++k) {
-    const std::size_t v = placed[k];
-    std::vector<std::size_t> others = placed;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    if (result.joined[v].empty() || !in_trouble(growth, v, others)) continue;
-    const Placement placement{growth.surfaces, result.poses, others, growth.reach};
-    const Pose before = result.poses[v];
-    const std::vector<Pose> joined = result.joined[v];
-    std::vector<Pose> starts{before};
-    // All the way round, where it may turn.
-    for (const Pose& d : joined)
-      for (const double share : {-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0}) starts.push_back(between(before, d * before, share));
-    const double was = placement.judge(v, before, 1, 1000).contradiction();
-    const bool found = growth.place(v, starts, others, false, context);
-    if (found && placement.judge(v, result.poses[v], 1, 1000).contradiction() < was) {
-      context.say("view " + std::to_string(v) + " placed again");
-      continue;
-    }
-    result.poses[v] = before, result.joined[v] = joined, result.reason[v].clear();
-  }
 }
 
 /// Views that surfaces leave free together move along that as long as contradictions get fewer: each of them has the others for
@@ -714,9 +361,8 @@ void move_free_views_together(Growth& growth, Context& context) {
       if (k == 0) continue;
       std::vector<Pose> moved = from;
       for (const std::size_t v : growth.placed) {
-        const auto motion = (k * radius / steps * unit.segment<6>(static_cast<Eigen::Index>(6 * v))).eval();
-        const Mat3 turn = rotation_of(motion.head<3>() / joint.size);
-        moved[v] = Pose{turn, joint.center - turn * joint.center + motion.tail<3>()} * from[v];
+        const Eigen::Matrix<double, 6, 1> motion = k * radius / steps * unit.segment<6>(static_cast<Eigen::Index>(6 * v));
+        moved[v] = moved_about(from[v], joint.center, motion.head<3>() / joint.size, motion.tail<3>());
       }
       const double now = contradiction_of(growth, moved, context.threads);
       if (now < least) least = now, best = std::move(moved);
@@ -758,7 +404,6 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
   if (enough_agree(most, usable.size())) {
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, std::move(result), largest, false};
     const StartResult before = growth.result;
-    place_free_views_again(growth, context);
     move_free_views_together(growth, context);
     // Beside a view that lies wrong the right ones would be moved for its sake.
     const bool troubled = std::any_of(largest.begin(), largest.end(), [&](std::size_t v) { return in_trouble(growth, v, largest); });
