@@ -5,6 +5,7 @@
 
 #include "core/random.h"
 #include "geometry/nearest_map.h"
+#include "tests/geometry/moving_queries.h"
 
 using namespace partscribe;
 
@@ -32,14 +33,7 @@ TEST_CASE("nearest again: answers stay those of the tree while queries move, wit
   Random random(5);
   std::vector<Vec3> places;
   for (std::size_t k = 0; k < queries; ++k) places.emplace_back(random.uniform(-3, 3), random.uniform(-2, 2), random.uniform(-1, 2));
-  for (int round = 0; round < 40; ++round) {
-    const double limit = round % 3 == 0 ? 0.3 : 1.5, step = round < 10 ? 0.3 : 0.002;
-    for (std::size_t k = 0; k < queries; ++k) {
-      places[k] += step * Vec3(random.normal(), random.normal(), random.normal());
-      const Neighbour truth = tree.nearest_one(places[k]);
-      CHECK(again.nearest(k, places[k], limit) == (truth.sq_distance <= limit * limit ? truth.index : NearestAgain::nobody));
-    }
-  }
+  test::answers_stay_those_of(tree, again, std::move(places), 0.3, 1.5, random);
 }
 
 TEST_CASE("nearest map: what it says is hardly farther than the nearest point, inside and outside its box") {

@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "geometry/nearest_again.h"
+#include "tests/geometry/moving_queries.h"
 
 using namespace partscribe;
 
@@ -117,12 +118,5 @@ TEST_CASE("nearest again: answers stay those of the tree where a grid is asked f
   Random random(9);
   std::vector<Vec3> places;
   for (std::size_t k = 0; k < queries; ++k) places.push_back(query_near(image, 3, random));
-  for (int round = 0; round < 40; ++round) {
-    const double limit = round % 3 == 0 ? 0.7 : 4, step = round < 10 ? 0.3 : 0.002;
-    for (std::size_t k = 0; k < queries; ++k) {
-      places[k] += step * Vec3(random.normal(), random.normal(), random.normal());
-      const Neighbour truth = tree.nearest_one(places[k]);
-      CHECK(again.nearest(k, places[k], limit) == (truth.sq_distance <= limit * limit ? truth.index : NearestAgain::nobody));
-    }
-  }
+  test::answers_stay_those_of(tree, again, std::move(places), 0.7, 4, random);
 }
