@@ -308,8 +308,6 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
   put_best_first(search.judged, 0, input);
 }
 
-constexpr double hardly_any = 10;  // points
-
 /// Refined with all points. A length that then turns out to have hardly any, and no limit, stays where the search, which met no
 /// strays beside it, saw the data end: those few would move it across points of other faces.
 void make_exact(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
@@ -318,7 +316,7 @@ void make_exact(Candidate& candidate, const FitInput& input, const RefineOptions
   for (const Parameter& p : candidate.parameters) {
     const bool unlimited = p.sigma > std::max(3 * input.tolerance, 0.05 * std::abs(p.value));
     const bool is_held = std::any_of(held.held.begin(), held.held.end(), [&](const HeldParameter& h) { return h.name == p.name; });
-    if (p.quantity == Quantity::length && double(p.points) < hardly_any && unlimited && !is_held) held.held.push_back({p.name, p.sigma});
+    if (p.quantity == Quantity::length && p.points < hardly_any_points && unlimited && !is_held) held.held.push_back({p.name, p.sigma});
   }
   if (held.held.size() == candidate.held.size() || context.cancelled) return;
   candidate = std::move(held);
@@ -332,8 +330,8 @@ void name_unseen(Candidate& candidate, const FitInput& input) {
   for (auto& p : candidate.parameters) {
     const double points = double(p.points);
     if (p.quantity != Quantity::length || p.note.find("not scanned") != std::string::npos) continue;
-    if (points < hardly_any) p.note += "; its face was not scanned, the data end there";
-    else if (points < hardly_any + on_any_face * strays) p.note += "; its face was not scanned or hardly, " + print_number(points) + " points may be strays";
+    if (points < hardly_any_points) p.note += "; its face was not scanned, the data end there";
+    else if (points < hardly_any_points + on_any_face * strays) p.note += "; its face was not scanned or hardly, " + print_number(points) + " points may be strays";
   }
 }
 

@@ -252,9 +252,8 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
       if (p.name == h.name) p.sigma = p.sigma_systematic = std::max(h.sigma, u.floor);
   count_points(candidate, all, unknowns, u.points_per_independent);
   for (const std::size_t k : free) {
-    constexpr std::size_t hardly_any = 10;
     auto& p = candidate.parameters[k];
-    if (p.points >= hardly_any) continue;
+    if (p.points >= hardly_any_points) continue;
     p.sigma_systematic = std::max(p.sigma_systematic, unopposed(candidate, k, unknowns, points, noise, context));
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
