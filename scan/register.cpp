@@ -182,18 +182,24 @@ struct Judged {
   bool changed = false;
 };
 
-/// True poses leave 0.01 of range images and 0.11 of unorganised real views. Without guesses only shape speaks against
-/// chance, so that range images have to agree better; but a part full of edges leaves up to 0.07 of a view, and of all its views
-/// much: three times what is usual among them may be left of one. So have two of them whom nobody else contradicts, the more
-/// motions their shape leaves free: a cap lies on any other cap (true places left up to 0.03 with three free motions, 0.07 with
-/// two). `motions`: of two views, those that will be declared; `usual`: the middle of what all views leave.
+/// True poses leave 0.006 of range images where creases are left out, and 0.11 of unorganised real views. Two views whom nobody else
+/// contradicts have to agree better, the more motions their shape leaves free, for a cap lies on any other cap. Without guesses only shape
+/// speaks against chance, and creases count: a part full of edges leaves up to 0.07 of a view at its true pose, and of all its views
+/// much, so that three times what is usual among them may be left of one. `motions`: of two views, those that will be declared; `usual`:
+/// the middle of what all views leave.
 double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, std::size_t motions, std::size_t views, double usual) {
-  constexpr double at_most = 0.15, by_shape = 0.04, of_usual = 3;
+  constexpr double at_most = 0.15, of_images = 0.05, of_some_motions = 0.03, of_many_motions = 0.02, by_shape = 0.04, of_usual = 3;
   if (!surface.organised) return at_most;
+  if (options.arrangement == Arrangement::unknown) return std::min(views > 2 ? std::max(by_shape, of_usual * usual) : by_shape, at_most);
   const std::size_t free = views == 2 ? motions : 0;
-  const double of_free = free >= 3 ? 0.03 : free == 2 ? 0.1 : at_most;
-  if (options.arrangement != Arrangement::unknown) return of_free;
-  return std::min(views > 2 ? std::max(by_shape, of_usual * usual) : by_shape, of_free);
+  return free >= 3 ? of_many_motions : free == 2 ? of_some_motions : of_images;
+}
+
+/// Motions of a view that most others do not share: without guesses nothing says where it lies along them.
+std::size_t motions_of_its_own(std::size_t view, const std::vector<FreeMotion>& motions, std::size_t views) {
+  return static_cast<std::size_t>(std::count_if(motions.begin(), motions.end(), [&](const FreeMotion& m) {
+    return 2 * m.views.size() <= views && std::find(m.views.begin(), m.views.end(), view) != m.views.end();
+  }));
 }
 
 /// Without guesses a view of hardly more than one face lies on any other face; but then what it and its neighbours show faces
@@ -229,54 +235,76 @@ constexpr double most_against_many_motions = 0.035;
 /// Each fixes a pose by its noise; with a handful, chance does.
 constexpr std::size_t fewest_matches = 50;
 
-/// Fills in what the final poses say of each view, and refuses those that break a rule.
+/// Why a view has to be refused; no reason if it has not.
+struct Trouble {
+  std::string reason;
+  double contradicted = 0;  ///< by other views, so many times as much as is allowed; 0: the view alone is to blame
+};
+
+/// Fills in what the final poses say of each view, and refuses those that break a rule. Of two views that contradict each other both
+/// break it: those that are to blame alone leave first, then the most contradicted one, and the others are asked again without it.
 Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used, std::size_t motions,
              const RegisterOptions& options, Registration& result) {
   Judged judged;
   const double reach = confirm_reach(surfaces);
+  const Creases creases = options.arrangement == Arrangement::unknown ? Creases::count : Creases::left_out;
   std::vector<Agreement> agreements(surfaces.size());
   std::vector<double> disagreements;
   for (const std::size_t v : used) {
-    agreements[v] = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500);
+    agreements[v] = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500, creases);
     disagreements.push_back(agreements[v].disagreement());
   }
   const double usual_disagreement = median(std::move(disagreements));
   const std::size_t unanswered = least_answered(surfaces, agreements, used, options);
+  const auto trouble_of = [&](std::size_t v, const RegisteredView& view) -> Trouble {
+    const Agreement& found = agreements[v];
+    const double most_elsewhere = most_disagreement(options, surfaces[v], motions, used.size(), usual_disagreement), both = found.disagreement() + found.unanswered();
+    const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
+    const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
+    if (v == used.front()) return {};
+    if (view.overlap < options.min_overlap)
+      return {"only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap)};
+    if (joint.matches[v] < fewest_matches)
+      return {"only " + std::to_string(joint.matches[v]) + " places of its surface lie on that of other views, expected " + std::to_string(fewest_matches)};
+    if (const std::size_t own = motions_of_its_own(v, result.free_motions, used.size()); options.arrangement == Arrangement::unknown && own >= 2)
+      return {"its shape leaves it free to move in " + std::to_string(own) + " ways, and no guess says where it lies"};
+    if (view.seen_through > options.max_seen_through)
+      return {"another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through),
+              view.seen_through / options.max_seen_through};
+    if (found.disagreement() > most_elsewhere)
+      return {percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere),
+              found.disagreement() / most_elsewhere};
+    if (surfaces[v].organised && used.size() == 2 && motions >= many_motions && both > most_against_many_motions)
+      return {percent(both) + " of its points lie where the other view measured another surface, or nothing, expected at most " + percent(most_against_many_motions) +
+                  " of a shape that may move in so many ways", both / most_against_many_motions};
+    if (found.unanswered() > options.max_unanswered)
+      return {percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered),
+              found.unanswered() / options.max_unanswered};
+    if (v == unanswered)
+      return {"of its points and those of another view more than " + percent(most_unanswered_by_shape) + " face a sensor that saw nothing there", 1};
+    if (options.tolerance > 0 && sigma > options.tolerance / 4)
+      return {"its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm"};
+    return {};
+  };
+  std::vector<Trouble> troubles;
+  bool alone = false;
+  double worst = 0;
   for (const std::size_t v : used) {
     RegisteredView& view = result.views[v];
     view.world_from_view = joint.poses[v], view.covariance = joint.covariance_of(v);
-    const Agreement& found = agreements[v];
-    if (used.size() > 1) {
-      view.overlap = found.overlap(), view.residual_median = found.residual, view.seen_through = found.seen_through();
-    }
-    std::string reason;
-    const double most_elsewhere = most_disagreement(options, surfaces[v], motions, used.size(), usual_disagreement);
-    const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
-    const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
-    if (v != used.front()) {
-      if (view.overlap < options.min_overlap)
-        reason = "only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap);
-      else if (joint.matches[v] < fewest_matches)
-        reason = "only " + std::to_string(joint.matches[v]) + " places of its surface lie on that of other views, expected " + std::to_string(fewest_matches);
-      else if (view.seen_through > options.max_seen_through)
-        reason = "another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through);
-      else if (found.disagreement() > most_elsewhere)
-        reason = percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere);
-      else if (surfaces[v].organised && used.size() == 2 && motions >= many_motions && found.disagreement() + found.unanswered() > most_against_many_motions)
-        reason = percent(found.disagreement() + found.unanswered()) + " of its points lie where the other view measured another surface, or nothing, expected at most " +
-                 percent(most_against_many_motions) + " of a shape that may move in so many ways";
-      else if (found.unanswered() > options.max_unanswered)
-        reason = percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered);
-      else if (v == unanswered)
-        reason = "of its points and those of another view more than " + percent(most_unanswered_by_shape) + " face a sensor that saw nothing there";
-      else if (options.tolerance > 0 && sigma > options.tolerance / 4)
-        reason = "its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm";
-    }
-    if (reason.empty()) {
-      view.status = v == used.front() ? ViewStatus::reference : ViewStatus::registered;
-      judged.good.push_back(v);
+    if (used.size() > 1) view.overlap = agreements[v].overlap(), view.residual_median = agreements[v].residual, view.seen_through = agreements[v].seen_through();
+    troubles.push_back(trouble_of(v, view));
+    alone = alone || (!troubles.back().reason.empty() && troubles.back().contradicted == 0);
+    worst = std::max(worst, troubles.back().contradicted);
+  }
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    RegisteredView& view = result.views[used[k]];
+    const Trouble& trouble = troubles[k];
+    if (!trouble.reason.empty() && trouble.contradicted == (alone ? 0 : worst)) {
+      view.status = ViewStatus::refused, view.reason = trouble.reason, judged.changed = true;
     } else {
-      view.status = ViewStatus::refused, view.reason = reason, judged.changed = true;
+      view.status = used[k] == used.front() ? ViewStatus::reference : ViewStatus::registered;
+      judged.good.push_back(used[k]);
     }
   }
   return judged;

@@ -317,8 +317,33 @@ std::vector<WeakMotion> weak_motions(const Surfels& source, const PlacedModel& t
   return result;
 }
 
+namespace {
+
+constexpr double same_face = 0.866;  // cosine of two normals
+
+/// Of a place where the nearest of the other view is another surface: whether there is a crease beside it, and one of the faces there is
+/// within `reach` the same in both views.
+bool meet_at_crease(const ViewSurface& own, const Vec3& own_place, const ViewSurface& other, const Pose& other_from_own, double reach) {
+  constexpr std::size_t around = 12;  // two pixels each way
+  std::vector<Neighbour> mine, theirs;
+  own.nearest(own_place, around, mine);
+  other.nearest(other_from_own * own_place, around, theirs);
+  const auto creased = [](const ViewSurface& surface, const std::vector<Neighbour>& near) {
+    return std::any_of(near.begin(), near.end(), [&](const Neighbour& k) { return surface.normals[k.index].dot(surface.normals[near.front().index]) < same_face; });
+  };
+  if (!creased(own, mine) && !creased(other, theirs)) return false;
+  for (const Neighbour& i : mine) {
+    const Vec3 p = other_from_own * own.points[i.index], n = other_from_own.rotation * own.normals[i.index];
+    for (const Neighbour& j : theirs)
+      if (n.dot(other.normals[j.index]) > same_face && std::abs((p - other.points[j.index]).dot(other.normals[j.index])) < reach) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view,
-                    const Pose& pose, const std::vector<std::size_t>& others, double reach, std::size_t samples) {
+                    const Pose& pose, const std::vector<std::size_t>& others, double reach, std::size_t samples, Creases creases) {
   Agreement result;
   const Surfels mine = strided_surfels(surfaces[view], samples);
   result.samples = static_cast<int>(mine.points.size());
@@ -348,8 +373,8 @@ Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<
       const double e = std::abs(d.dot(other.normals[near.index]));
       // Slanted surface returns more sparsely.
       if (near.sq_distance > 9 * reach * reach + 4 * std::pow(other.spacing / facing, 2) || e > reach ||
-          n.dot(other.normals[near.index]) < 0.866) {
-        result.odd += must_return;
+          n.dot(other.normals[near.index]) < same_face) {
+        result.odd += must_return && !(creases == Creases::left_out && meet_at_crease(surfaces[view], mine.points[i], other, there, reach));
         continue;
       }
       confirmed[i] = 1, best[i] = std::min(best[i], e);

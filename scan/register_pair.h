@@ -97,9 +97,14 @@ struct Agreement {
   double against(int unanswered) const { return samples ? (3.0 * (through + back_through) + unanswered) / double(samples) + disagreement() : 1; }
 };
 
+/// Whether another surface beside a crease speaks against a pose. At true poses places beside creases are most of what does, for places
+/// and normals are of either side there or between them. Where nothing is known of the poses, of blocks seen with few pixels, they are
+/// also most of what tells one place from another.
+enum class Creases { count, left_out };
+
 /// `reach` is how far off a confirmed place may be along the normal, three times that across.
-Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view,
-                    const Pose& pose, const std::vector<std::size_t>& others, double reach, std::size_t samples);
+Agreement agreement(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, std::size_t view, const Pose& pose,
+                    const std::vector<std::size_t>& others, double reach, std::size_t samples, Creases creases = Creases::count);
 
 /// Whether two poses put the middle of a view within `shift` (mm) of one place and turn it within `angle` (rad) alike.
 bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double angle, double shift);

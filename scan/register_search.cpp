@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/number.h"
 #include "core/parallel.h"
 
 namespace partscribe {
@@ -85,6 +86,18 @@ std::vector<Pose> rivals_of(const ViewSurface& surface, const Mat3& axes, const 
   return result;
 }
 
+std::vector<Mat3> turns_all_round() {
+  const double golden = (1 + std::sqrt(5.0)) / 2;
+  const Mat3 generators[] = {rotation_of(0.4 * pi * Vec3(0, 1, golden).normalized()), rotation_of(2 * pi / 3 * Vec3::Ones().normalized())};
+  std::vector<Mat3> turns{Mat3::Identity()};
+  for (std::size_t k = 0; k < turns.size(); ++k)
+    for (const Mat3& generator : generators) {
+      const Mat3 turn = generator * turns[k];
+      if (std::none_of(turns.begin(), turns.end(), [&](const Mat3& t) { return (t - turn).norm() < 0.1; })) turns.push_back(turn);
+    }
+  return turns;
+}
+
 Mat3 main_axes(const ViewSurface& surface) { return axes_of(sample_surfels(surface, few)); }
 
 PoseSearch::PoseSearch(const Placement& placement, std::size_t view, int threads, bool mapped)
@@ -139,8 +152,7 @@ std::vector<PoseSearch::Seen> PoseSearch::seen_by_others() const {
   return others;
 }
 
-/// Each start, and the same turn with the view laid over the middle of what both sides can see at that turn: where a
-/// guess is turned about is not known, so that a right turn may come with a wrong place.
+/// Where a guess is turned about is not known, so that a right turn may come with a wrong place.
 std::vector<Pose> PoseSearch::with_places(const std::vector<Pose>& starts) const {
   constexpr double facing = -0.2;  // cosine to the sight of the other sensor
   std::vector<Pose> result;

@@ -21,9 +21,10 @@ struct Placement {
   const std::vector<Pose>& poses;  ///< world_from_view
   const std::vector<std::size_t>& placed;
   double reach;                    ///< mm, confirm_reach
+  Creases creases = Creases::count;
 
   Agreement judge(std::size_t view, const Pose& pose, double factor, std::size_t samples) const {
-    return agreement(surfaces, poses, view, pose, placed, factor * reach, samples);
+    return agreement(surfaces, poses, view, pose, placed, factor * reach, samples, creases);
   }
 };
 
@@ -42,6 +43,9 @@ std::vector<Pose> symmetric_turns(const Mat3& axes, const Pose& pose, const Vec3
 
 /// Where else a view could lie that fits at `pose`: turned as symmetric parts are mistaken, or slid.
 std::vector<Pose> rivals_of(const ViewSurface& surface, const Mat3& axes, const Pose& pose);
+
+/// The 60 turns that lay an icosahedron onto itself: every turn is within 45 degrees of one of them.
+std::vector<Mat3> turns_all_round();
 
 /// Three directions of a view across each other: that of most normals, of most of those across it, and the third.
 Mat3 main_axes(const ViewSurface& surface);
@@ -62,6 +66,9 @@ class PoseSearch {
   /// of a place is coarse as well. What ends there where something is `known` is left out.
   std::vector<PoseCandidate> from(const std::vector<Pose>& starts, const std::vector<PoseCandidate>& known = {}) const;
 
+  /// Each start, and the same turn with the view laid over the middle of what both sides can see at that turn. Only if `mapped`.
+  std::vector<Pose> with_places(const std::vector<Pose>& starts) const;
+
  private:
   /// Some of a placed view's surface, and where it was seen from.
   struct Seen {
@@ -69,7 +76,6 @@ class PoseSearch {
     Vec3 sight;
   };
   std::vector<Seen> seen_by_others() const;
-  std::vector<Pose> with_places(const std::vector<Pose>& starts) const;
   std::vector<PoseCandidate> families(const std::vector<PoseCandidate>& candidates) const;
   std::vector<Pose> under_way(const std::vector<Pose>& starts, AlignOptions rough) const;
   void drop_contradicted(std::vector<PoseCandidate>& found, const std::vector<PoseCandidate>& known, double more) const;

@@ -43,11 +43,9 @@ std::string degrees_text(double angle) { return print_number(std::round(angle * 
 std::string percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
 /// Whether the evidence tells a worse pose from the better. More overlap is little evidence, for a face lies on any other
-/// face: what is not contradicted and overlaps half as much is as possible; a fifth, where there is one other view only, which
-/// looked at little of what it could contradict.
-bool clearly_better(const Agreement& a, const Agreement& b, std::size_t other_views) {
+/// face: what is not contradicted and overlaps `little` as much is as possible.
+bool clearly_better(const Agreement& a, const Agreement& b, double little) {
   if (b.contradiction() > 1.5 * a.contradiction() + 0.02) return true;
-  const double little = other_views == 1 ? 0.2 : 0.5;
   return b.overlap() < little * a.overlap() && a.contradiction() < 1.5 * b.contradiction() + 0.02;
 }
 
@@ -75,9 +73,11 @@ struct Growth {
   std::vector<std::size_t> placed;
 
   bool guessed = true;
+  bool nearly_whole = false;  ///< most views are placed, so that none of the others lies beside them all
 
   /// The best pose of a view against others, among those reached from `starts`; false with a reason if there is none or
-  /// more than one. `adjusted`: the first start comes from all views together and stays unless another is clearly better.
+  /// more than one. `adjusted`: all others are there; the first start is where the view lies and stays unless another is clearly
+  /// better, and without guesses it is tried turned all round as well.
   bool place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, bool adjusted, Context& context);
   /// The first start as it is, and its guess turned every way that is allowed.
   std::vector<Pose> starts_around(std::size_t view, const Pose& start) const {
@@ -90,16 +90,23 @@ struct Growth {
 bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std::vector<std::size_t>& others, bool adjusted, Context& context) {
   const ViewSurface& surface = surfaces[view];
   std::string& reason = result.reason[view];
-  const Placement placement{surfaces, result.poses, others, reach};
+  const Placement placement{surfaces, result.poses, others, reach, guessed ? Creases::left_out : Creases::count};
   const Pose start = starts.front();
   const auto too_far = [&](const Pose& pose) {
     if (!guessed) return false;
     const Distance d = distance(surface, guesses[view], pose);
     return d.angle > 1.1 * options.guess_angle + 0.05 || d.shift > most_shift;
   };
-  PoseSearch search(placement, view, context.threads, guessed);
+  PoseSearch search(placement, view, context.threads, guessed || adjusted);
   if (guessed) search.guess = &guesses[view], search.too_far = too_far;
-  std::vector<PoseCandidate> found = search.from(starts);
+  std::vector<Pose> all = starts;
+  if (adjusted && !guessed) {
+    std::vector<Pose> turned;
+    for (const Mat3& turn : turns_all_round()) turned.push_back({turn * start.rotation, start * surface.center - turn * start.rotation * surface.center});
+    const std::vector<Pose> placed_there = search.with_places(turned);
+    all.insert(all.end(), placed_there.begin(), placed_there.end());
+  }
+  std::vector<PoseCandidate> found = search.from(all);
   std::erase_if(found, [&](const PoseCandidate& c) { return too_far(c.pose); });
   // What was found says where else to look.
   std::vector<Pose> elsewhere;  // without a guess the starts hold such turns already
@@ -110,6 +117,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   }
   std::vector<PoseCandidate> more = search.from(elsewhere, found);
   std::erase_if(more, [&](const PoseCandidate& c) { return too_far(c.pose); });
+  if (nearly_whole) std::erase_if(found, [&](const PoseCandidate& c) { return c.agreement.overlap() < options.min_overlap; });
   found.insert(found.end(), more.begin(), more.end());
   // Searches may drift along free motions, beyond what the guess allows.
   if (found.empty() && adjusted && !too_far(start)) found.push_back({start, placement.judge(view, start, 1.5, 1000)});
@@ -119,25 +127,27 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
     reason = !guessed ? "no features like those of another view" : "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
     return false;
   }
-  // Of a free motion the pose nearest to the start that shows most of what can be shown.
+  // Of a free motion the pose nearest to the start that shows most of what can be shown; not where the start is to be doubted.
   PoseCandidate chosen = found.front();
   std::vector<Pose> joined;
-  const std::size_t witnesses = guessed ? others.size() : 2;  // features have compared all views already
+  // One other view only looked at little of what it could contradict, but without guesses features have compared all; where most views
+  // are placed the right place is confirmed nearly whole.
+  const double little = guessed && others.size() == 1 ? 0.2 : nearly_whole ? 0.8 : 0.5;
   reason.clear();
   for (std::size_t k = 1; k < found.size(); ++k) {
-    if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, witnesses)) continue;
+    if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, little)) continue;
     if (!connected(placement, view, found[0], found[k])) {
       if (reason.empty()) reason = "fits in two places that are " + apart(distance(surface, found[0].pose, found[k].pose));
       continue;
     }
     joined.push_back(found[k].pose * found[0].pose.inverse());
-    if (found[k].agreement.overlap() > 0.8 * found[0].agreement.overlap() && distance(surface, start, found[k].pose).angle < distance(surface, start, chosen.pose).angle)
+    if (!nearly_whole && found[k].agreement.overlap() > 0.8 * found[0].agreement.overlap() && distance(surface, start, found[k].pose).angle < distance(surface, start, chosen.pose).angle)
       chosen = found[k];
   }
   result.joined[view] = std::move(joined);
   if (adjusted) {
     const PoseCandidate kept{start, placement.judge(view, start, 1.5, 1000)};
-    if (!clearly_better(chosen.agreement, kept.agreement, witnesses) && connected(placement, view, kept, chosen)) chosen = kept;
+    if (!clearly_better(chosen.agreement, kept.agreement, little) && connected(placement, view, kept, chosen)) chosen = kept;
   }
   result.poses[view] = chosen.pose;
   if (!reason.empty()) return false;
@@ -265,46 +275,55 @@ std::vector<PairCandidates> compare_pairs(const std::vector<ViewSurface>& surfac
   return pairs;
 }
 
-/// Views placed one after the other upon a first pair.
-void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::size_t first, const std::vector<std::size_t>& usable, Context& context) {
-  const std::vector<ViewSurface>& surfaces = growth.surfaces;
-  StartResult& result = growth.result;
+/// Where a view may lie by its pairs with `others`, the likeliest first; empty if no pair fits.
+std::vector<PoseCandidate> places_by_pairs(const Growth& growth, const std::vector<PairCandidates>& pairs, std::size_t view, const std::vector<std::size_t>& others) {
+  const Placement placement{growth.surfaces, growth.result.poses, others, growth.reach};
+  std::vector<PoseCandidate> places;
+  for (const PairCandidates& pair : pairs) {
+    const bool forward = pair.source == view, backward = pair.target == view;
+    const std::size_t other = forward ? pair.target : pair.source;
+    if ((!forward && !backward) || std::find(others.begin(), others.end(), other) == others.end()) continue;
+    for (const PoseCandidate& c : pair.found) {
+      const Pose pose = growth.result.poses[other] * (forward ? c.pose : c.pose.inverse());
+      places.push_back({pose, placement.judge(view, pose, 2, 300)});
+    }
+  }
+  sort_by_score(places);
+  return places;
+}
+
+/// `places` and the turns that symmetric parts are mistaken for, about the middle of `others`.
+std::vector<Pose> starts_from(const Growth& growth, const std::vector<PoseCandidate>& places, std::size_t view, const std::vector<std::size_t>& others) {
+  constexpr std::size_t most = 20;
+  std::vector<Pose> starts;
+  for (std::size_t s = 0; s < std::min(places.size(), most); ++s) starts.push_back(places[s].pose);
+  if (starts.empty()) return starts;
+  Vec3 center = Vec3::Zero();
+  for (const std::size_t v : others) center += growth.result.poses[v] * growth.surfaces[v].center / static_cast<double>(others.size());
+  for (const Pose& pose : symmetric_turns(main_axes(growth.surfaces[view]), starts.front(), center)) starts.push_back(pose);
+  return starts;
+}
+
+/// Views placed one after the other upon those that are, the one that agrees best with them first.
+void grow(Growth& growth, const std::vector<PairCandidates>& pairs, const std::vector<std::size_t>& usable, Context& context) {
   std::vector<std::size_t>& placed = growth.placed;
-  placed.assign(1, first);
   std::vector<std::size_t> waiting;
   for (const std::size_t v : usable)
-    if (v != first) waiting.push_back(v);
-  std::vector<std::size_t> failed_at(surfaces.size(), 0);  // how many were placed when it failed
+    if (std::find(placed.begin(), placed.end(), v) == placed.end()) waiting.push_back(v);
+  std::vector<std::size_t> failed_at(growth.surfaces.size(), 0);  // how many were placed when it failed
   while (!waiting.empty() && !context.cancelled) {
     double best_score = -1e30;
     std::size_t best = waiting.size();
-    std::vector<Pose> best_starts;
-    const Placement placement{surfaces, result.poses, placed, growth.reach};
+    std::vector<PoseCandidate> best_places;
     for (std::size_t k = 0; k < waiting.size(); ++k) {
-      const std::size_t v = waiting[k];
-      if (failed_at[v] == placed.size()) continue;
-      std::vector<PoseCandidate> starts;
-      for (const PairCandidates& pair : pairs) {
-        const bool forward = pair.source == v, backward = pair.target == v;
-        const std::size_t other = forward ? pair.target : pair.source;
-        if ((!forward && !backward) || std::find(placed.begin(), placed.end(), other) == placed.end()) continue;
-        for (const PoseCandidate& c : pair.found) {
-          const Pose pose = result.poses[other] * (forward ? c.pose : c.pose.inverse());
-          starts.push_back({pose, placement.judge(v, pose, 2, 300)});
-        }
-      }
-      std::stable_sort(starts.begin(), starts.end(), [](const PoseCandidate& x, const PoseCandidate& y) { return x.agreement.score() > y.agreement.score(); });
-      if (starts.empty() || starts[0].agreement.score() <= best_score) continue;
-      best_score = starts[0].agreement.score(), best = k;
-      best_starts.clear();
-      for (std::size_t s = 0; s < std::min<std::size_t>(starts.size(), 20); ++s) best_starts.push_back(starts[s].pose);
+      if (failed_at[waiting[k]] == placed.size()) continue;
+      std::vector<PoseCandidate> places = places_by_pairs(growth, pairs, waiting[k], placed);
+      if (places.empty() || places[0].agreement.score() <= best_score) continue;
+      best_score = places[0].agreement.score(), best = k, best_places = std::move(places);
     }
     if (best == waiting.size()) break;
     const std::size_t view = waiting[best];
-    Vec3 center = Vec3::Zero();
-    for (const std::size_t v : placed) center += result.poses[v] * surfaces[v].center / static_cast<double>(placed.size());
-    for (const Pose& pose : symmetric_turns(main_axes(surfaces[view]), best_starts.front(), center)) best_starts.push_back(pose);
-    if (!growth.place(view, best_starts, placed, false, context)) {
+    if (!growth.place(view, starts_from(growth, best_places, view, placed), placed, false, context)) {
       failed_at[view] = placed.size();
       continue;
     }
@@ -312,8 +331,51 @@ void grow_from(Growth& growth, const std::vector<PairCandidates>& pairs, std::si
     waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(best));
   }
   for (const std::size_t v : waiting)
-    if (result.reason[v].empty()) result.reason[v] = "no features like those of another view";
-  for (const std::size_t v : placed) result.placed[v] = 1;
+    if (growth.result.reason[v].empty()) growth.result.reason[v] = "no features like those of another view";
+  for (const std::size_t v : placed) growth.result.placed[v] = 1;
+}
+
+/// Each view is tried in other places once all are there: what was best while few were placed need not be so among all. The most
+/// contradicted first, until none moves; what fits elsewhere no worse then is not known.
+void place_again(Growth& growth, const std::vector<PairCandidates>& pairs, const std::vector<std::size_t>& usable, Context& context) {
+  constexpr int most_rounds = 4;
+  constexpr double moves = 0.1;  // rad, share of the radius
+  growth.nearly_whole = true;
+  std::vector<std::size_t>& placed = growth.placed;
+  StartResult& result = growth.result;
+  std::vector<std::size_t> asked = placed, unsure;
+  for (int round = 0; round < most_rounds && placed.size() > 2 && !asked.empty(); ++round) {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (const std::size_t v : asked)
+      order.emplace_back(-agreement(growth.surfaces, result.poses, v, result.poses[v], placed, growth.reach, 300).contradiction_by_all(), v);
+    std::sort(order.begin(), order.end());
+    bool moved = false;
+    unsure.clear();
+    for (const auto& [contradiction, view] : order) {
+      if (context.cancelled) return;
+      std::vector<std::size_t> others = placed;
+      std::erase(others, view);
+      const Pose before = result.poses[view];
+      std::vector<Pose> starts = starts_from(growth, places_by_pairs(growth, pairs, view, others), view, others);
+      starts.insert(starts.begin(), before);
+      const bool one = growth.place(view, starts, others, true, context);
+      if (!one) unsure.push_back(view), result.poses[view] = before;
+      const Distance d = distance(growth.surfaces[view], before, result.poses[view]);
+      if (d.angle > moves || d.shift > moves * growth.surfaces[view].radius) {
+        moved = true;
+        context.say("view " + std::to_string(view) + " lies better " + apart(d));
+      }
+    }
+    const std::vector<std::size_t> known = placed;
+    grow(growth, pairs, usable, context);
+    asked = placed;
+    if (moved) continue;
+    if (placed.size() == known.size()) break;
+    // Those that are sure of their place among fewer are so among more.
+    const auto holds = [](const std::vector<std::size_t>& views, std::size_t v) { return std::find(views.begin(), views.end(), v) != views.end(); };
+    std::erase_if(asked, [&](std::size_t v) { return holds(known, v) && !holds(unsure, v); });
+  }
+  for (const std::size_t view : unsure) std::erase(placed, view), result.placed[view] = 0;
 }
 
 /// What speaks against the poses of all placed views together.
@@ -397,12 +459,15 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     if (std::find(tried.begin(), tried.end(), pair.target) != tried.end()) continue;
     tried.push_back(pair.target);
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, nothing, {}, false};
-    grow_from(growth, pairs, pair.target, usable, context);
+    growth.placed.assign(1, pair.target);
+    grow(growth, pairs, usable, context);
     context.say("from view " + std::to_string(pair.target) + ": " + std::to_string(growth.placed.size()) + " placed");
     if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
   }
   if (enough_agree(most, usable.size())) {
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, std::move(result), largest, false};
+    place_again(growth, pairs, usable, context);
+    largest = growth.placed, most = largest.size();
     const StartResult before = growth.result;
     move_free_views_together(growth, context);
     // Beside a view that lies wrong the right ones would be moved for its sake.

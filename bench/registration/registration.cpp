@@ -2,6 +2,7 @@
 ///
 ///   bench_registration published FILE DEG MM  poses of FILE disturbed, and how far apart the views end up
 ///   bench_registration unknown FILE           the same with the poses forgotten
+///   bench_registration blocks SEED...         blocks and balls without poses, 54 scans of each seed; each to stderr
 ///   bench_registration paper DIR [CASE...]    the same as cases by the method of 1993
 ///   bench_registration starts DIR [CASE...]   pairs of views from starts 5 to 60 degrees off; what became of each to stderr
 ///   bench_registration beside DIR [CASE...]   the same pairs beside small_gicp, if the headers were found
@@ -20,6 +21,7 @@
 #include "core/statistics.h"
 #include "beside.h"
 #include "pairs.h"
+#include "parts.h"
 #include "scan/filter.h"
 #include "scan/read.h"
 #include "scan/register.h"
@@ -209,6 +211,46 @@ void published(const Path& file, double degrees_off, double shift, bool forget) 
   for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
 }
 
+/// What became of scans: all views, or some of them, are placed and right; nothing is placed; wrong, and nothing said so.
+struct ScanOutcomes {
+  int whole = 0, partly = 0, refused = 0, wrong = 0;
+};
+
+/// Parts with few features, scanned with few pixels, of which no pose is known. Right: all placed views within one degree and 2 % of
+/// the radius.
+void blocks(const std::vector<std::string>& seeds) {
+  const std::pair<const char*, Surface> parts[] = {
+      {"plain block", registration_cases::plain_block()}, {"cut block", registration_cases::cut_block()}, {"balls", registration_cases::balls()}};
+  std::printf("| part | whole | partly | refused | wrong |\n|---|---|---|---|---|\n");
+  for (const auto& [name, part] : parts) {
+    ScanOutcomes of_part;
+    for (const std::string& seed : seeds)
+      for (const char* arrangement : {"8", "12", "cube"})
+        for (const int pixels : {60, 90, 140})
+          for (const double noise : {0.02, 0.08}) {
+            SimulateOptions scanner;
+            scanner.views = arrangement, scanner.resolution = pixels, scanner.sigma = noise, scanner.bit_error = 0.002, scanner.seed = std::stoull(seed);
+            const SimulatedScan scan = simulate(part, scanner, quiet());
+            std::vector<RegisterView> views = views_of(scan.merged);
+            std::vector<Pose> truth;
+            for (std::size_t v = 0; v < views.size(); ++v) truth.push_back(scan.views[v].image.world_from_view), views[v].guess.reset();
+            RegisterOptions options;
+            options.arrangement = Arrangement::unknown;
+            const auto result = register_views(views, options, quiet());
+            if (!result.ok()) continue;
+            const double radius = radius_of(scan.merged);
+            const PoseErrors e = errors_of(truth, *result, radius);
+            const int left_out = refused(*result), of = static_cast<int>(truth.size());
+            const bool wrong = e.worst_angle > 1 || e.worst_shift > 0.02 * radius;
+            ++(wrong ? of_part.wrong : left_out == 0 ? of_part.whole : left_out + 1 == of ? of_part.refused : of_part.partly);
+            std::fprintf(stderr, "%s, seed %s, views %s, %d pixels, noise %g: %s%d of %d placed, %.2f deg %.2f mm, free motions %zu\n", name, seed.c_str(), arrangement,
+                         pixels, noise, wrong ? "WRONG, " : "", of - left_out, of, e.worst_angle, e.worst_shift, result->free_motions.size());
+          }
+    std::printf("| %s | %d | %d | %d | %d |\n", name, of_part.whole, of_part.partly, of_part.refused, of_part.wrong);
+    std::fflush(stdout);
+  }
+}
+
 /// Files of a turntable's views, in order.
 void turntable(const std::vector<std::string>& files) {
   std::vector<RegisterView> views;
@@ -285,10 +327,11 @@ int main(int count, char** arguments) {
   if (words.size() >= 2 && (words[0] == "cases" || words[0] == "paper")) return cases(words[1], {words.begin() + 2, words.end()}, words[0] == "paper"), 0;
   if (words.size() == 4 && words[0] == "published") return published(words[1], std::stod(words[2]), std::stod(words[3]), false), 0;
   if (words.size() == 2 && words[0] == "unknown") return published(words[1], 0, 0, true), 0;
+  if (words.size() >= 2 && words[0] == "blocks") return blocks({words.begin() + 1, words.end()}), 0;
   if (words.size() >= 3 && words[0] == "turntable") return turntable({words.begin() + 1, words.end()}), 0;
   if (words.size() >= 2 && words[0] == "starts") return starts(words[1], {words.begin() + 2, words.end()}), 0;
   if (words.size() >= 2 && words[0] == "beside") return beside(words[1], {words.begin() + 2, words.end()}), 0;
   if (words.size() == 2 && words[0] == "basin") return basin(words[1]), 0;
-  std::fprintf(stderr, "usage: bench_registration cases|paper|starts|beside DIR [CASE...] | basin FILE | published FILE DEG MM | unknown FILE | turntable FILE...\n");
+  std::fprintf(stderr, "usage: bench_registration cases|paper|starts|beside DIR [CASE...] | basin FILE | published FILE DEG MM | unknown FILE | blocks SEED... | turntable FILE...\n");
   return 2;
 }

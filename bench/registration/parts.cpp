@@ -1,0 +1,106 @@
+#include "bench/registration/parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace partscribe::registration_cases {
+
+Surface convex(const std::vector<Side>& sides, double reach) {
+  Surface surface;
+  surface.bounds.add(Vec3::Constant(-reach)), surface.bounds.add(Vec3::Constant(reach));
+  surface.first_hit = [sides](const Vec3& origin, const Vec3& direction) -> std::optional<SurfaceHit> {
+    double in = -1e30, out = 1e30;
+    Vec3 normal = Vec3::Zero();
+    for (const Side& s : sides) {
+      const double rate = s.normal.dot(direction), gap = s.offset - s.normal.dot(origin);
+      if (rate < 0 && gap / rate > in) in = gap / rate, normal = s.normal;
+      else if (rate > 0) out = std::min(out, gap / rate);
+      else if (rate == 0 && gap < 0) return {};
+    }
+    if (in >= out || in < 0) return {};
+    return SurfaceHit{in, normal};
+  };
+  return surface;
+}
+
+namespace {
+
+std::vector<Side> block_sides() {
+  std::vector<Side> sides;
+  for (int k = 0; k < 3; ++k)
+    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 14.0 + 3 * k});
+  return sides;
+}
+
+}  // namespace
+
+Surface plain_block() {
+  std::vector<Side> sides = block_sides();
+  sides.push_back({Vec3(1, 0.8, 0).normalized(), 14}), sides.push_back({Vec3(0, -1, 0.7).normalized(), 18}), sides.push_back({Vec3(-1, 1, 1).normalized(), 18});
+  return convex(sides, 22);
+}
+
+Surface cut_block() {
+  std::vector<Side> sides = block_sides();
+  const auto cut = [&](const Vec3& n, double d) { sides.push_back({n.normalized(), d}); };
+  cut({1, 1, 1}, 20), cut({1, -1, 0.6}, 19), cut({-1, 0.7, 1}, 22), cut({-0.6, -1, 1}, 18);
+  cut({1, 0.5, -1}, 21), cut({-1, -1, -0.8}, 20.5), cut({0.4, -1, -1}, 23), cut({-1, 1, -0.5}, 19.5);
+  return convex(sides, 22);
+}
+
+Surface union_of(const std::vector<Ball>& parts, double reach) {
+  Surface surface;
+  surface.bounds.add(Vec3::Constant(-reach)), surface.bounds.add(Vec3::Constant(reach));
+  surface.first_hit = [parts](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
+    std::optional<SurfaceHit> best;
+    for (const auto& [center, radius] : parts) {
+      const double along = (center - o).dot(d), sq = radius * radius - (o + along * d - center).squaredNorm();
+      if (sq <= 0) continue;
+      const double t = along - std::sqrt(sq);
+      if (t > 0 && (!best || t < best->distance)) best = SurfaceHit{t, (o + t * d - center) / radius};
+    }
+    return best;
+  };
+  return surface;
+}
+
+Surface balls() {
+  return union_of({{{0, 0, 0}, 12}, {{11, 2, 3}, 8}, {{-8, 7, 4}, 9}, {{1, -11, 5}, 7}, {{3, 4, -12}, 6.5}, {{-6, -6, -9}, 6}, {{2, 8, 11}, 5}}, 20);
+}
+
+Surface ball(double radius) { return union_of({{Vec3(0, 0, 0), radius}}, radius); }
+
+Surface cylinder() {
+  Surface surface;
+  surface.bounds.add(Vec3(-10, -10, -15)), surface.bounds.add(Vec3(10, 10, 15));
+  surface.first_hit = [](const Vec3& o, const Vec3& d) -> std::optional<SurfaceHit> {
+    const double a = d.head<2>().squaredNorm(), b = o.head<2>().dot(d.head<2>()), c = o.head<2>().squaredNorm() - 100;
+    double best = 1e30;
+    Vec3 normal = Vec3::Zero();
+    if (b * b > a * c) {
+      const double t = (-b - std::sqrt(b * b - a * c)) / a;
+      const Vec3 p = o + t * d;
+      if (t > 0 && std::abs(p.z()) <= 15) best = t, normal = Vec3(p.x(), p.y(), 0) / 10;
+    }
+    for (const double s : {1.0, -1.0}) {
+      const double t = (15 * s - o.z()) / d.z();
+      if (t > 0 && t < best && d.z() * s < 0 && (o + t * d).head<2>().norm() <= 10) best = t, normal = s * Vec3::UnitZ();
+    }
+    if (best > 1e29) return {};
+    return SurfaceHit{best, normal};
+  };
+  return surface;
+}
+
+Surface drum_with(const std::vector<Ball>& bumps, const Vec3& reach) {
+  Surface surface;
+  surface.bounds.add(-reach), surface.bounds.add(reach);
+  surface.first_hit = [drum = cylinder().first_hit, bump = union_of(bumps, reach.maxCoeff()).first_hit](const Vec3& o, const Vec3& d) {
+    const auto on_drum = drum(o, d), on_bump = bump(o, d);
+    return on_bump && (!on_drum || on_bump->distance < on_drum->distance) ? on_bump : on_drum;
+  };
+  return surface;
+}
+
+}  // namespace partscribe::registration_cases
