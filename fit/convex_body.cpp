@@ -10,6 +10,7 @@
 
 #include "core/ensure.h"
 #include "core/number.h"
+#include "core/random.h"
 #include "core/statistics.h"
 
 namespace partscribe {
@@ -352,6 +353,9 @@ bool close_regularly(std::vector<ConvexFace>& faces, const FitInput& input, doub
   return true;
 }
 
+/// A face has as many points of a cloud of this size, or is none.
+std::size_t least_members(std::size_t points) { return std::max<std::size_t>(20, points / 200); }
+
 /// Together: every point belongs to the face it is outermost of; faces with few points are dropped.
 void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
   const auto& points = input.cloud.points;
@@ -367,7 +371,7 @@ void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach)
     }
     std::vector<ConvexFace> kept;
     for (std::size_t f = 0; f < faces.size(); ++f) {
-      if (members[f].size() < std::max<std::size_t>(20, points.size() / 200)) continue;
+      if (members[f].size() < least_members(points.size())) continue;
       // Real edges are rounded and tilt narrow faces, so the plane is taken from the points away from them. Strays tilt it more,
       // and most where few points are left.
       const auto& used = !strays && 5 * inner[f].size() > 2 * members[f].size() ? inner[f] : members[f];
@@ -440,6 +444,54 @@ std::vector<ConvexFace> scanned_faces(const FitInput& input, Context& context) {
   if (share < 0.97 - allowed) return {};
   context.report("plane faces", 1);
   return faces;
+}
+
+std::vector<ConvexFace> with_a_face_more(std::vector<ConvexFace> scanned, const std::vector<ConvexFace>& closed, const FitInput& input,
+                                         Context& context) {
+  constexpr int draws = 400;
+  constexpr double surely = 7;  // nats; odds of a thousand
+  const auto& points = input.cloud.points;
+  const double reach = reach_of(input);
+  std::vector<Vec3> open;
+  for (const Vec3& p : points)
+    if (std::abs(convex_distance(closed, p)) > reach) open.push_back(p);
+  if (open.size() < least_members(points.size())) return {};
+  const Vec3 middle = robust_middle(points);
+  Random random(11);
+  ConvexFace best;
+  std::ptrdiff_t most = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    const Vec3 &a = open[random.below(open.size())], &b = open[random.below(open.size())], &c = open[random.below(open.size())];
+    Vec3 n = (b - a).cross(c - a);
+    if (!(n.norm() > 0)) continue;
+    n.normalize();
+    if (n.dot(a - middle) < 0) n = -n;
+    const double offset = n.dot(a);
+    // Every point beyond speaks against a face as much as one on it for it.
+    std::ptrdiff_t score = 0;
+    for (const Vec3& p : open) score += std::abs(n.dot(p) - offset) < reach;
+    if (score <= most) continue;
+    for (const Vec3& p : points) score -= n.dot(p) - offset > 2 * reach;
+    if (score > most) most = score, best = {n, offset, static_cast<std::size_t>(score)};
+  }
+  if (most < static_cast<std::ptrdiff_t>(least_members(points.size()))) return {};
+  // By chance, of points strewn through the body: the best of all planes through three of them (Chernoff's bound).
+  std::size_t on = 0;
+  for (const Vec3& p : open) on += std::abs(best.normal.dot(p) - best.offset) < reach;
+  std::vector<double> along;
+  for (const Vec3& p : points) along.push_back(best.normal.dot(p));
+  const double chance = 2 * reach / (quantile(along, 0.98) - quantile(along, 0.02)), others = double(open.size() - 3);
+  const double share = std::min(double(on - 3) / others, 1 - 1e-9), tests = others * others * others / 6;
+  if (!(share > chance)) return {};
+  const double nats = others * (share * std::log(share / chance) + (1 - share) * std::log((1 - share) / (1 - chance))) - std::log(tests);
+  context.say("plane faces: one more through " + print_number(double(on)) + " of " + print_number(double(open.size())) +
+              " points in no other, " + print_number(std::round(nats)) + " nats above chance");
+  if (nats < surely) return {};
+  const std::size_t before = scanned.size();
+  scanned.push_back(best);
+  settle(scanned, input, reach);
+  std::stable_sort(scanned.begin(), scanned.end(), [](const auto& a, const auto& b) { return a.points > b.points; });
+  return scanned.size() > before ? scanned : std::vector<ConvexFace>{};
 }
 
 std::vector<ConvexFace> closed_body(std::vector<ConvexFace> faces, const FitInput& input, Context& context) {

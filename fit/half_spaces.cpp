@@ -317,10 +317,16 @@ std::optional<Candidate> half_spaces_of(const std::vector<ConvexFace>& faces) {
 }  // namespace
 
 std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context) {
-  const std::vector<ConvexFace> scanned = scanned_faces(input, context);
-  const std::vector<ConvexFace> faces = closed_body(scanned, input, context);
+  std::vector<ConvexFace> scanned = scanned_faces(input, context);
+  std::vector<ConvexFace> faces = closed_body(scanned, input, context);
+  auto box = box_of(faces, input);
+  // A face that few points show was none to begin with; sides that nobody saw then cut across it. Strays make such faces too.
+  if (!box && !faces.empty() && !among_strays(input))
+    if (auto more = with_a_face_more(scanned, faces, input, context); !more.empty())
+      if (auto closed = closed_body(more, input, context); !closed.empty()) scanned = std::move(more), faces = std::move(closed);
   std::vector<Candidate> result;
-  if (auto box = box_of(faces, input)) {
+  if (!box) box = box_of(faces, input);
+  if (box) {
     result.push_back(*box);
   } else {
     const bool strays = input.stray_share > 0;

@@ -42,6 +42,13 @@ bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
   return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
 }
 
+/// True if the first segment starts inside the second: where a corner lies on another edge, the sketch meets itself.
+bool starts_inside(const Vec2& a, const Vec2& c, const Vec2& d) {
+  const double length = (d - c).norm(), along = (a - c).dot(d - c) / std::max(length, sketch_join);
+  if (along < sketch_join || along > length - sketch_join || (a - c).norm() <= sketch_join || (a - d).norm() <= sketch_join) return false;
+  return (a - c - along / length * (d - c)).norm() <= sketch_join;
+}
+
 /// True if two segments lie on one line and share more than an end.
 bool segments_overlap(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const double length = (b - a).norm();
@@ -174,6 +181,10 @@ struct Check {
       for (std::size_t k = i + 1; k < chords.size(); ++k)
         if (segments_overlap(chords[i].a, chords[i].b, chords[k].a, chords[k].b))
           return complain(where + ": the sketch runs along itself near " + place_of(chords[i].a));
+    for (std::size_t i = 0; i < chords.size(); ++i)
+      for (std::size_t k = 0; k < chords.size(); ++k)
+        if (k != i && starts_inside(chords[i].a, chords[k].a, chords[k].b))
+          return complain(where + ": the sketch touches itself near " + place_of(chords[i].a));
     // Holes lie inside the outer boundary and outside each other.
     auto alone = [&](int l) {
       Outline2 one;

@@ -328,6 +328,35 @@ TEST_CASE("half-spaces: among strays no bevel is made of points beside an edge")
   CHECK(scanned_faces(input, context).size() == 3);
 }
 
+TEST_CASE("half-spaces: few points on a plane that cuts a block's corner are a face, as many strewn through the block are none") {
+  Context context;
+  auto planes = block(60, 35, 22);
+  const Vec3 n = Vec3(1, 1, 1).normalized();
+  const double offset = n.dot(Vec3(60, 35, 22)) - 6;
+  planes.push_back({n, offset});
+  FitInput input = scanned(planes, 0.1, 0, [](const Vec3& v) { return v.maxCoeff() > 0.9; }, 5, 2.0);
+  input.tolerance = 0.3;
+  const auto seen = scanned_faces(input, context);
+  const auto closed = closed_body(seen, input, context);
+  REQUIRE(seen.size() == 3);
+  REQUIRE(closed.size() >= 6);
+  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
+  Random random(8);
+  FitInput bevel = input, strewn = input;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 place(random.uniform(1, 59), random.uniform(1, 34), random.uniform(1, 21));
+    strewn.cloud.points.push_back(pose * place), strewn.cloud.normals.push_back(Vec3::UnitX()), strewn.cloud.sigma.push_back(0.1f);
+    Vec3 on = Vec3(60, 35, 22) - 6 * n + random.uniform(-4, 4) * n.unitOrthogonal() + random.uniform(-4, 4) * n.cross(n.unitOrthogonal());
+    on += 0.1 * random.normal() * n;
+    bevel.cloud.points.push_back(pose * on), bevel.cloud.normals.push_back(Vec3::UnitX()), bevel.cloud.sigma.push_back(0.1f);
+  }
+  const auto more = with_a_face_more(seen, closed, bevel, context);
+  REQUIRE(more.size() == 4);
+  CHECK(std::any_of(more.begin(), more.end(), [&](const ConvexFace& f) { return f.normal.dot(pose.rotation * n) > 0.998; }));
+  CHECK(with_a_face_more(seen, closed, strewn, context).empty());
+  CHECK(with_a_face_more(seen, closed, input, context).empty());
+}
+
 TEST_CASE("half-spaces: where two faces hold the points, a block says that their end was not scanned") {
   Context context;
   FitInput input = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 6);

@@ -59,6 +59,9 @@ TEST_CASE("check: sketches are simple, closed the right way round, and keep off 
   auto extruded = [](Loop loop) { return test::model_with(Extrude{{{loop}}, 5}); };
   expect_complaint(extruded(test::polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}})), "crosses itself");
   expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 5}, {11, 5}, {11, 0}, {5, 0}, {5, 8}, {0, 8}})), "runs along itself");
+  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 10}, {5, 0}, {0, 10}})), "touches itself");
+  // A wing that crosses the left edge where its corner is: no two edges cross inside both.
+  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 6}, {0, 6}, {-1, -9}, {0, 18}})), "touches itself");
   expect_complaint(extruded(test::polygon({{0, 0}, {0, 10}, {10, 10}, {10, 0}})), "counter-clockwise");
   expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}})), "encloses nothing");
   expect_complaint(test::model_with(Revolve{{{test::polygon({{-1, 0}, {5, 0}, {5, 5}, {-1, 5}})}}}), "crosses the axis");
