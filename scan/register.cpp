@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -12,6 +11,7 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "geometry/kd_tree.h"
+#include "scan/register_free.h"
 #include "scan/register_joint.h"
 #include "scan/register_pair.h"
 #include "scan/register_paper.h"
@@ -29,57 +29,6 @@ std::string place_text(const Vec3& v, double parts) {
   return "(" + rounded(v.x(), parts) + ", " + rounded(v.y(), parts) + ", " + rounded(v.z(), parts) + ")";
 }
 
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-
-/// A motion in the unknowns of one view (rotation times size about the center, shift) as an axis.
-FreeMotion motion_of(const Vec6& v, const JointResult& joint) {
-  FreeMotion motion;
-  const Vec3 turn = v.head<3>() / joint.size, shift = v.tail<3>();
-  motion.turns = turn.norm() * joint.size > 0.2 * shift.norm();
-  // Places that stay: turn x (p - center) + shift = 0, the nearest to the center.
-  motion.axis = (motion.turns ? turn : shift).normalized();
-  motion.point = motion.turns ? Vec3(joint.center + turn.cross(shift) / turn.squaredNorm()) : joint.center;
-  int largest = 0;
-  motion.axis.cwiseAbs().maxCoeff(&largest);
-  if (motion.axis[largest] < 0) motion.axis = -motion.axis;
-  return motion;
-}
-
-/// What one view may do: slides first, then turns.
-std::vector<FreeMotion> motions_of_view(std::size_t view, const JointResult& joint) {
-  const auto n = static_cast<Eigen::Index>(joint.free_directions.size());
-  Eigen::MatrixXd span(6, n);
-  for (Eigen::Index k = 0; k < n; ++k)
-    span.col(k) = joint.free_directions[static_cast<std::size_t>(k)].segment<6>(static_cast<Eigen::Index>(6 * view));
-  const Eigen::SelfAdjointEigenSolver<Mat6> eigen(span * span.transpose());
-  // A view that moves a fifth as far as the one that moves most is only carried along.
-  int rank = 0;
-  while (rank < 6 && eigen.eigenvalues()[5 - rank] > 0.01) ++rank;
-  std::vector<FreeMotion> result;
-  if (rank == 0) return result;
-  const Eigen::MatrixXd basis = eigen.eigenvectors().rightCols(rank);
-  // Combinations that do not turn are slides, the others turn about an axis.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> split(basis.topRows(3).transpose() * basis.topRows(3));
-  for (int k = 0; k < rank; ++k) result.push_back(motion_of(basis * split.eigenvectors().col(k), joint));
-  return result;
-}
-
-/// The place where several axes meet, or come nearest to each other.
-Vec3 nearest_to_axes(const std::vector<FreeMotion>& motions) {
-  Mat3 across = Mat3::Zero();
-  Vec3 sum = Vec3::Zero();
-  for (const FreeMotion& m : motions) {
-    const Mat3 one = Mat3::Identity() - m.axis * m.axis.transpose();
-    across += one, sum += one * m.point;
-  }
-  return across.ldlt().solve(sum);
-}
-
-bool same_motion(const FreeMotion& a, const FreeMotion& b, double size) {
-  if (a.turns != b.turns || a.axis.cross(b.axis).norm() > 0.05) return false;
-  return !a.turns || (a.point - b.point).cross(a.axis).norm() < 0.05 * size;
-}
-
 std::string name_of(const std::vector<RegisterView>& views, std::size_t v) {
   return views[v].name.empty() ? std::to_string(v) : views[v].name;
 }
@@ -94,78 +43,6 @@ Eigen::MatrixXd with_free_motions(const JointResult& joint) {
     result += step * step.transpose();
   }
   return result;
-}
-
-/// One entry for all views that move alike.
-std::vector<FreeMotion> free_motions(const JointResult& joint, std::size_t views) {
-  std::vector<FreeMotion> result;
-  if (joint.free_directions.empty()) return result;
-  for (std::size_t v = 0; v < views; ++v) {
-    std::vector<FreeMotion> own = motions_of_view(v, joint);
-    // All turns about one point are one thing, whatever axes span them.
-    if (own.size() == 3 && own[0].turns) {
-      const Vec3 point = nearest_to_axes(own);
-      for (int k = 0; k < 3; ++k) own[std::size_t(k)].axis = Vec3::Unit(k), own[std::size_t(k)].point = point;
-    }
-    for (FreeMotion& motion : own) {
-      const auto known = std::find_if(result.begin(), result.end(), [&](const FreeMotion& m) { return same_motion(m, motion, joint.size); });
-      if (known == result.end()) result.push_back(motion), result.back().views = {v};
-      else known->views.push_back(v);
-    }
-  }
-  return result;
-}
-
-/// Whether a motion of one view is one of its free motions, or several of them together.
-bool explained(Pose d, std::size_t view, const std::vector<FreeMotion>& free, const JointResult& joint, double shift_limit) {
-  std::vector<const FreeMotion*> own;
-  for (const FreeMotion& m : free)
-    if (std::find(m.views.begin(), m.views.end(), view) != m.views.end()) own.push_back(&m);
-  const Vec3& center = joint.center;
-  const auto left = [&] {
-    Vec6 e;
-    e << joint.size * rotation_vector(d.rotation), d * center - center;
-    return e;
-  };
-  for (int round = 0; round < 20 && !own.empty(); ++round) {
-    Eigen::MatrixXd j(6, static_cast<Eigen::Index>(own.size()));
-    for (std::size_t k = 0; k < own.size(); ++k)
-      j.col(static_cast<Eigen::Index>(k)) << (own[k]->turns ? Vec3(joint.size * own[k]->axis) : Vec3(Vec3::Zero())),
-          (own[k]->turns ? Vec3(own[k]->axis.cross(d * center - own[k]->point)) : own[k]->axis);
-    const Eigen::VectorXd step = j.completeOrthogonalDecomposition().solve(left());
-    for (std::size_t k = 0; k < own.size(); ++k) {
-      const double s = -step[static_cast<Eigen::Index>(k)];
-      d = (own[k]->turns ? rotation_about(own[k]->point, own[k]->axis, s) : Pose{Mat3::Identity(), s * own[k]->axis}) * d;
-    }
-  }
-  return left().norm() < shift_limit;
-}
-
-/// Motions that the search found to lead to other poses as good, and that are not among those of the normal matrix.
-void add_joined(const std::vector<std::vector<Pose>>& joined, const std::vector<std::size_t>& used, const JointResult& joint, std::vector<FreeMotion>& motions) {
-  for (const std::size_t v : used)
-    for (const Pose& d : joined[v]) {
-      if (explained(d, v, motions, joint, 0.1 * joint.size)) continue;
-      FreeMotion motion;
-      const double angle = rotation_vector(d.rotation).norm();
-      const Vec3 moved = d * joint.center - joint.center;
-      motion.turns = angle * joint.size > 0.2 * moved.norm();
-      motion.point = joint.center, motion.axis = moved.normalized();
-      if (motion.turns) {
-        const FixedLine line = fixed_line(d, joint.center);
-        motion.point = line.point, motion.axis = line.axis;
-      }
-      const auto known = std::find_if(motions.begin(), motions.end(), [&](const FreeMotion& m) { return same_motion(m, motion, joint.size); });
-      if (known == motions.end()) motions.push_back(motion), motions.back().views = {v};
-      else if (std::find(known->views.begin(), known->views.end(), v) == known->views.end()) known->views.push_back(v);
-    }
-}
-
-/// What the normal matrix leaves free, and what the search found.
-std::vector<FreeMotion> declared(const JointResult& joint, const std::vector<std::vector<Pose>>& joined, const std::vector<std::size_t>& used) {
-  std::vector<FreeMotion> motions = free_motions(joint, joint.poses.size());
-  if (!joined.empty()) add_joined(joined, used, joint, motions);
-  return motions;
 }
 
 void name_motions(const std::vector<RegisterView>& views, std::vector<FreeMotion>& motions) {
@@ -480,10 +357,16 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
-    result.free_motions = declared(joint, start.joined, used);
+    result.free_motions = free_motions(joint, start.joined, used);
     const Judged judged = judge(surfaces, joint, used, std::max(joint.free_directions.size(), result.free_motions.size()), options, result);
     if (!judged.changed) break;
     used = judged.good;
+  }
+  if (!joint.free_directions.empty()) {
+    JointOptions adjust;
+    adjust.start_reach = step / 2, adjust.contours = options.contours;
+    result.free_motions = followed_motions(surfaces, joint, start.joined, used, adjust, context);
+    if (context.cancelled) return stopped;
   }
   // Without guesses a few views may agree by chance.
   if (options.arrangement == Arrangement::unknown && !enough_agree(used.size(), views.size()))

@@ -237,7 +237,11 @@ void blocks(const std::vector<std::string>& seeds) {
             RegisterOptions options;
             options.arrangement = Arrangement::unknown;
             const auto result = register_views(views, options, quiet());
-            if (!result.ok()) continue;
+            if (!result.ok()) {
+              ++of_part.refused;
+              std::fprintf(stderr, "%s, seed %s, views %s, %d pixels, noise %g: %s\n", name, seed.c_str(), arrangement, pixels, noise, result.error().message.c_str());
+              continue;
+            }
             const double radius = radius_of(scan.merged);
             const PoseErrors e = errors_of(truth, *result, radius);
             const int left_out = refused(*result), of = static_cast<int>(truth.size());

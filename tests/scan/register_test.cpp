@@ -377,6 +377,24 @@ TEST_CASE("register: two views of balls of different radius are no pair, althoug
   }
 }
 
+TEST_CASE("register: the middle about which a cap may turn is told by where its surface lies, not by noisy normals") {
+  auto options = small();
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    options.seed = seed;
+    const Case scan = scan_of(ball(20), options, 0, 0);
+    std::vector<RegisterView> pair{scan.views[0], scan.views[4]};
+    pair[0].guess = scan.truth[0], pair[1].guess = scan.truth[4];
+    const Registration found = run(pair);
+    INFO(seed << " " << found.views[1].reason);
+    REQUIRE(found.free_motions.size() == 3);
+    for (const FreeMotion& motion : found.free_motions) {
+      CHECK(motion.turns);
+      INFO(motion.words);
+      CHECK(motion.point.norm() < 0.1);
+    }
+  }
+}
+
 TEST_CASE("register: a start that is a quarter turn off is refused or put right, never wrong") {
   auto options = small();
   options.resolution = 60;
