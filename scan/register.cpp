@@ -59,7 +59,7 @@ struct Judged {
   bool changed = false;
 };
 
-/// True poses leave 0.006 of range images where creases are left out, and 0.11 of unorganised real views. Two views whom nobody else
+/// True poses leave 0.014 of range images where creases are left out, and 0.11 of unorganised real views. Two views whom nobody else
 /// contradicts have to agree better, the more motions their shape leaves free, for a cap lies on any other cap. Without guesses only shape
 /// speaks against chance, and creases count: a part full of edges leaves up to 0.07 of a view at its true pose, and of all its views
 /// much, so that three times what is usual among them may be left of one. `motions`: of two views, those that will be declared; `usual`:
@@ -70,6 +70,13 @@ double most_disagreement(const RegisterOptions& options, const ViewSurface& surf
   if (options.arrangement == Arrangement::unknown) return std::min(views > 2 ? std::max(by_shape, of_usual * usual) : by_shape, at_most);
   const std::size_t free = views == 2 ? motions : 0;
   return free >= 3 ? of_many_motions : free == 2 ? of_some_motions : of_images;
+}
+
+/// Of range images that lie right others look through 0.004 at most; views of a part nearly alike from two sides, some of them half a
+/// turn round, through 0.02 to 0.04 of one another, and all of them measure another surface in places, so that none stands out.
+double most_seen_through(const RegisterOptions& options, const ViewSurface& surface) {
+  constexpr double by_shape = 0.015;
+  return options.arrangement == Arrangement::unknown && surface.organised ? std::min(by_shape, options.max_seen_through) : options.max_seen_through;
 }
 
 /// Motions of a view that most others do not share: without guesses nothing says where it lies along them.
@@ -145,9 +152,9 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
       return {"only " + std::to_string(joint.matches[v]) + " places of its surface lie on that of other views, expected " + std::to_string(fewest_matches)};
     if (const std::size_t own = motions_of_its_own(v, result.free_motions, used.size()); options.arrangement == Arrangement::unknown && own >= 2)
       return {"its shape leaves it free to move in " + std::to_string(own) + " ways, and no guess says where it lies"};
-    if (view.seen_through > options.max_seen_through)
-      return {"another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(options.max_seen_through),
-              view.seen_through / options.max_seen_through};
+    if (const double most_through = most_seen_through(options, surfaces[v]); view.seen_through > most_through)
+      return {"another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(most_through),
+              view.seen_through / most_through};
     if (found.disagreement() > most_elsewhere)
       return {percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere),
               found.disagreement() / most_elsewhere};

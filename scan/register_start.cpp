@@ -335,6 +335,9 @@ void grow(Growth& growth, const std::vector<PairCandidates>& pairs, const std::v
   for (const std::size_t v : placed) growth.result.placed[v] = 1;
 }
 
+/// Hardly less than are asked for in the end: of two parts seven of ten views, that were all ten after that.
+bool worth_trying_again(std::size_t placed, std::size_t of) { return 5 * placed >= 3 * of; }
+
 /// Each view is tried in other places once all are there: what was best while few were placed need not be so among all. The most
 /// contradicted first, until none moves; what fits elsewhere no worse then is not known.
 void place_again(Growth& growth, const std::vector<PairCandidates>& pairs, const std::vector<std::size_t>& usable, Context& context) {
@@ -464,7 +467,7 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     context.say("from view " + std::to_string(pair.target) + ": " + std::to_string(growth.placed.size()) + " placed");
     if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
   }
-  if (enough_agree(most, usable.size())) {
+  if (worth_trying_again(most, usable.size())) {
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, std::move(result), largest, false};
     place_again(growth, pairs, usable, context);
     largest = growth.placed, most = largest.size();
