@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <memory>
 #include <span>
 
 #include "core/ensure.h"
@@ -81,7 +83,7 @@ QuadricScale quadric_scale(const Places& points, QuadricScratch& scratch, std::s
   Mat3 cov = Mat3::Zero();
   for (std::size_t k = 0; k < count; ++k) {
     const Vec3 d = points[near[k].index] - mean;
-    cov += d * d.transpose();
+    cov.noalias() += d * d.transpose();
   }
   cov /= static_cast<double>(count);
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(cov);
@@ -104,7 +106,7 @@ QuadricScale quadric_scale(const Places& points, QuadricScratch& scratch, std::s
     Vec6 b = Vec6::Zero();
     for (std::size_t k = 0; k < count; ++k) {
       if (round > 0 && std::abs(residuals[k]) > limit) continue;
-      a += rows[k] * rows[k].transpose();
+      a.noalias() += rows[k] * rows[k].transpose();
       b += rows[k] * heights[k];
     }
     const Vec6 x = a.ldlt().solve(b);
@@ -211,16 +213,46 @@ Nodes averaged(const Ordered& in, double spacing) {
   return nodes;
 }
 
+/// What a round finds for a block.
+struct Planes {
+  double x[plane_block], y[plane_block], z[plane_block], spread[plane_block];
+};
+
 /// Points in the order of a tree's leaves, with their nearest neighbours: what lies together is worked on together.
 struct Neighbourhoods {
   std::size_t rows = 0;                // neighbours of each at most, itself the first
   LargeVector<std::uint32_t> order;    // the point of a place
-  LargeVector<std::uint32_t> place;    // of a point
-  LargeVector<PlaneNode> nodes;        // by place, filled up to whole blocks, and one that is nobody's neighbour
-  LargeVector<std::uint32_t> links;    // by block; places
-  LargeVector<double> sq_reach;        // of the farthest neighbour
-  LargeVector<float> third;            // distance of the third neighbour
+  std::span<PlaneNode> nodes;          // by place, filled up to whole blocks, and one that is nobody's neighbour
+  std::span<std::uint32_t> links;      // by block; places
+  std::span<Planes> next;              // by block; not set
+  std::span<double> sq_reach;          // of the farthest neighbour
+  std::span<std::uint32_t> place;      // of a point
+  std::span<float> third;              // distance of the third neighbour
+  std::span<double> gaps;              // to the nearest, of samples; out of order
   double spacing = 0;
+
+  Neighbourhoods() = default;
+  Neighbourhoods(Neighbourhoods&&) = default;  // a copy would look into the memory of the other
+  Neighbourhoods& operator=(Neighbourhoods&&) = default;
+
+  /// For `padded` nodes, neighbours of one that is not counted. Of ten thousand points each array by itself would be in
+  /// small pages; all together are in one that is large, touched at once.
+  void make_room(std::size_t padded, std::size_t samples) {
+    const auto lines = [](std::size_t bytes) { return (bytes + sizeof(Line) - 1) / sizeof(Line); };
+    std::size_t used = 0;
+    const auto take = [&]<class T>(std::span<T>& some, std::size_t count) {
+      if (!memory_.empty()) some = {reinterpret_cast<T*>(memory_.data() + used), count};
+      used += lines(count * sizeof(T));
+    };
+    const auto take_all = [&] {
+      used = 0;
+      take(nodes, padded + 1), take(links, padded * rows), take(next, padded / plane_block);
+      take(sq_reach, padded), take(place, padded), take(third, padded), take(gaps, samples);
+    };
+    take_all();
+    memory_.resize(used);
+    take_all();
+  }
 
   std::size_t blocks() const { return sq_reach.size() / plane_block; }
   PlaneBlock block(std::size_t b, std::size_t count) const {
@@ -237,6 +269,12 @@ struct Neighbourhoods {
       result.push_back({order[link[plane_block * k]], x * x + y * y + z * z});
     }
   }
+
+ private:
+  struct alignas(64) Line {
+    std::byte bytes[64];
+  };
+  LargeVector<Line> memory_;  // of all spans
 };
 
 /// `rows` neighbours, and beyond the first 14 only those within `radius`; the reach is of the first `used`.
@@ -247,12 +285,12 @@ Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::siz
   Neighbourhoods result;
   result.rows = rows = std::min(rows, n);
   result.order = tree.order();
-  result.nodes.reserve(padded + 1);
-  for (const std::uint32_t i : result.order) result.nodes.push_back({points[i].x(), points[i].y(), points[i].z(), 1});
-  result.nodes.resize(padded + 1, {points[0].x(), points[0].y(), points[0].z(), 0});
-  result.links.resize(padded * rows);
-  result.sq_reach.resize(padded);
-  result.third.resize(padded);
+  const std::size_t samples = std::min(n, spacing_samples);
+  result.make_room(padded, samples);
+  for (std::size_t k = 0; k <= padded; ++k) {
+    const Vec3& p = points[k < n ? result.order[k] : 0];
+    std::construct_at(&result.nodes[k], PlaneNode{p.x(), p.y(), p.z(), k < n ? 1.0 : 0.0});
+  }
   const auto links_of = [&](std::size_t own) {
     return result.links.data() + own / plane_block * plane_block * rows + own % plane_block;
   };
@@ -260,11 +298,10 @@ Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::siz
     result.sq_reach[k] = 0, result.third[k] = 0;
     for (std::size_t row = 0; row < rows; ++row) links_of(k)[plane_block * row] = nobody;
   }
-  LargeVector<std::uint32_t>& place = result.place;
-  place.resize(n);
+  const std::span<std::uint32_t> place = result.place;
   for (std::size_t k = 0; k < n; ++k) place[result.order[k]] = static_cast<std::uint32_t>(k);
-  const std::size_t samples = std::min(n, spacing_samples);
-  std::vector<double> gaps(samples, -1);
+  const std::span<double> gaps = result.gaps;
+  std::fill(gaps.begin(), gaps.end(), -1);
   tree.nearest_of_each(rows, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
     const std::size_t own = place[i];
     std::size_t count = std::min(used, near.size());
@@ -284,8 +321,8 @@ Neighbourhoods neighbourhoods(const Places& points, const KdTree& tree, std::siz
       for (std::size_t k = 0; k < std::min<std::size_t>(4, near.size()) && gaps[slot] < 0; ++k)
         if (near[k].sq_distance > 0) gaps[slot] = std::sqrt(near[k].sq_distance);
   });
-  std::erase_if(gaps, [](double d) { return d < 0; });
-  result.spacing = median(gaps);
+  const auto known = std::remove_if(gaps.begin(), gaps.end(), [](double d) { return d < 0; });
+  result.spacing = median_in_place({gaps.begin(), known});
   return result;
 }
 
@@ -306,10 +343,6 @@ Vec3 any_direction(const FoundPlanes& found, std::size_t lane) {
 /// turned by less than `rest` (rad) stay as they are: near edges all rounds are needed, elsewhere they only follow the noise.
 void weighted_normals(Neighbourhoods& near, std::size_t rows, const Places& rays, double sigma, double rest, int rounds,
                       int threads) {
-  struct Planes {
-    double x[plane_block], y[plane_block], z[plane_block], spread[plane_block];
-  };
-  LargeVector<Planes> next(near.blocks());
   std::vector<std::uint8_t> resting(near.blocks(), 0);
   rows = std::min(rows, near.rows);
   constexpr std::size_t together = 128;
@@ -320,7 +353,7 @@ void weighted_normals(Neighbourhoods& near, std::size_t rows, const Places& rays
       for (std::size_t b = begin; b < end; ++b) {
         if (resting[b]) continue;
         weighted_planes(near.block(b, rows), {&near.sq_reach[b * plane_block], 3 * sigma, round == 0, rays.empty()}, found);
-        Planes& to = next[b];
+        Planes& to = near.next[b];
         for (std::size_t l = 0; l < lanes(b); ++l) {
           Vec3 normal(found.x[l], found.y[l], found.z[l]);
           if (!normal.allFinite()) normal = any_direction(found, l);
@@ -333,7 +366,7 @@ void weighted_normals(Neighbourhoods& near, std::size_t rows, const Places& rays
     parallel_for(near.blocks(), threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) {
         if (resting[b]) continue;
-        const Planes& from = next[b];
+        const Planes& from = near.next[b];
         double most = 0;
         for (std::size_t l = 0; l < lanes(b); ++l) {
           PlaneNode& node = near.nodes[b * plane_block + l];
