@@ -130,9 +130,10 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   // Of a free motion the pose nearest to the start that shows most of what can be shown; not where the start is to be doubted.
   PoseCandidate chosen = found.front();
   std::vector<Pose> joined;
-  // One other view only looked at little of what it could contradict, but without guesses features have compared all; where most views
-  // are placed the right place is confirmed nearly whole.
-  const double little = guessed && others.size() == 1 ? 0.2 : nearly_whole ? 0.8 : 0.5;
+  // One other view only looked at little of what it could contradict, but without guesses features have compared all. Where most views are
+  // placed the right place is confirmed nearly whole, but so is a wrong one of a part alike from two sides: there views come to lie upon
+  // one another, and the right place, uncontradicted, shows a third as much.
+  const double little = guessed && others.size() == 1 ? 0.2 : nearly_whole ? 0.35 : 0.5;
   reason.clear();
   for (std::size_t k = 1; k < found.size(); ++k) {
     if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, little)) continue;

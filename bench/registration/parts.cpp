@@ -49,6 +49,18 @@ Surface cut_block() {
   return convex(sides, 22);
 }
 
+Surface block_alike_from_two_sides(double difference) {
+  std::vector<Side> sides;
+  for (int k = 0; k < 3; ++k)
+    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 12.0 + 4 * k});
+  const auto cut_twice = [&](const Vec3& n, double d, double less) {
+    sides.push_back({n.normalized(), d}), sides.push_back({Vec3(-n.x(), -n.y(), n.z()).normalized(), d + less});
+  };
+  cut_twice({1, 0.8, 0.9}, 19, difference), cut_twice({1, -0.9, 0.5}, 17.5, 0), cut_twice({0.7, 1, -1}, 20, 0);
+  cut_twice({1, -0.6, -0.8}, 18, 0), cut_twice({0.2, 1, 0.5}, 19, 0);
+  return convex(sides, 24);
+}
+
 Surface union_of(const std::vector<Ball>& parts, double reach) {
   Surface surface;
   surface.bounds.add(Vec3::Constant(-reach)), surface.bounds.add(Vec3::Constant(reach));

@@ -20,6 +20,9 @@ Surface plain_block();
 /// A block that nothing turns onto itself: every corner is cut differently.
 Surface cut_block();
 
+/// A block that half a turn about z lays onto itself, but for one corner that is cut so much less, mm.
+Surface block_alike_from_two_sides(double difference);
+
 struct Ball {
   Vec3 center;
   double radius;

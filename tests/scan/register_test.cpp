@@ -125,6 +125,14 @@ TEST_CASE("register: without any poses a view that may slide and turn is refused
   CHECK(off_truth(found, scan.truth).angle < 0.02);
 }
 
+TEST_CASE("register: without any poses views of a part alike from two sides are not laid upon one another") {
+  SimulateOptions scanner;
+  scanner.views = "cube", scanner.resolution = 100, scanner.sigma = 0.03, scanner.bit_error = 0.002, scanner.seed = 3;
+  const Case scan = scan_of(block_alike_from_two_sides(1), scanner, 0, 0);
+  const Registration found = run_from_nothing(scan);
+  CHECK(off_truth(found, scan.truth).angle < 0.02);  // refused ones do not count
+}
+
 TEST_CASE("register: beside creases views do not contradict each other at their true poses, and another face does") {
   // Faces five pixels wide, seen at a slant: half of what two views share lies beside a crease.
   const Case scan = scan_of(cut_block(), small(), 0, 0);
