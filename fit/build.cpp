@@ -10,6 +10,7 @@
 #include "fit/coverage.h"
 #include "fit/evidence.h"
 #include "fit/extrude.h"
+#include "fit/face_ends.h"
 #include "fit/fillet.h"
 #include "fit/half_spaces.h"
 #include "fit/prepare.h"
@@ -134,19 +135,33 @@ double worth_a_shape(const FitInput& input) {
   return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
 }
 
+/// Nats by which `a` explains better than `b` where their flat faces end. Among strays, where sparse points were set aside as well, that
+/// says little; nor does it outweigh much that is `ahead` in everything else.
+double ends_told(const Candidate& a, const Candidate& b, double ahead, const FitInput& input) {
+  constexpr double at_most = 200;
+  const auto flat = [](const Candidate& c) {
+    return std::holds_alternative<Box>(c.shape) || std::holds_alternative<Wedge>(c.shape) || std::holds_alternative<Extrude>(c.shape);
+  };
+  if (among_strays(input) || !flat(a) || !flat(b) || std::abs(ahead) > at_most) return 0;
+  return face_ends_told(a, b, input);
+}
+
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere (among strays, where noise alone brings a body of another kind closer, only to one that is off by more than
 /// noise), or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the noise,
-/// be far more likely without the help of such points. Of equally long ones the closer is better.
+/// be far more likely without the help of such points. Of equally long ones the closer is better. A body that ends where the points of
+/// its flat faces do is closer than one that needs a shadow there.
 bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
-  const double gain = shorter.total() - longer.total();
+  const double told = ends_told(a.candidate, b.candidate, shorter.total() - longer.total(), input), gain = shorter.total() - longer.total() + told;
+  const double explained = double(shorter.unexplained) - double(longer.unexplained);
+  // What ends where the points of its faces do needs no shadow. That strays lie near a face too many says nothing for it.
+  if (told > 0 && gain - nats_per_stray * explained > 0 && explained > -few_points) return true;
   if (!(gain > 0)) return false;
   const bool same = a.candidate.procedure == b.candidate.procedure;
   const bool off = same || !among_strays(input) || shorter.local_max > more_than_noise * input.sampling.sigma;
   if (longer.description < shorter.description + 0.1 || (off && longer.local_max < clearly * shorter.local_max)) return true;
-  const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
   // The same in about as many words.
   if (same && longer.description < shorter.description + a_number && gain > more_likely) return true;
@@ -268,9 +283,18 @@ bool is_round_ring(const Candidate& c) {
 
 /// True if the same was proposed before, in the same or other words.
 bool said_before(const Judged& j, const std::vector<Judged>& judged, double tolerance) {
+  const auto sorted_values = [](const Candidate& c) {
+    std::vector<double> values;
+    for (const Parameter& p : c.parameters) values.push_back(p.value);
+    std::ranges::sort(values);
+    return values;
+  };
+  const auto same_sizes = [&](const Candidate& a, const Candidate& b) {
+    return std::ranges::equal(sorted_values(a), sorted_values(b), [&](double x, double y) { return std::abs(x - y) < tolerance; });
+  };
   return std::any_of(judged.begin(), judged.end(), [&](const Judged& known) {
     return known.candidate.procedure == j.candidate.procedure && known.meets == j.meets &&
-           known.candidate.parameters.size() == j.candidate.parameters.size() &&
+           same_sizes(known.candidate, j.candidate) &&
            std::abs(known.evidence.total() - j.evidence.total()) < 1 && std::abs(known.evidence.local_max - j.evidence.local_max) < tolerance / 50;
   });
 }

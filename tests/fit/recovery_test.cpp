@@ -105,6 +105,15 @@ TEST_CASE("recovery: a face of a polyhedron that few points show is one, and no 
   }
 }
 
+TEST_CASE("recovery: an angle of which no wall of the notch was seen is one where its end faces show it") {
+  for (const std::uint64_t seed : {98, 198}) {
+    Context context;
+    const Score score = recovered(make_case("extrude", standard_conditions(), seed), context);
+    INFO(seed << ": " << score.found << " " << score.why);
+    CHECK(score.answer == Answer::right);
+  }
+}
+
 TEST_CASE("recovery: the end of a block that nobody saw stays where the data end") {
   // The slope of this wedge was not seen. Strays beside the end of what else was drew the block's end in, across five points of its foot.
   const Case c = make_case("wedge", standard_conditions(), 62);
