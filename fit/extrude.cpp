@@ -519,9 +519,9 @@ std::vector<LoopPieces> with_holes(const LoopPieces& outline, const std::vector<
   return loops;
 }
 
-/// Lengths about which hardly a wall point speaks stay where the end faces put them: a fit would move them after strays.
+/// Sides about which hardly a wall point speaks stay where the end faces put them: a fit would move them after strays.
 void hold_unseen(Candidate& candidate, const FitInput& input) {
-  constexpr double speaks = 0.5;  // of the distance, per unit of the parameter
+  constexpr double speaks = 0.1;  // of the distance, per unit of the parameter
   if (among_strays(input)) return;
   const double near = std::max(4 * input.sampling.sigma, input.tolerance), h = 1e-4 * input.bounds.diagonal();
   const Pose part_from_scan = candidate.scan_from_part.inverse();
@@ -556,7 +556,8 @@ void add_common_outlines(const FitInput& input, const Section& s, double band, s
       if (o.distance(p) < -2 * band) inside.push_back(p);
     const auto add = [&](const std::vector<PlaneCircle>& holes) {
       candidates.push_back(extrusion_of(with_holes(o.loop(), holes), input, s.sweep, s.frame));
-      if (drawable(candidates.back())) hold_unseen(candidates.back(), input);
+      const bool straight = o.form == OutlineForm::rectangle || o.form == OutlineForm::ell;  // a round tells of the sides beside it
+      if (straight && drawable(candidates.back())) hold_unseen(candidates.back(), input);
     };
     if (o.form == OutlineForm::link) {
       std::vector<PlaneCircle> eyes;

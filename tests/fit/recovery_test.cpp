@@ -114,6 +114,13 @@ TEST_CASE("recovery: an angle of which no wall of the notch was seen is one wher
   }
 }
 
+TEST_CASE("recovery: sides of a plate that its rounds tell move with them") {
+  Context context;
+  const Score score = recovered(make_case("extrude", standard_conditions(), 37), context);
+  INFO(score.found << " " << score.why);
+  CHECK(score.answer == Answer::right);
+}
+
 TEST_CASE("recovery: the end of a block that nobody saw stays where the data end") {
   // The slope of this wedge was not seen. Strays beside the end of what else was drew the block's end in, across five points of its foot.
   const Case c = make_case("wedge", standard_conditions(), 62);
