@@ -50,15 +50,24 @@ bool is_slow(const Candidate& c) {
   return std::holds_alternative<Superellipsoid>(c.shape) || std::holds_alternative<Supertoroid>(c.shape);
 }
 
+constexpr const char* bends_too_little = "bends too little to be told from a plane";
+
 /// A round body so much larger than the data that its wall is a plane to them.
 bool hardly_bends(const Candidate& c, double size) {
   constexpr double times = 5;
   const auto* ball = std::get_if<Sphere>(&c.shape);
   const auto* rod = std::get_if<Cylinder>(&c.shape);
-  const Expr* radius = ball ? &ball->radius : rod ? &rod->radius : nullptr;
-  return radius && radius->is_parameter() && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
-           return p.name == radius->parameter && p.value > times * size;
-         });
+  const auto* cone = std::get_if<Cone>(&c.shape);
+  std::vector<Expr> radii;  // all of them
+  if (ball) radii = {ball->radius};
+  if (rod) radii = {rod->radius};
+  if (cone) radii = {cone->bottom_radius, cone->top_radius};
+  const auto large = [&](const Expr& radius) {
+    return radius.is_parameter() && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
+             return p.name == radius.parameter && p.value > times * size;
+           });
+  };
+  return !radii.empty() && std::ranges::all_of(radii, large);
 }
 
 /// Of the walls of a shape, how many may be thinner than noise can tell. Bodies that run out in a tip have some; where a plate
@@ -115,7 +124,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
                print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
   else if (hardly_bends(j.candidate, input.bounds.diagonal()))
-    j.reason = "bends too little to be told from a plane";
+    j.reason = bends_too_little;
   else if (j.coverage.covered < 0.25)
     j.open = true, j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
   else if (j.coverage.contradicted > 0.001)
@@ -191,12 +200,14 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
   const bool everywhere = among_strays(input);
   if (const std::string open = leaves_out_strays(w, r, input); !open.empty()) return open;
-  if (r.description < w.description)
+  const std::string alike = winner.candidate.procedure == rival.candidate.procedure ? "" : hardly_told_apart(w, r, input);
+  if (r.description < w.description && alike.empty())
     return "shorter, but follows the data less closely: costs " + print_number(std::round(r.total() - w.total())) + " nats more in all";
   if (std::abs(r.misfit - w.misfit) < told_apart)
     return "fits as well, takes " + longer + " to describe";
   if (r.total() < w.total() && r.unexplained < w.unexplained)
     return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) + " points that lie on it are strays";
+  if (!alike.empty()) return alike;
   if (everywhere && r.total() < w.total())
     return "the data cannot tell: costs " + print_number(std::round(w.total() - r.total())) + " nats less in all, as strays may have it";
   return "describes the part in " + longer;
@@ -382,6 +393,19 @@ bool bent_by_strays(const Search& search, std::size_t at, const FitInput& input)
   });
 }
 
+/// Refuses one that follows the data, but whose numbers they do not fix. Among strays those that follow them far less closely are none in its
+/// place.
+void refuse(Search& search, std::size_t at, const std::string& reason, const FitInput& input) {
+  Judged& refused = search.judged[at];
+  refused.meets = false, refused.open = true, refused.reason = reason;
+  const auto next = search.judged.begin() + static_cast<std::ptrdiff_t>(at) + 1;
+  for (auto j = next; j != search.judged.end() && among_strays(input); ++j)
+    if (j->meets && j->evidence.total() > refused.evidence.total() + far_more_likely(input))
+      j->meets = false, j->reason = "follows the data far less closely than a shape whose numbers they do not fix";
+  std::stable_partition(next, search.judged.end(), [](const Judged& j) { return j.meets; });
+  put_best_first(search.judged, at + 1, input);
+}
+
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
 void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
@@ -403,6 +427,10 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
       exact = search.judged[i].candidate;
       full.welsch = kernel_for(exact, narrow_last, input);
       make_exact(exact, input, full, context);
+    }
+    if (const std::string unknown = hardly_bends(exact, input.bounds.diagonal()) ? bends_too_little : unknown_radius(exact); !unknown.empty()) {
+      refuse(search, i, unknown, input);
+      continue;
     }
     name_unseen(exact, input);
     for (const bool nominal : {true, false}) {
@@ -542,6 +570,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   for (const bool without : {littered, !littered}) {
     auto next = without ? without_strays(scan, input, context) : std::optional(Attempt{input, rejected, {}});
     if (!next) continue;
+    if (!attempts.empty() && !without) next->input.strays_left = attempts.front().input.stray_share;
     attempts.push_back(std::move(*next));
     if (!found_in(attempts.back(), false)) continue;
     if (!context.cancelled && is_rough(attempts.back().search, attempts.back().input)) found_in(attempts.back(), true);
