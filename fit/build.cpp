@@ -10,6 +10,7 @@
 #include "fit/coverage.h"
 #include "fit/evidence.h"
 #include "fit/extrude.h"
+#include "fit/face_ends.h"
 #include "fit/fillet.h"
 #include "fit/half_spaces.h"
 #include "fit/prepare.h"
@@ -49,15 +50,24 @@ bool is_slow(const Candidate& c) {
   return std::holds_alternative<Superellipsoid>(c.shape) || std::holds_alternative<Supertoroid>(c.shape);
 }
 
+constexpr const char* bends_too_little = "bends too little to be told from a plane";
+
 /// A round body so much larger than the data that its wall is a plane to them.
 bool hardly_bends(const Candidate& c, double size) {
   constexpr double times = 5;
   const auto* ball = std::get_if<Sphere>(&c.shape);
   const auto* rod = std::get_if<Cylinder>(&c.shape);
-  const Expr* radius = ball ? &ball->radius : rod ? &rod->radius : nullptr;
-  return radius && radius->is_parameter() && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
-           return p.name == radius->parameter && p.value > times * size;
-         });
+  const auto* cone = std::get_if<Cone>(&c.shape);
+  std::vector<Expr> radii;  // all of them
+  if (ball) radii = {ball->radius};
+  if (rod) radii = {rod->radius};
+  if (cone) radii = {cone->bottom_radius, cone->top_radius};
+  const auto large = [&](const Expr& radius) {
+    return radius.is_parameter() && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
+             return p.name == radius.parameter && p.value > times * size;
+           });
+  };
+  return !radii.empty() && std::ranges::all_of(radii, large);
 }
 
 /// Of the walls of a shape, how many may be thinner than noise can tell. Bodies that run out in a tip have some; where a plate
@@ -114,7 +124,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
                print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
   else if (hardly_bends(j.candidate, input.bounds.diagonal()))
-    j.reason = "bends too little to be told from a plane";
+    j.reason = bends_too_little;
   else if (j.coverage.covered < 0.25)
     j.open = true, j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
   else if (j.coverage.contradicted > 0.001)
@@ -134,19 +144,33 @@ double worth_a_shape(const FitInput& input) {
   return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
 }
 
+/// Nats by which `a` explains better than `b` where their flat faces end. Among strays, where sparse points were set aside as well, that
+/// says little; nor does it outweigh much that is `ahead` in everything else.
+double ends_told(const Candidate& a, const Candidate& b, double ahead, const FitInput& input) {
+  constexpr double at_most = 200;
+  const auto flat = [](const Candidate& c) {
+    return std::holds_alternative<Box>(c.shape) || std::holds_alternative<Wedge>(c.shape) || std::holds_alternative<Extrude>(c.shape);
+  };
+  if (among_strays(input) || !flat(a) || !flat(b) || std::abs(ahead) > at_most) return 0;
+  return face_ends_told(a, b, input);
+}
+
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere (among strays, where noise alone brings a body of another kind closer, only to one that is off by more than
 /// noise), or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the noise,
-/// be far more likely without the help of such points. Of equally long ones the closer is better.
+/// be far more likely without the help of such points. Of equally long ones the closer is better. A body that ends where the points of
+/// its flat faces do is closer than one that needs a shadow there.
 bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
-  const double gain = shorter.total() - longer.total();
+  const double told = ends_told(a.candidate, b.candidate, shorter.total() - longer.total(), input), gain = shorter.total() - longer.total() + told;
+  const double explained = double(shorter.unexplained) - double(longer.unexplained);
+  // What ends where the points of its faces do needs no shadow. That strays lie near a face too many says nothing for it.
+  if (told > 0 && gain - nats_per_stray * explained > 0 && explained > -few_points) return true;
   if (!(gain > 0)) return false;
   const bool same = a.candidate.procedure == b.candidate.procedure;
   const bool off = same || !among_strays(input) || shorter.local_max > more_than_noise * input.sampling.sigma;
   if (longer.description < shorter.description + 0.1 || (off && longer.local_max < clearly * shorter.local_max)) return true;
-  const double explained = double(shorter.unexplained) - double(longer.unexplained);
   if (explained > worth_a_shape(input)) return true;
   // The same in about as many words.
   if (same && longer.description < shorter.description + a_number && gain > more_likely) return true;
@@ -176,12 +200,14 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
   const bool everywhere = among_strays(input);
   if (const std::string open = leaves_out_strays(w, r, input); !open.empty()) return open;
-  if (r.description < w.description)
+  const std::string alike = winner.candidate.procedure == rival.candidate.procedure ? "" : hardly_told_apart(w, r, input);
+  if (r.description < w.description && alike.empty())
     return "shorter, but follows the data less closely: costs " + print_number(std::round(r.total() - w.total())) + " nats more in all";
   if (std::abs(r.misfit - w.misfit) < told_apart)
     return "fits as well, takes " + longer + " to describe";
   if (r.total() < w.total() && r.unexplained < w.unexplained)
     return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) + " points that lie on it are strays";
+  if (!alike.empty()) return alike;
   if (everywhere && r.total() < w.total())
     return "the data cannot tell: costs " + print_number(std::round(w.total() - r.total())) + " nats less in all, as strays may have it";
   return "describes the part in " + longer;
@@ -268,9 +294,18 @@ bool is_round_ring(const Candidate& c) {
 
 /// True if the same was proposed before, in the same or other words.
 bool said_before(const Judged& j, const std::vector<Judged>& judged, double tolerance) {
+  const auto sorted_values = [](const Candidate& c) {
+    std::vector<double> values;
+    for (const Parameter& p : c.parameters) values.push_back(p.value);
+    std::ranges::sort(values);
+    return values;
+  };
+  const auto same_sizes = [&](const Candidate& a, const Candidate& b) {
+    return std::ranges::equal(sorted_values(a), sorted_values(b), [&](double x, double y) { return std::abs(x - y) < tolerance; });
+  };
   return std::any_of(judged.begin(), judged.end(), [&](const Judged& known) {
     return known.candidate.procedure == j.candidate.procedure && known.meets == j.meets &&
-           known.candidate.parameters.size() == j.candidate.parameters.size() &&
+           same_sizes(known.candidate, j.candidate) &&
            std::abs(known.evidence.total() - j.evidence.total()) < 1 && std::abs(known.evidence.local_max - j.evidence.local_max) < tolerance / 50;
   });
 }
@@ -358,6 +393,19 @@ bool bent_by_strays(const Search& search, std::size_t at, const FitInput& input)
   });
 }
 
+/// Refuses one that follows the data, but whose numbers they do not fix. Among strays those that follow them far less closely are none in its
+/// place.
+void refuse(Search& search, std::size_t at, const std::string& reason, const FitInput& input) {
+  Judged& refused = search.judged[at];
+  refused.meets = false, refused.open = true, refused.reason = reason;
+  const auto next = search.judged.begin() + static_cast<std::ptrdiff_t>(at) + 1;
+  for (auto j = next; j != search.judged.end() && among_strays(input); ++j)
+    if (j->meets && j->evidence.total() > refused.evidence.total() + far_more_likely(input))
+      j->meets = false, j->reason = "follows the data far less closely than a shape whose numbers they do not fix";
+  std::stable_partition(next, search.judged.end(), [](const Judged& j) { return j.meets; });
+  put_best_first(search.judged, at + 1, input);
+}
+
 /// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
 void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
@@ -379,6 +427,10 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
       exact = search.judged[i].candidate;
       full.welsch = kernel_for(exact, narrow_last, input);
       make_exact(exact, input, full, context);
+    }
+    if (const std::string unknown = hardly_bends(exact, input.bounds.diagonal()) ? bends_too_little : unknown_radius(exact); !unknown.empty()) {
+      refuse(search, i, unknown, input);
+      continue;
     }
     name_unseen(exact, input);
     for (const bool nominal : {true, false}) {
@@ -518,6 +570,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   for (const bool without : {littered, !littered}) {
     auto next = without ? without_strays(scan, input, context) : std::optional(Attempt{input, rejected, {}});
     if (!next) continue;
+    if (!attempts.empty() && !without) next->input.strays_left = attempts.front().input.stray_share;
     attempts.push_back(std::move(*next));
     if (!found_in(attempts.back(), false)) continue;
     if (!context.cancelled && is_rough(attempts.back().search, attempts.back().input)) found_in(attempts.back(), true);

@@ -31,14 +31,15 @@ struct FitInput {
   const Scan* scan = nullptr;   ///< the whole thing, for procedures that need the mesh or all points
   std::vector<float> surface_share;  ///< of a point's neighbours, how many lie on one plane with it; empty: no strays about
   double stray_share = 0;       ///< of the points that were set aside as strays
+  double strays_left = 0;       ///< of the points that are strays and still among `cloud`, as far as another search knows
   PointCloud set_aside;         ///< these strays, with all that is known of them
   std::vector<float> facet_depth;  ///< mm: how far a point's facet may lie below the true surface; empty: no coarse mesh
   std::shared_ptr<const Surroundings> surroundings;  ///< of `cloud` (surroundings_of); found anew where it is missing
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)
 };
 
-/// More than a tenth of the points were strays: some are left, and any shape explains some.
-inline bool among_strays(const FitInput& input) { return input.stray_share > 0.1; }
+constexpr double many_strays = 0.1;  ///< share of the points: some are left then, and any shape explains some
+inline bool among_strays(const FitInput& input) { return input.stray_share > many_strays; }
 
 /// A length that only the end of the data fixes: no residual speaks about it but those of strays.
 struct HeldParameter {

@@ -24,7 +24,8 @@ constexpr double nats_per_stray = 6;  ///< what a point costs that a shape leave
 constexpr double more_likely = 20;  ///< nats by which a longer description must follow its own points better
 
 /// The same where it is of another procedure: a body of another kind bends to strays in all its places.
-inline double far_more_likely(const FitInput& input) { return more_likely + 0.1 * input.stray_share * double(input.cloud.size()); }
+inline double far_more_likely(double stray_share, std::size_t points) { return more_likely + 0.1 * stray_share * double(points); }
+inline double far_more_likely(const FitInput& input) { return far_more_likely(input.stray_share, input.cloud.size()); }
 
 /// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.
 std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Context& context);

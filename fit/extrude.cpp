@@ -19,6 +19,7 @@
 #include "fit/sketch_builder.h"
 #include "geometry/nearby_in_plane.h"
 #include "model/check.h"
+#include "model/distance.h"
 
 namespace partscribe {
 namespace {
@@ -518,6 +519,29 @@ std::vector<LoopPieces> with_holes(const LoopPieces& outline, const std::vector<
   return loops;
 }
 
+/// Sides about which hardly a wall point speaks stay where the end faces put them: a fit would move them after strays.
+void hold_unseen(Candidate& candidate, const FitInput& input) {
+  constexpr double speaks = 0.1;  // of the distance, per unit of the parameter
+  if (among_strays(input)) return;
+  const double near = std::max(4 * input.sampling.sigma, input.tolerance), h = 1e-4 * input.bounds.diagonal();
+  const Pose part_from_scan = candidate.scan_from_part.inverse();
+  const ModelDistance distance(bare_model(candidate));
+  std::vector<std::pair<Vec3, double>> on_surface;
+  for (const Vec3& p : input.cloud.points) {
+    const Vec3 q = part_from_scan * p;
+    if (const double d = distance(q).distance; std::abs(d) < near) on_surface.emplace_back(q, d);
+  }
+  for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
+    Candidate moved = candidate;
+    moved.parameters[k].value += h;
+    const ModelDistance other(bare_model(moved));
+    const auto count = std::count_if(on_surface.begin(), on_surface.end(), [&](const auto& p) { return std::abs(other(p.first).distance - p.second) > speaks * h; });
+    const std::string& name = candidate.parameters[k].name;
+    const bool known = std::any_of(candidate.held.begin(), candidate.held.end(), [&](const HeldParameter& held) { return held.name == name; });
+    if (std::size_t(count) < hardly_any_points && !known) candidate.held.push_back({name, std::max(2 * input.thin_spacing, input.sampling.sigma)});
+  }
+}
+
 /// Outlines of few numbers, with the holes of which something was seen.
 void add_common_outlines(const FitInput& input, const Section& s, double band, std::vector<Candidate>& candidates) {
   constexpr double dearer = 1.5;
@@ -532,6 +556,8 @@ void add_common_outlines(const FitInput& input, const Section& s, double band, s
       if (o.distance(p) < -2 * band) inside.push_back(p);
     const auto add = [&](const std::vector<PlaneCircle>& holes) {
       candidates.push_back(extrusion_of(with_holes(o.loop(), holes), input, s.sweep, s.frame));
+      const bool straight = o.form == OutlineForm::rectangle || o.form == OutlineForm::ell;  // a round tells of the sides beside it
+      if (straight && drawable(candidates.back())) hold_unseen(candidates.back(), input);
     };
     if (o.form == OutlineForm::link) {
       std::vector<PlaneCircle> eyes;

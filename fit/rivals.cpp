@@ -146,6 +146,27 @@ std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEv
   return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are strays";
 }
 
+std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input) {
+  constexpr double of_noise = 0.25, rough = 2;  // nats per point; times as much
+  const double share = std::max(input.stray_share, input.strays_left), more = rival.total() - winner.total();
+  const double times = winner.misfit / (of_noise * std::max(double(input.cloud.size()), 1.0));
+  const bool strays = share > many_strays && std::abs(more) < far_more_likely(share, input.cloud.size());
+  const bool roughly = times > rough && std::abs(more) < more_likely * times;
+  if (!strays && !roughly) return {};
+  const std::string costs = "the data cannot tell: costs " + print_number(std::round(std::abs(more))) + (more < 0 ? " nats less" : " nats more") + " in all, ";
+  return costs + (strays ? "as strays may have it" : "where neither follows them as closely as noise allows");
+}
+
+std::string unknown_radius(const Candidate& refined) {
+  std::vector<Expr> radii;
+  if (const auto* s = std::get_if<Sphere>(&refined.shape)) radii = {s->radius};
+  if (const auto* s = std::get_if<Ellipsoid>(&refined.shape)) radii = {s->radius_x, s->radius_y, s->radius_z};
+  if (const auto* s = std::get_if<Cylinder>(&refined.shape)) radii = {s->radius};
+  for (const Expr& e : radii)
+    if (const Measured r = measured(refined, e); r.sigma > std::abs(r.value)) return "its radius " + with_sigma(r, "mm") + " is not known";
+  return {};
+}
+
 std::vector<Rival> worth_naming(std::vector<Rival> all) {
   constexpr std::size_t most = 12;
   enum Worth { another_kind, open, refused };
@@ -185,7 +206,8 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
   if (faces.size() < (last_resort ? 2 : 1)) return {};
   if (!last_resort) {
     const double per_face = 4 + 1.5 * std::log(double(input.cloud.size()));  // as in description_length
-    const bool cheaper = misfit_of(faces, input) + per_face * double(faces.size()) < cost;
+    const double margin = round || std::holds_alternative<Wedge>(winner.shape) ? far_more_likely(input) : 0;
+    const bool cheaper = misfit_of(faces, input) + per_face * double(faces.size()) < cost + margin;
     if (round && !cheaper) return {};
     const bool corner = faces.size() == 3 && std::abs(faces[0].normal.dot(faces[1].normal.cross(faces[2].normal))) > 0.3;
     // Three faces around a corner end where the body ends; of three that are all across one plane both ends are open.
@@ -194,8 +216,7 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
     return {};
   }
   const std::string number = faces.size() == 1 ? "one plane face holds" : print_number(double(faces.size())) + " plane faces hold";
-  const std::string others = !last_resort ? "; a wedge, an extrusion or a fillet may have them too" : "";
-  return "the data cannot tell: " + number + " nearly all points, and what closes the body was not scanned" + others;
+  return "the data cannot tell: " + number + " nearly all points, and what closes the body was not scanned; a wedge, an extrusion or a fillet may have them too";
 }
 
 }  // namespace partscribe

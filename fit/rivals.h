@@ -26,6 +26,16 @@ std::string off_where_strays_are(const CandidateEvidence& winner, const Candidat
 /// those set aside: they are few beside these, and without them it is hardly less likely. Else empty.
 std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
 
+/// For a rival of another procedure within the tolerance: whichever of two costs less is not shown to be the part by fewer nats than a
+/// choice between kinds takes among strays, where a body of another kind bends to them in all its places (far_more_likely), nor by fewer
+/// than odds of 20 nats where even the winner is twice as far off as noise, or more: residuals that noise does not explain count for as
+/// much less as they are larger. Says so; empty where it is decided.
+std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
+
+/// Why a refined round body is none, whatever it follows: the data do not fix one of its radii to within itself ("its radius 230 +- 4800 mm
+/// is not known"). Else empty.
+std::string unknown_radius(const Candidate& refined);
+
 /// Twelve of the rivals, in their order: those that may be the truth ("cannot tell", "fits as well") before all others, and of
 /// these one of each procedure before a second.
 std::vector<Rival> worth_naming(std::vector<Rival> all);
@@ -37,7 +47,8 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input);
 /// What a convex polyhedron would say whose plane faces hold the points, if their end was not scanned; else empty. For a
 /// superellipsoid or supertoroid, which serve where no procedure of the trade does; among strays also for a winner with plane
 /// faces, of `cost` nats, where there are but one to three, and three cost less alone or are all across one plane, so that nothing
-/// closes the body along it, and for a cylinder or cone that costs more than they do: any body with such faces may be the truth.
+/// closes the body along it, and for a cylinder, cone or wedge that costs no less than they do but for what strays may have done (far_more_likely):
+/// any body with such faces may be the truth.
 std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context);
 
 }  // namespace partscribe
