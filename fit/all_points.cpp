@@ -230,8 +230,7 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   make_nodes(all, entries, single);
   learn_noise(all, all.at.value, {}, least_sigma);
 
-  Values values;
-  for (const auto& p : candidate.parameters) values[p.name] = p.value;
+  const Values values = values_of(candidate);
   const ModelDistance distance(bare_model(candidate), values);
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   Distances at;

@@ -19,14 +19,8 @@ struct FacePlane {
   Vec3 normal, place;  // outward; the middle of what was seen
 };
 
-Values start_values(const Candidate& c) {
-  Values v;
-  for (const auto& p : c.parameters) v[p.name] = p.value;
-  return v;
-}
-
 std::vector<FacePlane> planes_of(const Candidate& c) {
-  const EvaluatedShape shape = evaluate(c.shape, start_values(c));
+  const EvaluatedShape shape = evaluate(c.shape, values_of(c));
   std::vector<FacePlane> planes;
   const auto add = [&](const Vec3& normal, const Vec3& place) { planes.push_back({c.scan_from_part.rotation * normal, c.scan_from_part * place}); };
   const auto add_along = [&](int axis, double high) {

@@ -197,6 +197,12 @@ Model bare_model(const Candidate& candidate) {
   return model;
 }
 
+Values values_of(const Candidate& candidate) {
+  Values values;
+  for (const auto& p : candidate.parameters) values[p.name] = p.value;
+  return values;
+}
+
 RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
   RefineReport report;
   std::vector<std::string> fixed = options.fixed;

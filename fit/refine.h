@@ -37,4 +37,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
 /// A model with just this candidate in it, for distances; in the part's own frame.
 Model bare_model(const Candidate& candidate);
 
+/// What its parameters are worth now.
+Values values_of(const Candidate& candidate);
+
 }  // namespace partscribe

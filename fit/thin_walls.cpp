@@ -78,8 +78,7 @@ void add_far_sides(AllPoints& all, const std::vector<std::size_t>& points, doubl
 
 void measure_pairs(const AllPoints& all, const Candidate& candidate, std::vector<double>& value, int threads) {
   if (all.pairs.empty()) return;
-  Values values;
-  for (const auto& p : candidate.parameters) values[p.name] = p.value;
+  const Values values = values_of(candidate);
   const ModelDistance distance(bare_model(candidate), values);
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   parallel_for(all.pairs.size(), threads, [&](std::size_t begin, std::size_t end) {

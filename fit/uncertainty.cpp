@@ -283,8 +283,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const Fit
   if (!raw.tell(unknowns.count())) return result;
   result.rms = raw.rms;
 
-  Values values;
-  for (const auto& p : candidate.parameters) values[p.name] = p.value;
+  const Values values = values_of(candidate);
   const ModelDistance distance(bare_model(candidate), values);
   const bool sampled_facets =
       input.scan && !input.scan->mesh.empty() && input.scan->cloud.size() > input.scan->mesh.vertices.size();

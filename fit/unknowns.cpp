@@ -15,12 +15,6 @@ namespace {
 
 constexpr std::size_t asked_per_face = 64;
 
-Values values_of(const Candidate& c) {
-  Values v;
-  for (const auto& p : c.parameters) v[p.name] = p.value;
-  return v;
-}
-
 /// Up to some dozens of points of every face, evenly through the list.
 std::vector<std::size_t> samples_of_faces(const std::vector<int>& face) {
   std::map<int, std::size_t> counts, seen;

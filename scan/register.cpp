@@ -358,10 +358,10 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   JointResult joint;
   joint.poses = start.poses;
   // A refused view has pulled at the others: they are adjusted again without it.
+  JointOptions adjust;
+  adjust.start_reach = step, adjust.contours = options.contours;
+  if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
   while (true) {
-    JointOptions adjust;
-    adjust.start_reach = step, adjust.contours = options.contours;
-    if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
     result.free_motions = free_motions(joint, start.joined, used);
@@ -369,9 +369,8 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (!judged.changed) break;
     used = judged.good;
   }
-  if (!joint.free_directions.empty()) {
-    JointOptions adjust;
-    adjust.start_reach = step / 2, adjust.contours = options.contours;
+  if (!joint.free_directions.empty() && adjust.rounds > 0) {
+    adjust.start_reach = step / 2;
     result.free_motions = followed_motions(surfaces, joint, start.joined, used, adjust, context);
     if (context.cancelled) return stopped;
   }

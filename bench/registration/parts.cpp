@@ -26,23 +26,24 @@ Surface convex(const std::vector<Side>& sides, double reach) {
 
 namespace {
 
-std::vector<Side> block_sides() {
+/// Of a block of twice these sizes about the origin.
+std::vector<Side> block_sides(const Vec3& half) {
   std::vector<Side> sides;
   for (int k = 0; k < 3; ++k)
-    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 14.0 + 3 * k});
+    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), half[k]});
   return sides;
 }
 
 }  // namespace
 
 Surface plain_block() {
-  std::vector<Side> sides = block_sides();
+  std::vector<Side> sides = block_sides({14, 17, 20});
   sides.push_back({Vec3(1, 0.8, 0).normalized(), 14}), sides.push_back({Vec3(0, -1, 0.7).normalized(), 18}), sides.push_back({Vec3(-1, 1, 1).normalized(), 18});
   return convex(sides, 22);
 }
 
 Surface cut_block() {
-  std::vector<Side> sides = block_sides();
+  std::vector<Side> sides = block_sides({14, 17, 20});
   const auto cut = [&](const Vec3& n, double d) { sides.push_back({n.normalized(), d}); };
   cut({1, 1, 1}, 20), cut({1, -1, 0.6}, 19), cut({-1, 0.7, 1}, 22), cut({-0.6, -1, 1}, 18);
   cut({1, 0.5, -1}, 21), cut({-1, -1, -0.8}, 20.5), cut({0.4, -1, -1}, 23), cut({-1, 1, -0.5}, 19.5);
@@ -50,9 +51,7 @@ Surface cut_block() {
 }
 
 Surface block_alike_from_two_sides(double difference) {
-  std::vector<Side> sides;
-  for (int k = 0; k < 3; ++k)
-    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), 12.0 + 4 * k});
+  std::vector<Side> sides = block_sides({12, 16, 20});
   const auto cut_twice = [&](const Vec3& n, double d, double less) {
     sides.push_back({n.normalized(), d}), sides.push_back({Vec3(-n.x(), -n.y(), n.z()).normalized(), d + less});
   };
