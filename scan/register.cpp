@@ -11,6 +11,7 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "geometry/kd_tree.h"
+#include "scan/register_alike.h"
 #include "scan/register_free.h"
 #include "scan/register_joint.h"
 #include "scan/register_pair.h"
@@ -45,13 +46,30 @@ Eigen::MatrixXd with_free_motions(const JointResult& joint) {
   return result;
 }
 
+/// "view 2" or "views 2, 3".
+std::string names_of(const std::vector<RegisterView>& views, const std::vector<std::size_t>& some) {
+  std::string names;
+  for (const std::size_t v : some) names += (names.empty() ? "" : ", ") + name_of(views, v);
+  return (some.size() == 1 ? "view " : "views ") + names;
+}
+
 void name_motions(const std::vector<RegisterView>& views, std::vector<FreeMotion>& motions) {
   for (FreeMotion& motion : motions) {
-    std::string names;
-    for (const std::size_t v : motion.views) names += (names.empty() ? "" : ", ") + name_of(views, v);
-    motion.words = std::string(motion.views.size() == 1 ? "view " : "views ") + names + (motion.turns ? " turn about " : " slide along ") +
+    motion.words = names_of(views, motion.views) + (motion.turns ? " turn about " : " slide along ") +
                    place_text(motion.axis, 1000) + (motion.turns ? " through " + place_text(motion.point, 100) : "");
   }
+}
+
+std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, const std::vector<AlikeTurn>& turns, const Vec3& center) {
+  std::vector<AlikePlaces> result;
+  for (const AlikeTurn& alike : turns) {
+    if (alike.open.empty()) continue;
+    const FixedLine line = fixed_line(alike.turn, center);
+    result.push_back({alike.open, line.angle, line.axis, line.point,
+                      names_of(views, alike.open) + (alike.open.size() == 1 ? " fits" : " fit") + " as well turned by " + rounded(line.angle * 180 / pi, 10) +
+                          " degrees about " + place_text(line.axis, 1000) + " through " + place_text(line.point, 100)});
+  }
+  return result;
 }
 
 struct Judged {
@@ -79,10 +97,12 @@ double most_seen_through(const RegisterOptions& options, const ViewSurface& surf
   return options.arrangement == Arrangement::unknown && surface.organised ? std::min(by_shape, options.max_seen_through) : options.max_seen_through;
 }
 
-/// Motions of a view that most others do not share: without guesses nothing says where it lies along them.
+/// Motions of a view that most others do not share: without guesses nothing says where it lies along them. Where most others share one
+/// that the view does not have, it is the view that moves against them.
 std::size_t motions_of_its_own(std::size_t view, const std::vector<FreeMotion>& motions, std::size_t views) {
   return static_cast<std::size_t>(std::count_if(motions.begin(), motions.end(), [&](const FreeMotion& m) {
-    return 2 * m.views.size() <= views && std::find(m.views.begin(), m.views.end(), view) != m.views.end();
+    const bool has = std::find(m.views.begin(), m.views.end(), view) != m.views.end();
+    return has ? 2 * m.views.size() <= views : 2 * m.views.size() > views;
   }));
 }
 
@@ -145,13 +165,13 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
     const double most_elsewhere = most_disagreement(options, surfaces[v], motions, used.size(), usual_disagreement), both = found.disagreement() + found.unanswered();
     const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
     const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
+    const std::size_t own = options.arrangement == Arrangement::unknown ? motions_of_its_own(v, result.free_motions, used.size()) : 0;
+    if (own >= 2) return {"its shape leaves it free to move in " + std::to_string(own) + " ways, and no guess says where it lies"};
     if (v == used.front()) return {};
     if (view.overlap < options.min_overlap)
       return {"only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap)};
     if (joint.matches[v] < fewest_matches)
       return {"only " + std::to_string(joint.matches[v]) + " places of its surface lie on that of other views, expected " + std::to_string(fewest_matches)};
-    if (const std::size_t own = motions_of_its_own(v, result.free_motions, used.size()); options.arrangement == Arrangement::unknown && own >= 2)
-      return {"its shape leaves it free to move in " + std::to_string(own) + " ways, and no guess says where it lies"};
     if (const double most_through = most_seen_through(options, surfaces[v]); view.seen_through > most_through)
       return {"another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(most_through),
               view.seen_through / most_through};
@@ -361,13 +381,20 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   JointOptions adjust;
   adjust.start_reach = step, adjust.contours = options.contours;
   if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
-  while (true) {
-    joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
-    if (context.cancelled) return stopped;
-    result.free_motions = free_motions(joint, start.joined, used);
-    const Judged judged = judge(surfaces, joint, used, std::max(joint.free_directions.size(), result.free_motions.size()), options, result);
-    if (!judged.changed) break;
-    used = judged.good;
+  std::vector<AlikeTurn> alike;
+  for (int round = 0;; ++round) {
+    while (true) {
+      joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
+      if (context.cancelled) return stopped;
+      result.free_motions = free_motions(joint, start.joined, used);
+      const Judged judged = judge(surfaces, joint, used, std::max(joint.free_directions.size(), result.free_motions.size()), options, result);
+      if (!judged.changed) break;
+      used = judged.good;
+    }
+    constexpr int most_rounds = 4;
+    if (options.arrangement != Arrangement::unknown || round == most_rounds) break;
+    alike = alike_turns(surfaces, joint.poses, used, context);
+    if (!to_better_side(alike, used, joint.poses)) break;
   }
   if (!joint.free_directions.empty() && adjust.rounds > 0) {
     adjust.start_reach = step / 2;
@@ -385,6 +412,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   name_motions(views, result.free_motions);
+  result.alike = alike_places(views, alike, joint.center);
   if (result.turntable && !result.turntable->steps.empty() && used.size() == views.size()) *result.turntable = table_of(joint.poses, surfaces[0].center);
   // The last view has turned by all the steps together.
   if (result.turntable && result.turntable->step_observed)
@@ -392,6 +420,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   if (result.turntable && !result.turntable->step_observed)
     result.warnings.push_back("the part is round about the axis of the table: the steps cannot be seen and are taken as equal parts of one turn");
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);
+  for (const AlikePlaces& places : result.alike) result.warnings.push_back("the part looks alike from two sides: " + places.words);
   for (std::size_t v = 0; v < views.size(); ++v)
     if (result.views[v].status == ViewStatus::refused)
       result.warnings.push_back("view " + name_of(views, v) + " is not registered: " + result.views[v].reason);

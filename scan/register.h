@@ -77,6 +77,14 @@ struct FreeMotion {
   std::string words;                        ///< "views 2, 3 turn about (0, 0, 1) through (0, 0, 5)"
 };
 
+/// Views that fit as well somewhere else, for a turn lays the part onto itself as far as they show it.
+struct AlikePlaces {
+  std::vector<std::size_t> views;
+  double angle = 0;                                ///< rad, right-handed about the axis through `point`
+  Vec3 axis = Vec3::Zero(), point = Vec3::Zero();  ///< world frame
+  std::string words;                               ///< "views 2, 3 fit as well turned by 180 degrees about (0, 0, 1) through (0, 0, 5)"
+};
+
 /// What a turntable did; in the frame of the first view.
 struct Turntable {
   Vec3 axis, point;         ///< unit direction, and its point nearest to the middle of the first view
@@ -104,6 +112,7 @@ struct Registration {
   Eigen::MatrixXd covariance;
   double worst_gap = 0;            ///< largest median distance between two overlapping views, mm
   std::vector<FreeMotion> free_motions;
+  std::vector<AlikePlaces> alike;  ///< without guesses: each view lies in one of two places, and its surface is the same in both
   std::optional<Turntable> turntable;
   std::optional<DepthCorrection> depth;  ///< of every view in its own frame, before its pose; only if it was asked for and is needed
   std::vector<std::string> warnings;

@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::size_t few = 300;  // surfels of a view, for its axes and the coarse search
 
-/// `surfels`: some of the view.
-Mat3 axes_of(const Surfels& surfels) {
+}  // namespace
+
+Mat3 main_axes(const Surfels& surfels) {
   const auto most_common = [&](const auto& allowed) {
     Vec3 best = Vec3::Zero();
     std::size_t most = 0;
@@ -35,8 +36,6 @@ Mat3 axes_of(const Surfels& surfels) {
   axes.col(2) = axes.col(0).cross(axes.col(1));
   return axes;
 }
-
-}  // namespace
 
 bool connected(const Placement& placement, std::size_t view, const PoseCandidate& a, const PoseCandidate& b) {
   for (const double share : {0.25, 0.5, 0.75}) {
@@ -98,7 +97,7 @@ std::vector<Mat3> turns_all_round() {
   return turns;
 }
 
-Mat3 main_axes(const ViewSurface& surface) { return axes_of(sample_surfels(surface, few)); }
+Mat3 main_axes(const ViewSurface& surface) { return main_axes(sample_surfels(surface, few)); }
 
 PoseSearch::PoseSearch(const Placement& placement, std::size_t view, int threads, bool mapped)
     : placement_(placement), view_(view), threads_(threads), surface_(placement.surfaces[view]) {
@@ -108,7 +107,7 @@ PoseSearch::PoseSearch(const Placement& placement, std::size_t view, int threads
   if (mapped) fewer_ = sample_surfels(surface_, 200), seen_ = seen_by_others();
 }
 
-Mat3 PoseSearch::axes() const { return axes_of(few_); }
+Mat3 PoseSearch::axes() const { return main_axes(few_); }
 
 std::vector<PoseCandidate> PoseSearch::from(const std::vector<Pose>& starts, const std::vector<PoseCandidate>& known) const {
   AlignOptions rough;

@@ -47,7 +47,9 @@ std::vector<Pose> rivals_of(const ViewSurface& surface, const Mat3& axes, const 
 /// The 60 turns that lay an icosahedron onto itself: every turn is within 45 degrees of one of them.
 std::vector<Mat3> turns_all_round();
 
-/// Three directions of a view across each other: that of most normals, of most of those across it, and the third.
+/// Three directions across each other: that of most normals, of most of those across it, and the third.
+Mat3 main_axes(const Surfels& surfels);
+/// Of a view, in its frame.
 Mat3 main_axes(const ViewSurface& surface);
 
 /// The search for poses of one view against others.

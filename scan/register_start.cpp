@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "scan/register_alike.h"
 #include "scan/register_features.h"
 #include "scan/register_joint.h"
 #include "scan/register_planes.h"
@@ -74,6 +75,7 @@ struct Growth {
 
   bool guessed = true;
   bool nearly_whole = false;  ///< most views are placed, so that none of the others lies beside them all
+  bool either_side = false;   ///< of two places between which a turn lies that lays the others onto themselves, one is taken: all views together tell
 
   /// The best pose of a view against others, among those reached from `starts`; false with a reason if there is none or
   /// more than one. `adjusted`: all others are there; the first start is where the view lies and stays unless another is clearly
@@ -117,7 +119,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   }
   std::vector<PoseCandidate> more = search.from(elsewhere, found);
   std::erase_if(more, [&](const PoseCandidate& c) { return too_far(c.pose); });
-  if (nearly_whole) std::erase_if(found, [&](const PoseCandidate& c) { return c.agreement.overlap() < options.min_overlap; });
+  if (nearly_whole || either_side) std::erase_if(found, [&](const PoseCandidate& c) { return c.agreement.overlap() < options.min_overlap; });
   found.insert(found.end(), more.begin(), more.end());
   // Searches may drift along free motions, beyond what the guess allows.
   if (found.empty() && adjusted && !too_far(start)) found.push_back({start, placement.judge(view, start, 1.5, 1000)});
@@ -138,6 +140,10 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   for (std::size_t k = 1; k < found.size(); ++k) {
     if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, little)) continue;
     if (!connected(placement, view, found[0], found[k])) {
+      if (either_side && alike_after(placement, found[k].pose * found[0].pose.inverse())) {
+        if (clearly_better(found[k].agreement, chosen.agreement, little)) chosen = found[k];
+        continue;
+      }
       if (reason.empty()) reason = "fits in two places that are " + apart(distance(surface, found[0].pose, found[k].pose));
       continue;
     }
@@ -339,16 +345,31 @@ void grow(Growth& growth, const std::vector<PairCandidates>& pairs, const std::v
 /// Hardly less than are asked for in the end: of two parts seven of ten views, that were all ten after that.
 bool worth_trying_again(std::size_t placed, std::size_t of) { return 5 * placed >= 3 * of; }
 
+/// Views that a part alike from two sides let stand on the wrong one go over, as many together as that takes.
+void to_better_sides(Growth& growth, Context& context) {
+  constexpr int most_rounds = 4;
+  double spacing = 0;
+  for (const std::size_t v : growth.placed) spacing = std::max(spacing, growth.surfaces[v].spacing);
+  JointOptions adjust;
+  adjust.start_reach = 6 * spacing, adjust.contours = growth.options.contours, adjust.roughly = true;
+  for (int round = 0; round < most_rounds && !context.cancelled; ++round) {
+    std::vector<Pose> poses = adjust_jointly(growth.surfaces, growth.result.poses, growth.placed, adjust, context).poses;
+    if (!to_better_side(alike_turns(growth.surfaces, poses, growth.placed, context), growth.placed, poses)) return;
+    growth.result.poses = std::move(poses);
+  }
+}
+
 /// Each view is tried in other places once all are there: what was best while few were placed need not be so among all. The most
 /// contradicted first, until none moves; what fits elsewhere no worse then is not known.
 void place_again(Growth& growth, const std::vector<PairCandidates>& pairs, const std::vector<std::size_t>& usable, Context& context) {
   constexpr int most_rounds = 4;
   constexpr double moves = 0.1;  // rad, share of the radius
-  growth.nearly_whole = true;
+  growth.nearly_whole = growth.either_side = true;
   std::vector<std::size_t>& placed = growth.placed;
   StartResult& result = growth.result;
   std::vector<std::size_t> asked = placed, unsure;
   for (int round = 0; round < most_rounds && placed.size() > 2 && !asked.empty(); ++round) {
+    to_better_sides(growth, context);
     std::vector<std::pair<double, std::size_t>> order;
     for (const std::size_t v : asked)
       order.emplace_back(-agreement(growth.surfaces, result.poses, v, result.poses[v], placed, growth.reach, 300).contradiction_by_all(), v);
@@ -466,6 +487,12 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     growth.placed.assign(1, pair.target);
     grow(growth, pairs, usable, context);
     context.say("from view " + std::to_string(pair.target) + ": " + std::to_string(growth.placed.size()) + " placed");
+    if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
+  }
+  if (!worth_trying_again(most, usable.size()) && !largest.empty() && !context.cancelled) {
+    Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, result, largest, false, false, true};
+    grow(growth, pairs, usable, context);
+    context.say("with views on either side " + std::to_string(growth.placed.size()) + " placed");
     if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
   }
   if (worth_trying_again(most, usable.size())) {
