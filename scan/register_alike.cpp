@@ -29,7 +29,7 @@ struct Onto {
   /// Of what the views know.
   double share() const { return on + against > 0 ? on / (on + against) : 0; }
   /// Of a part alike from two sides, of whose other side not much needs to be seen.
-  bool alike() const { return on > 0.25 && share() > 0.8; }
+  bool alike() const { return on > 0.1 && share() > 0.8; }
 };
 
 Onto laid_onto_itself(const Placement& placement, const Pose& turn) {

@@ -2,7 +2,7 @@
 ///
 ///   bench_registration published FILE DEG MM  poses of FILE disturbed, and how far apart the views end up
 ///   bench_registration unknown FILE           the same with the poses forgotten
-///   bench_registration blocks SEED...         blocks and balls without poses, 54 scans of each seed; each to stderr
+///   bench_registration blocks SEED...         blocks and balls without poses, 72 scans of each seed; each to stderr
 ///   bench_registration paper DIR [CASE...]    the same as cases by the method of 1993
 ///   bench_registration starts DIR [CASE...]   pairs of views from starts 5 to 60 degrees off; what became of each to stderr
 ///   bench_registration beside DIR [CASE...]   the same pairs beside small_gicp, if the headers were found
@@ -66,15 +66,56 @@ struct ViewMotion {
   const FreeMotion* motion;
 };
 
-/// What is left when all views move alike and every declared motion is followed, as far as it goes, to where that is least.
+/// Where a view may lie as well by the turns that were declared, each taken once or not.
+std::vector<Pose> places_of(const Registration& registration, std::size_t view) {
+  std::vector<Pose> places{registration.views[view].world_from_view};
+  for (const AlikePlaces& alike : registration.alike) {
+    if (std::find(alike.views.begin(), alike.views.end(), view) == alike.views.end()) continue;
+    const Pose turn = rotation_about(alike.point, alike.axis, alike.angle);
+    for (std::size_t k = 0, before = places.size(); k < before; ++k) places.push_back(turn * places[k]), places.push_back(turn.inverse() * places[k]);
+  }
+  return places;
+}
+
+/// The poses of the views that are registered, each on the side on which, with all moved alike, they come nearest to the truth.
+std::vector<Pose> best_sides(const std::vector<Pose>& truth, const Registration& registration, double size) {
+  std::vector<std::size_t> used;
+  for (std::size_t v = 0; v < truth.size(); ++v)
+    if (registration.views[v].status != ViewStatus::refused) used.push_back(v);
+  std::vector<Pose> best;
+  double least = 1e300;
+  for (const std::size_t first : used)
+    for (const Pose& start : places_of(registration, first)) {
+      const Pose moved = truth[first] * start.inverse();
+      std::vector<Pose> poses;
+      double sum = 0;
+      for (const std::size_t v : used) {
+        double off = 1e300;
+        poses.emplace_back();
+        for (const Pose& place : places_of(registration, v)) {
+          const Pose d = moved * place * truth[v].inverse();
+          const Vec3 middle = truth[first] * start.inverse() * registration.center;
+          const double now = size * size * rotation_vector(d.rotation).squaredNorm() + (d * middle - middle).squaredNorm();
+          if (now < off) off = now, poses.back() = place;
+        }
+        sum += off;
+      }
+      if (sum < least) least = sum, best = std::move(poses);
+    }
+  return best;
+}
+
+/// What is left when all views move alike and every declared motion is followed, as far as it goes, to where that is least, and views that
+/// were said to fit on either side of a part are taken on the better one.
 PoseErrors errors_of(const std::vector<Pose>& truth, const Registration& registration, double size) {
+  const std::vector<Pose> sides = best_sides(truth, registration, size);
   std::vector<Pose> found, there;
   std::vector<ViewMotion> motions;
   for (std::size_t v = 0; v < truth.size(); ++v) {
     if (registration.views[v].status == ViewStatus::refused) continue;
     for (const FreeMotion& motion : registration.free_motions)
       if (std::find(motion.views.begin(), motion.views.end(), v) != motion.views.end()) motions.push_back({Eigen::Index(found.size()), &motion});
-    found.push_back(registration.views[v].world_from_view), there.push_back(truth[v]);
+    found.push_back(sides[found.size()]), there.push_back(truth[v]);
   }
   PoseErrors result;
   if (found.size() < 2) return result;
@@ -220,7 +261,8 @@ struct ScanOutcomes {
 /// the radius.
 void blocks(const std::vector<std::string>& seeds) {
   const std::pair<const char*, Surface> parts[] = {
-      {"plain block", registration_cases::plain_block()}, {"cut block", registration_cases::cut_block()}, {"balls", registration_cases::balls()}};
+      {"plain block", registration_cases::plain_block()}, {"cut block", registration_cases::cut_block()}, {"balls", registration_cases::balls()},
+      {"block alike from two sides", registration_cases::block_alike_from_two_sides(2)}};
   std::printf("| part | whole | partly | refused | wrong |\n|---|---|---|---|---|\n");
   for (const auto& [name, part] : parts) {
     ScanOutcomes of_part;
@@ -247,8 +289,8 @@ void blocks(const std::vector<std::string>& seeds) {
             const int left_out = refused(*result), of = static_cast<int>(truth.size());
             const bool wrong = e.worst_angle > 1 || e.worst_shift > 0.02 * radius;
             ++(wrong ? of_part.wrong : left_out == 0 ? of_part.whole : left_out + 1 == of ? of_part.refused : of_part.partly);
-            std::fprintf(stderr, "%s, seed %s, views %s, %d pixels, noise %g: %s%d of %d placed, %.2f deg %.2f mm, free motions %zu\n", name, seed.c_str(), arrangement,
-                         pixels, noise, wrong ? "WRONG, " : "", of - left_out, of, e.worst_angle, e.worst_shift, result->free_motions.size());
+            std::fprintf(stderr, "%s, seed %s, views %s, %d pixels, noise %g: %s%d of %d placed, %.2f deg %.2f mm, free motions %zu, alike %zu\n", name, seed.c_str(), arrangement,
+                         pixels, noise, wrong ? "WRONG, " : "", of - left_out, of, e.worst_angle, e.worst_shift, result->free_motions.size(), result->alike.size());
           }
     std::printf("| %s | %d | %d | %d | %d |\n", name, of_part.whole, of_part.partly, of_part.refused, of_part.wrong);
     std::fflush(stdout);
