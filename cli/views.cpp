@@ -169,6 +169,8 @@ std::string poses_json(const PlacedViews& placed, const std::string& cloud_sha25
     json["worst_gap"] = r->worst_gap;
     json["free_motions"] = Json::array();
     for (const auto& free : r->free_motions) json["free_motions"].push_back(free.words);
+    json["alike"] = Json::array();
+    for (const auto& places : r->alike) json["alike"].push_back(places.words);
     if (r->turntable) {
       json["turntable"] = {{"axis", numbers(r->turntable->axis)}, {"point", numbers(r->turntable->point)},
                            {"step_deg", r->turntable->step * 180 / pi}, {"step_observed", r->turntable->step_observed}};

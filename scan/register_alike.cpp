@@ -61,17 +61,11 @@ Onto laid_onto_itself(const Placement& placement, const Pose& turn) {
   return result;
 }
 
-Surfels strided(const Surfels& all, std::size_t count) {
-  Surfels result;
-  const std::size_t n = all.points.size(), some = std::min(count, n);
-  for (std::size_t k = 0; k < some; ++k) result.points.push_back(all.points[(2 * k + 1) * n / (2 * some)]), result.normals.push_back(all.normals[(2 * k + 1) * n / (2 * some)]);
-  return result;
-}
-
+/// The turns after which placed views look alike.
 class Turns {
  public:
   Turns(const Placement& placement, int threads);
-  /// Those after which the part looks alike, one of each family that turns continuously.
+  /// One of each family that turns continuously.
   std::vector<Pose> all() const;
 
  private:
@@ -97,7 +91,7 @@ Turns::Turns(const Placement& placement, int threads) : placement_(placement), t
   for (const std::size_t v : placement.placed) radius = std::max(radius, placement.surfaces[v].radius), spacing = std::max(spacing, placement.surfaces[v].spacing);
   coarse_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, std::max(radius / 12, 2 * spacing), true);
   fine_ = place_surfaces(placement.surfaces, placement.poses, placement.placed, 1.5 * spacing);
-  few_ = strided(coarse_->surfels, 400), many_ = strided(fine_->surfels, 1500);
+  few_ = strided_surfels(coarse_->surfels, 400), many_ = strided_surfels(fine_->surfels, 1500);
   for (const Vec3& p : few_.points) center_ += p / static_cast<double>(few_.points.size());
   for (const Vec3& p : few_.points) radius_ += (p - center_).squaredNorm() / static_cast<double>(few_.points.size());
   radius_ = std::sqrt(radius_);

@@ -25,6 +25,18 @@ Cell cell_of(const Vec3& p, const Vec3& n, double size) {
   return {k(p.x()), k(p.y()), k(p.z()), axis * 2 + (n[axis] > 0)};
 }
 
+/// `count` of `n` at equal strides, each by its index.
+template <class IndexOf>
+Surfels strided(std::size_t n, std::size_t count, const IndexOf& index_of, const std::vector<Vec3>& points, const std::vector<Vec3>& normals) {
+  Surfels result;
+  const std::size_t some = std::min(count, n);
+  for (std::size_t k = 0; k < some; ++k) {
+    const auto i = index_of((2 * k + 1) * n / (2 * some));
+    result.points.push_back(points[i]), result.normals.push_back(normals[i]);
+  }
+  return result;
+}
+
 }  // namespace
 
 Vec3 rotation_vector(const Mat3& rotation) {
@@ -67,13 +79,11 @@ Surfels sample_surfels(const ViewSurface& surface, std::size_t count) {
 }
 
 Surfels strided_surfels(const ViewSurface& surface, std::size_t count) {
-  Surfels result;
-  const std::size_t n = surface.samples.size(), some = std::min(count, n);
-  for (std::size_t k = 0; k < some; ++k) {
-    const auto i = surface.samples[(2 * k + 1) * n / (2 * some)];
-    result.points.push_back(surface.points[i]), result.normals.push_back(surface.normals[i]);
-  }
-  return result;
+  return strided(surface.samples.size(), count, [&](std::size_t k) { return surface.samples[k]; }, surface.points, surface.normals);
+}
+
+Surfels strided_surfels(const Surfels& all, std::size_t count) {
+  return strided(all.points.size(), count, [](std::size_t k) { return k; }, all.points, all.normals);
 }
 
 namespace {

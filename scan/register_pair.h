@@ -22,6 +22,7 @@ Surfels sample_surfels(const ViewSurface& surface, std::size_t count);
 
 /// `count` of the samples at equal strides: spread like the samples themselves, and quickly taken.
 Surfels strided_surfels(const ViewSurface& surface, std::size_t count);
+Surfels strided_surfels(const Surfels& all, std::size_t count);
 
 /// One oriented point for every cube of edge `cell` (mm) and direction, in the frame of the view.
 Surfels thin_surfels(const ViewSurface& surface, double cell);

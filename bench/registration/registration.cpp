@@ -22,6 +22,7 @@
 #include "beside.h"
 #include "pairs.h"
 #include "parts.h"
+#include "sides.h"
 #include "scan/filter.h"
 #include "scan/read.h"
 #include "scan/register.h"
@@ -66,56 +67,17 @@ struct ViewMotion {
   const FreeMotion* motion;
 };
 
-/// Where a view may lie as well by the turns that were declared, each taken once or not.
-std::vector<Pose> places_of(const Registration& registration, std::size_t view) {
-  std::vector<Pose> places{registration.views[view].world_from_view};
-  for (const AlikePlaces& alike : registration.alike) {
-    if (std::find(alike.views.begin(), alike.views.end(), view) == alike.views.end()) continue;
-    const Pose turn = rotation_about(alike.point, alike.axis, alike.angle);
-    for (std::size_t k = 0, before = places.size(); k < before; ++k) places.push_back(turn * places[k]), places.push_back(turn.inverse() * places[k]);
-  }
-  return places;
-}
-
-/// The poses of the views that are registered, each on the side on which, with all moved alike, they come nearest to the truth.
-std::vector<Pose> best_sides(const std::vector<Pose>& truth, const Registration& registration, double size) {
-  std::vector<std::size_t> used;
-  for (std::size_t v = 0; v < truth.size(); ++v)
-    if (registration.views[v].status != ViewStatus::refused) used.push_back(v);
-  std::vector<Pose> best;
-  double least = 1e300;
-  for (const std::size_t first : used)
-    for (const Pose& start : places_of(registration, first)) {
-      const Pose moved = truth[first] * start.inverse();
-      std::vector<Pose> poses;
-      double sum = 0;
-      for (const std::size_t v : used) {
-        double off = 1e300;
-        poses.emplace_back();
-        for (const Pose& place : places_of(registration, v)) {
-          const Pose d = moved * place * truth[v].inverse();
-          const Vec3 middle = truth[first] * start.inverse() * registration.center;
-          const double now = size * size * rotation_vector(d.rotation).squaredNorm() + (d * middle - middle).squaredNorm();
-          if (now < off) off = now, poses.back() = place;
-        }
-        sum += off;
-      }
-      if (sum < least) least = sum, best = std::move(poses);
-    }
-  return best;
-}
-
 /// What is left when all views move alike and every declared motion is followed, as far as it goes, to where that is least, and views that
 /// were said to fit on either side of a part are taken on the better one.
 PoseErrors errors_of(const std::vector<Pose>& truth, const Registration& registration, double size) {
-  const std::vector<Pose> sides = best_sides(truth, registration, size);
+  const std::vector<Pose> sides = registration_cases::best_sides(truth, registration, size);
   std::vector<Pose> found, there;
   std::vector<ViewMotion> motions;
   for (std::size_t v = 0; v < truth.size(); ++v) {
     if (registration.views[v].status == ViewStatus::refused) continue;
     for (const FreeMotion& motion : registration.free_motions)
       if (std::find(motion.views.begin(), motion.views.end(), v) != motion.views.end()) motions.push_back({Eigen::Index(found.size()), &motion});
-    found.push_back(sides[found.size()]), there.push_back(truth[v]);
+    found.push_back(sides[v]), there.push_back(truth[v]);
   }
   PoseErrors result;
   if (found.size() < 2) return result;

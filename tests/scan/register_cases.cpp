@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "bench/registration/sides.h"
 #include "scan/register_pair.h"
 
 namespace partscribe::registration_cases {
@@ -37,11 +38,13 @@ Registration run(const std::vector<RegisterView>& views, const RegisterOptions& 
 Off off_truth(const Registration& found, const std::vector<Pose>& truth) {
   std::size_t reference = 0;
   while (found.views[reference].status != ViewStatus::reference) ++reference;
-  const Pose back = truth[reference] * found.views[reference].world_from_view.inverse();
+  constexpr double size = 20;
+  const std::vector<Pose> poses = best_sides(truth, found, size);
+  const Pose back = truth[reference] * poses[reference].inverse();
   Off worst;
   for (std::size_t v = 0; v < truth.size(); ++v) {
     if (found.views[v].status == ViewStatus::refused) continue;
-    const Pose d = back * found.views[v].world_from_view * truth[v].inverse();
+    const Pose d = back * poses[v] * truth[v].inverse();
     worst.angle = std::max(worst.angle, rotation_vector(d.rotation).norm());
     worst.shift = std::max(worst.shift, (d * Vec3(0, 0, 0)).norm());
   }

@@ -25,7 +25,8 @@ Registration run(const std::vector<RegisterView>& views, const RegisterOptions& 
 /// Of views whose poses are forgotten.
 Registration run_from_nothing(Case scan);
 
-/// Largest rotation and shift off the truth, relative to the reference view.
+/// Largest rotation and shift off the truth, relative to the reference view; views that were said to fit in several places are taken in the
+/// best of these.
 struct Off {
   double angle = 0, shift = 0;
 };

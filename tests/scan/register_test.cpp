@@ -9,6 +9,7 @@
 #include "core/random.h"
 #include "scan/filter.h"
 #include "scan/register.h"
+#include "scan/register_alike.h"
 #include "scan/register_joint.h"
 #include "scan/register_pair.h"
 #include "scan/register_paper.h"
@@ -125,12 +126,70 @@ TEST_CASE("register: without any poses a view that may slide and turn is refused
   CHECK(off_truth(found, scan.truth).angle < 0.02);
 }
 
-TEST_CASE("register: without any poses views of a part alike from two sides are not laid upon one another") {
+TEST_CASE("register: without any poses a part alike from two sides is put together, and views that show no difference are named") {
   SimulateOptions scanner;
   scanner.views = "cube", scanner.resolution = 100, scanner.sigma = 0.03, scanner.bit_error = 0.002, scanner.seed = 3;
   const Case scan = scan_of(block_alike_from_two_sides(1), scanner, 0, 0);
   const Registration found = run_from_nothing(scan);
-  CHECK(off_truth(found, scan.truth).angle < 0.02);  // refused ones do not count
+  CHECK(count(found, ViewStatus::refused) == 0);
+  CHECK(off_truth(found, scan.truth).angle < 0.01);
+  REQUIRE(found.alike.size() == 1);
+  CHECK(found.alike[0].angle == Approx(pi).margin(0.01));
+  CHECK(found.alike[0].words.find("fit as well turned by 180 degrees about") != std::string::npos);
+}
+
+TEST_CASE("register: without any poses no group of views is left half a turn round") {
+  SimulateOptions scanner;
+  scanner.views = "12", scanner.resolution = 72, scanner.sigma = 0.03, scanner.bit_error = 0.002, scanner.seed = 3;
+  const Case scan = scan_of(block_alike_from_two_sides(2), scanner, 0, 0);
+  const Registration found = run_from_nothing(scan);
+  CHECK(count(found, ViewStatus::refused) <= 2);
+  CHECK(off_truth(found, scan.truth).angle < 0.01);
+  for (const AlikePlaces& places : found.alike) CHECK(places.views.size() < 8);  // those that see the corner know their side
+}
+
+TEST_CASE("register: of views on both sides of a part alike from two sides the group that has to go over is found") {
+  const Case scan = scan_of(block_alike_from_two_sides(4), small(), 0, 0);
+  Context context;
+  const auto surfaces = view_surfaces(scan.views, 1500, context);
+  std::vector<std::size_t> all(surfaces.size());
+  std::iota(all.begin(), all.end(), 0);
+  const std::vector<AlikeTurn> right = alike_turns(surfaces, scan.truth, all, context);
+  REQUIRE(!right.empty());
+  const auto half_turn = [](const AlikeTurn& a) { return rotation_vector(a.turn.rotation).normalized().cross(Vec3::UnitZ()).norm() < 0.01 && !a.open.empty(); };
+  for (const AlikeTurn& turn : right) CHECK(turn.better.empty());
+  const auto it = std::find_if(right.begin(), right.end(), half_turn);
+  const std::vector<std::size_t> open = it == right.end() ? std::vector<std::size_t>() : it->open;
+  CHECK(open.size() <= 4);
+  // Any two views go over together.
+  const Mat3 half = rotation_of(pi * Vec3::UnitZ());
+  for (std::size_t first = 0; first < 4; ++first) {
+    std::vector<Pose> poses = scan.truth;
+    for (const std::size_t v : {first, first + 4}) poses[v] = Pose{half, Vec3::Zero()} * poses[v];
+    for (int round = 0; round < 3; ++round)
+      if (!to_better_side(alike_turns(surfaces, poses, all, context), all, poses)) break;
+    for (const std::size_t v : all) {
+      if (std::find(open.begin(), open.end(), v) != open.end()) continue;
+      INFO("views " << first << " and " << first + 4 << " turned, view " << v);
+      CHECK(same_place(surfaces[v], poses[v], scan.truth[v], 0.05, 1));
+    }
+  }
+}
+
+TEST_CASE("register: a block that nothing turns onto itself is not alike after any turn, and a cylinder only from end to end") {
+  Context context;
+  const auto turns_of = [&](const Surface& part) {
+    const Case scan = scan_of(part, small(), 0, 0);
+    const auto surfaces = view_surfaces(scan.views, 1500, context);
+    std::vector<std::size_t> all(surfaces.size());
+    std::iota(all.begin(), all.end(), 0);
+    return alike_turns(surfaces, scan.truth, all, context);
+  };
+  for (const AlikeTurn& turn : turns_of(cut_block())) CHECK((turn.open.empty() && turn.better.empty()));
+  const std::vector<AlikeTurn> cylinder_turns = turns_of(cylinder());
+  REQUIRE(cylinder_turns.size() == 1);
+  CHECK((cylinder_turns[0].turn.rotation * Vec3::UnitZ()).z() < -0.99);
+  CHECK(cylinder_turns[0].open.size() == 8);
 }
 
 TEST_CASE("register: beside creases views do not contradict each other at their true poses, and another face does") {
