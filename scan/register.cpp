@@ -136,6 +136,9 @@ std::size_t least_answered(const std::vector<ViewSurface>& surfaces, const std::
 constexpr std::size_t many_motions = 3;
 constexpr double most_against_many_motions = 0.035;
 
+/// Without guesses, of the part's size: views that hang together by hardly more than one face may lie on the wrong one.
+constexpr double most_unsure_by_shape = 0.02;
+
 /// Each fixes a pose by its noise; with a handful, chance does.
 constexpr std::size_t fewest_matches = 50;
 
@@ -186,6 +189,8 @@ Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint,
               found.unanswered() / options.max_unanswered};
     if (v == unanswered)
       return {"of its points and those of another view more than " + percent(most_unanswered_by_shape) + " face a sensor that saw nothing there", 1};
+    if (options.arrangement == Arrangement::unknown && sigma > most_unsure_by_shape * joint.size)
+      return {"its pose is known to " + rounded(sigma, 1000) + " mm only, and no guess says where it lies"};
     if (options.tolerance > 0 && sigma > options.tolerance / 4)
       return {"its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm"};
     return {};
