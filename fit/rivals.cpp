@@ -18,13 +18,14 @@ constexpr double undecided = 2, certain = 3;  // sigmas
 
 struct Measured {
   double value = 0, sigma = 0;
+  std::size_t points = 0;  // that speak about it
 };
 
 /// A length of the shape with its uncertainty; plain numbers have none.
 Measured measured(const Candidate& c, const Expr& e) {
   if (!e.is_parameter()) return {e.is_number() ? e.number : 0, 0};
   for (const auto& p : c.parameters)
-    if (p.name == e.parameter) return {p.fitted, p.sigma};
+    if (p.name == e.parameter) return {p.fitted, p.sigma, p.points};
   return {};
 }
 
@@ -200,7 +201,7 @@ std::string unknown_wall(const Candidate& refined) {
   for (const bool along_x : {true, false})
     for (const Side& side : sides_along(elements, along_x, refined)) {
       const Measured wall = measured(refined, side.at);
-      if (!(wall.sigma > std::abs(wall.value))) continue;
+      if (wall.points < hardly_any_points || !(wall.sigma > std::abs(wall.value))) continue;
       for (const Side& base : sides_along(elements, along_x, refined))  // from where the others are measured
         if (base.at.is_number() && base.at.number == 0 && base.runs * side.runs < 0 && overlap(base, side))
           return "a wall of " + with_sigma(wall, "mm") + " may be none";

@@ -40,7 +40,8 @@ std::vector<Expr> radii_of(const Shape& shape);
 std::string unknown_radius(const Candidate& refined);
 
 /// Why a refined extrusion is none, whatever it follows: a wall between two parallel sides of its outline may as well be of no thickness
-/// ("a wall of 0.9 +- 1.1 mm may be none"). Such a wall is the band that noise makes of a face, or strays beside one. Else empty.
+/// ("a wall of 0.9 +- 1.1 mm may be none"), although points speak about it. Such a wall is the band that noise makes of a face, or strays
+/// beside one; of a side that was not seen the far sigma says so. Else empty.
 std::string unknown_wall(const Candidate& refined);
 
 /// Twelve of the rivals, in their order: those that may be the truth ("cannot tell", "fits as well") before all others, and of

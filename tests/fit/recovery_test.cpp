@@ -353,7 +353,7 @@ TEST_CASE("rivals: a round body whose radius may be anything is none") {
 }
 
 TEST_CASE("rivals: a plate with a wall that may as well be of no thickness is none") {
-  const auto with = [](double edge, double sigma, bool slanted) {
+  const auto with = [](double edge, double sigma, bool slanted, std::size_t points = 250) {
     Loop outline;
     outline.name = "outline";
     const Expr y = Expr::of("edge_y");
@@ -363,13 +363,14 @@ TEST_CASE("rivals: a plate with a wall that may as well be of no thickness is no
     Candidate c;
     c.shape = Extrude{{{outline}}, 32};
     Parameter p;
-    p.name = "edge_y", p.value = p.fitted = edge, p.sigma = sigma;
+    p.name = "edge_y", p.value = p.fitted = edge, p.sigma = sigma, p.points = points;
     c.parameters = {p};
     return unknown_wall(c);
   };
   CHECK(with(0.86, 1.1, false) == "a wall of 0.9 +- 1.1 mm may be none");
   CHECK(with(0.86, 0.2, false).empty());
   CHECK(with(0.86, 1.1, true).empty());  // a corner beside another, no wall
+  CHECK(with(20, 25, false, 3).empty());  // a side that was not seen
 }
 
 TEST_CASE("recovery: plates among 30 % strays: dense walls are no strays, what is printed is no dearer than what else was found") {
