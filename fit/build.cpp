@@ -504,7 +504,7 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
 bool is_rough(const Search& search, const FitInput& input) {
   constexpr std::size_t many_faces = 9, some_faces = 7;
   constexpr double rough = 0.31, rough_among_strays = 0.4;  // nats per point; 0.25 where there is only noise
-  constexpr double off_among_strays = 1.15;  // sigma: of the largest local deviation
+  constexpr double off_among_strays = 1;  // sigma: of the largest local deviation; the truth of three hard plates has 0.8 to 1
   const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
   const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
   if (!search.found) return false;
