@@ -18,13 +18,14 @@ constexpr double undecided = 2, certain = 3;  // sigmas
 
 struct Measured {
   double value = 0, sigma = 0;
+  std::size_t points = 0;  // that speak about it
 };
 
 /// A length of the shape with its uncertainty; plain numbers have none.
 Measured measured(const Candidate& c, const Expr& e) {
   if (!e.is_parameter()) return {e.is_number() ? e.number : 0, 0};
   for (const auto& p : c.parameters)
-    if (p.name == e.parameter) return {p.fitted, p.sigma};
+    if (p.name == e.parameter) return {p.fitted, p.sigma, p.points};
   return {};
 }
 
@@ -107,6 +108,27 @@ Measured half_axes_apart(const Candidate& c, const Ellipsoid& shape) {
   return {high.value - low.value, low.sigma + high.sigma};
 }
 
+/// A straight side of an outline along one of its axes.
+struct Side {
+  Expr at;                   // where it stands across that axis
+  double from = 0, to = 0;   // mm along the axis, `from` below `to`
+  int runs = 1;              // with the axis or against it
+};
+
+std::vector<Side> sides_along(const std::vector<SketchElement>& elements, bool along_x, const Candidate& c) {
+  std::vector<Side> sides;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const auto* a = std::get_if<SketchPoint>(&elements[i]);
+    const auto* b = std::get_if<SketchPoint>(&elements[(i + 1) % elements.size()]);
+    if (!a || !b || !(along_x ? a->y == b->y : a->x == b->x)) continue;
+    const double from = measured(c, along_x ? a->x : a->y).value, to = measured(c, along_x ? b->x : b->y).value;
+    sides.push_back({along_x ? a->y : a->x, std::min(from, to), std::max(from, to), from < to ? 1 : -1});
+  }
+  return sides;
+}
+
+bool overlap(const Side& a, const Side& b) { return a.from < b.to && b.from < a.to; }
+
 bool may_be_zero(const Measured& m) { return m.sigma > 0 && m.value < undecided * m.sigma; }
 
 }  // namespace
@@ -157,13 +179,33 @@ std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEv
   return costs + (strays ? "as strays may have it" : "where neither follows them as closely as noise allows");
 }
 
+std::vector<Expr> radii_of(const Shape& shape) {
+  if (const auto* s = std::get_if<Sphere>(&shape)) return {s->radius};
+  if (const auto* s = std::get_if<Ellipsoid>(&shape)) return {s->radius_x, s->radius_y, s->radius_z};
+  if (const auto* s = std::get_if<Cylinder>(&shape)) return {s->radius};
+  if (const auto* s = std::get_if<Cone>(&shape)) return {s->bottom_radius, s->top_radius};
+  return {};
+}
+
 std::string unknown_radius(const Candidate& refined) {
-  std::vector<Expr> radii;
-  if (const auto* s = std::get_if<Sphere>(&refined.shape)) radii = {s->radius};
-  if (const auto* s = std::get_if<Ellipsoid>(&refined.shape)) radii = {s->radius_x, s->radius_y, s->radius_z};
-  if (const auto* s = std::get_if<Cylinder>(&refined.shape)) radii = {s->radius};
-  for (const Expr& e : radii)
+  if (std::holds_alternative<Cone>(refined.shape)) return {};
+  for (const Expr& e : radii_of(refined.shape))
     if (const Measured r = measured(refined, e); r.sigma > std::abs(r.value)) return "its radius " + with_sigma(r, "mm") + " is not known";
+  return {};
+}
+
+std::string unknown_wall(const Candidate& refined) {
+  const auto* plate = std::get_if<Extrude>(&refined.shape);
+  if (!plate || plate->sketch.loops.empty()) return {};
+  const auto& elements = plate->sketch.loops.front().elements;
+  for (const bool along_x : {true, false})
+    for (const Side& side : sides_along(elements, along_x, refined)) {
+      const Measured wall = measured(refined, side.at);
+      if (wall.points < hardly_any_points || !(wall.sigma > std::abs(wall.value))) continue;
+      for (const Side& base : sides_along(elements, along_x, refined))  // from where the others are measured
+        if (base.at.is_number() && base.at.number == 0 && base.runs * side.runs < 0 && overlap(base, side))
+          return "a wall of " + with_sigma(wall, "mm") + " may be none";
+    }
   return {};
 }
 

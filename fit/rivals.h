@@ -32,9 +32,17 @@ std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEv
 /// much less as they are larger. Says so; empty where it is decided.
 std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
 
-/// Why a refined round body is none, whatever it follows: the data do not fix one of its radii to within itself ("its radius 230 +- 4800 mm
-/// is not known"). Else empty.
+/// All radii of a ball, ellipsoid, cylinder or cone, some of which may be plain numbers; none of any other shape.
+std::vector<Expr> radii_of(const Shape& shape);
+
+/// Why a refined ball, ellipsoid or cylinder is none, whatever it follows: the data do not fix one of its radii to within itself ("its radius
+/// 230 +- 4800 mm is not known"). A cone may end in a tip. Else empty.
 std::string unknown_radius(const Candidate& refined);
+
+/// Why a refined extrusion is none, whatever it follows: a wall between two parallel sides of its outline may as well be of no thickness
+/// ("a wall of 0.9 +- 1.1 mm may be none"), although points speak about it. Such a wall is the band that noise makes of a face, or strays
+/// beside one; of a side that was not seen the far sigma says so. Else empty.
+std::string unknown_wall(const Candidate& refined);
 
 /// Twelve of the rivals, in their order: those that may be the truth ("cannot tell", "fits as well") before all others, and of
 /// these one of each procedure before a second.

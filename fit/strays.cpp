@@ -42,6 +42,20 @@ bool sees_other_side(const Vec3& normal, const Vec3& own_ray, const Vec3& ray) {
   return own * other < 0 && std::min(std::abs(own), std::abs(other)) > edge_on;
 }
 
+/// Neighbours nearer than so many sigmas, or than a share of the neighbourhood's radius, say nothing of the direction of a plane.
+constexpr double apart_sigmas = 2, apart_share = 0.4;
+
+/// Where points lie so densely that the nearest are all nearer than that, none shows a plane and the densest of a surface would pass for a
+/// heap of strays: as many of all those then that are about as far as shows one.
+void reach_beyond_noise(const KdTree& tree, const Vec3& p, double sigma, std::vector<Neighbour>& near) {
+  if (near.size() < most_neighbours || std::sqrt(near.back().sq_distance) > apart_sigmas * sigma) return;
+  std::vector<Neighbour> all;
+  tree.within(p, apart_sigmas / apart_share * sigma, all);
+  if (all.size() <= near.size()) return;
+  const double step = double(all.size() - 1) / double(near.size() - 1);
+  for (std::size_t k = 0; k < near.size(); ++k) near[k] = all[static_cast<std::size_t>(std::lround(double(k) * step))];
+}
+
 /// `rays`: of each point, or none.
 LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, std::span<const Neighbour> near, std::size_t self, double sigma) {
   LocalPlane plane;
@@ -49,7 +63,7 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Vec3>& 
   const auto counts = [&](const Vec3& normal, std::uint32_t i) { return rays.empty() || !sees_other_side(normal, rays[self], rays[i]); };
   plane.middle = p;
   plane.radius = std::sqrt(near.back().sq_distance);
-  const double apart = std::max(0.4 * plane.radius, 2 * sigma);
+  const double apart = std::max(apart_share * plane.radius, apart_sigmas * sigma);
   std::vector<std::uint32_t> far;
   for (const auto& n : near)
     if (n.sq_distance > apart * apart) far.push_back(n.index);
@@ -156,7 +170,10 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
   SurfacePoints result;
   result.stray.assign(n, 0), result.normals.assign(n, Vec3::Zero()), result.sigma = sigma, result.share.assign(n, 0);
   constexpr int last_pass = 3;
+  constexpr double fell = 0.8;  // of the noise that was thought of: what was no stray in a band so much wider may be one
+  int narrower = 8;             // times; a guess six times the noise comes down to it
   for (int pass = 0; pass <= last_pass && !context.cancelled; ++pass) {
+    const double thought = result.sigma;
     std::vector<std::uint32_t> source;
     std::vector<Vec3> kept, kept_rays;
     for (std::size_t i = 0; i < n; ++i)
@@ -174,6 +191,7 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
       std::vector<Neighbour> near;
       for (std::size_t i = begin; i < end; ++i) {
         tree.nearest(kept[i], most_neighbours, near);
+        reach_beyond_noise(tree, kept[i], result.sigma, near);
         std::size_t used = std::min(least_neighbours, near.size());
         while (used < near.size() && near[used].sq_distance < reach * reach) ++used;
         planes[i] = plane_near(kept, kept_rays, {near.data(), used}, i, result.sigma);
@@ -209,7 +227,12 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
     result.strays += found;
     // Of a Gaussian cut off at the band; curved pieces lie above the median of these medians.
     if (residuals.size() > 50) result.sigma = std::min(result.sigma, 1.4826 * median(residuals) * 1.03);
-    if (found * 500 < count || pass == last_pass) {
+    const bool hardly_any = found * 500 < count;
+    if (hardly_any && result.sigma < fell * thought && narrower-- > 0) {
+      --pass;
+      continue;
+    }
+    if (hardly_any || pass == last_pass) {
       // Pieces that hang together by planes that hold each other's points.
       DisjointSets pieces(count);
       for (std::size_t i = 0; i < count; ++i)

@@ -19,9 +19,10 @@ struct SurfacePoints {
 };
 
 /// `sigma`: a first guess of the noise, mm. Neighbourhoods are at least ten sigmas wide, so that a surface can be told
-/// from a cloud. Planes through each point are drawn from pairs of neighbours; a point belongs to a surface if three
+/// from a cloud; where points are dense a selection of them, spread that far, speaks for all. Planes through each point are drawn from pairs of neighbours; a point belongs to a surface if three
 /// neighbours, whose own planes hold most of theirs, hold it. Neighbours that were seen from behind the plane are the far
-/// side of a thin wall and do not count. Repeated without the strays until nothing changes. Strays too
+/// side of a thin wall and do not count. Repeated without the strays until nothing changes, the noise
+/// included, of which the guess may be several times too wide. Strays too
 /// are curtains: planes along the viewing rays (`rays`: of each point, or none), and, where a tenth of the points are strays,
 /// what is a tenth as dense as the middle of the surface; and pieces that hang together but hold less than 3 % of the points.
 /// The same for any number of threads.

@@ -94,11 +94,6 @@ std::optional<Primitive> sphere_through(const std::vector<Vec3>& points) {
   return found;
 }
 
-void make_unique(std::vector<std::uint32_t>& v) {
-  std::sort(v.begin(), v.end());
-  v.erase(std::unique(v.begin(), v.end()), v.end());
-}
-
 }  // namespace
 
 FacetGroup::FacetGroup(const TriangleMesh& mesh, const Facets& facets, const std::vector<std::uint32_t>& members)

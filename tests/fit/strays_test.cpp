@@ -41,3 +41,39 @@ TEST_CASE("strays: a wall thinner than its points are apart, seen from both side
   CHECK(strays_in(found, 0, wall.surface) < 64);
   CHECK(strays_in(found, wall.surface, wall.points.size()) > 120);
 }
+
+namespace {
+
+/// A square in the plane z = 0, a patch of which is `times` as dense as the rest, the patch first; then strays.
+std::vector<Vec3> patched(std::size_t patch, double times, std::size_t strays) {
+  Random random(6);
+  const double width = 20, whole = 100, per_area = double(patch) / (width * width);
+  const auto rest = static_cast<std::size_t>(per_area / times * (whole * whole - width * width));
+  std::vector<Vec3> points;
+  while (points.size() < patch) points.emplace_back(random.uniform(0, width), random.uniform(0, width), random.normal());
+  while (points.size() < patch + rest) {
+    const Vec3 p(random.uniform(-40, 60), random.uniform(-40, 60), random.normal());
+    if (p.x() < 0 || p.x() > width || p.y() < 0 || p.y() > width) points.push_back(p);
+  }
+  for (std::size_t i = 0; i < strays; ++i) points.emplace_back(random.uniform(-40, 60), random.uniform(-40, 60), random.uniform(-50, 50));
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("strays: the densest of a surface are none, though they all lie within what was thought to be noise of one another") {
+  Context context;
+  const std::size_t patch = 1200;
+  const SurfacePoints found = surface_points_of(patched(patch, 10, 700), {}, 3.2, context);
+  CHECK(strays_in(found, 0, patch) < patch / 20);
+  CHECK(found.sigma == Approx(1).epsilon(0.15));
+}
+
+TEST_CASE("strays: noise thought to be several times as wide comes down to what it is, and strays are found in it") {
+  Context context;
+  const std::size_t strays = 900;
+  const std::vector<Vec3> points = patched(1200, 10, strays);
+  const SurfacePoints found = surface_points_of(points, {}, 6, context);
+  CHECK(strays_in(found, points.size() - strays, points.size()) > 2 * strays / 3);
+  CHECK(found.sigma == Approx(1).epsilon(0.15));
+}
