@@ -407,17 +407,20 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (context.cancelled) return stopped;
   }
   // Without guesses a few views may agree by chance.
-  if (options.arrangement == Arrangement::unknown && !enough_agree(used.size(), views.size()))
+  const bool sides_open = std::any_of(alike.begin(), alike.end(), [](const AlikeTurn& a) { return !a.open.empty(); });
+  const bool enough = sides_open ? enough_agree_of_alike(used.size(), views.size()) : enough_agree(used.size(), views.size());
+  if (options.arrangement == Arrangement::unknown && !enough)
     for (const std::size_t v : used) {
       if (v == used.front()) continue;
       result.views[v].status = ViewStatus::refused;
-      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected three quarters where no poses are known";
+      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected " +
+                               (sides_open ? "nine tenths of a part alike from two sides" : "three quarters") + " where no poses are known";
     }
   result.center = joint.center, result.covariance = with_free_motions(joint);
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   name_motions(views, result.free_motions);
-  result.alike = alike_places(views, alike, joint.center);
+  if (enough) result.alike = alike_places(views, alike, joint.center);
   if (result.turntable && !result.turntable->steps.empty() && used.size() == views.size()) *result.turntable = table_of(joint.poses, surfaces[0].center);
   // The last view has turned by all the steps together.
   if (result.turntable && result.turntable->step_observed)

@@ -515,7 +515,7 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     result = troubled ? before : std::move(growth.result);
   }
   // Few views that agree among themselves may do so by chance; of many that is unlikely.
-  const bool enough = either_side ? 10 * most >= 9 * usable.size() : enough_agree(most, usable.size());
+  const bool enough = either_side ? enough_agree_of_alike(most, usable.size()) : enough_agree(most, usable.size());
   if (!enough) {
     for (const std::size_t v : usable) {
       result.placed[v] = v == usable.front();
