@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "scan/register_alike.h"
 #include "scan/register_features.h"
 #include "scan/register_joint.h"
@@ -360,11 +361,13 @@ void to_better_sides(Growth& growth, Context& context) {
 }
 
 /// Of coarse images creases hide what tells the sides of a part apart: of blocks alike from two sides, seen with 60 to 140 pixels, six of
-/// 36 came out wrong where this was not asked, their two halves upon one another or half a turn round. `places`: in a radius.
+/// 36 came out wrong where this was not asked, their two halves upon one another or half a turn round. `places`: in a radius, of most views.
 bool fine_enough(const std::vector<ViewSurface>& surfaces, const std::vector<std::size_t>& views, double places) {
-  return std::all_of(views.begin(), views.end(), [&](std::size_t v) { return places * surfaces[v].spacing < surfaces[v].radius; });
+  std::vector<double> of;
+  for (const std::size_t v : views) of.push_back(surfaces[v].radius / surfaces[v].spacing);
+  return median(std::move(of)) > places;
 }
-constexpr double places_for_some = 20;  ///< most views know their side
+constexpr double places_for_some = 14;  ///< most views know their side
 constexpr double places_for_all = 50;   ///< hardly two do
 
 /// Each view is tried in other places once all are there: what was best while few were placed need not be so among all. The most
