@@ -500,12 +500,13 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     context.say("from view " + std::to_string(pair.target) + ": " + std::to_string(growth.placed.size()) + " placed");
     if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
   }
-  const bool either_side = !worth_trying_again(most, usable.size()) && !largest.empty() && fine_enough(surfaces, usable, places_for_all);
-  if (either_side) {
+  bool either_side = false;
+  if (!worth_trying_again(most, usable.size()) && !largest.empty() && fine_enough(surfaces, usable, places_for_all)) {
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, result, largest, false, false, true};
     grow(growth, pairs, usable, context);
     context.say("with views on either side " + std::to_string(growth.placed.size()) + " placed");
-    if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
+    either_side = growth.placed.size() > most;
+    if (either_side) most = growth.placed.size(), result = growth.result, largest = growth.placed;
   }
   if (worth_trying_again(most, usable.size())) {
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, std::move(result), largest, false};
@@ -524,7 +525,8 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
       result.placed[v] = v == usable.front();
       if (result.placed[v]) continue;
       const std::string own = result.reason[v].empty() ? "" : "; of this view: " + result.reason[v];
-      result.reason[v] = "only " + std::to_string(most) + " of " + std::to_string(usable.size()) + " views can be laid over one another by their shapes; expected " + (either_side ? "nine tenths of a part alike from two sides" : "three quarters") + own;
+      result.reason[v] = "only " + std::to_string(most) + " of " + std::to_string(usable.size()) + " views can be laid over one another by their shapes; expected " +
+                         (either_side ? "nine tenths of a part alike from two sides" : "three quarters") + own;
     }
     result.poses = none;
   }
