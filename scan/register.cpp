@@ -387,19 +387,19 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   adjust.start_reach = step, adjust.contours = options.contours;
   if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
   std::vector<AlikeTurn> alike;
-  for (int round = 0;; ++round) {
-    while (true) {
-      joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
-      if (context.cancelled) return stopped;
-      result.free_motions = free_motions(joint, start.joined, used);
-      const Judged judged = judge(surfaces, joint, used, std::max(joint.free_directions.size(), result.free_motions.size()), options, result);
-      if (!judged.changed) break;
+  for (int changes_of_side = 4;;) {
+    joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
+    if (context.cancelled) return stopped;
+    result.free_motions = free_motions(joint, start.joined, used);
+    const Judged judged = judge(surfaces, joint, used, std::max(joint.free_directions.size(), result.free_motions.size()), options, result);
+    if (judged.changed) {
       used = judged.good;
+      continue;
     }
-    constexpr int most_rounds = 4;
-    if (options.arrangement != Arrangement::unknown || round == most_rounds) break;
+    if (options.arrangement != Arrangement::unknown) break;
     alike = alike_turns(surfaces, joint.poses, used, context);
-    if (!to_better_side(alike, used, joint.poses)) break;
+    if (context.cancelled) return stopped;
+    if (changes_of_side-- == 0 || !to_better_side(alike, used, joint.poses)) break;
   }
   if (!joint.free_directions.empty() && adjust.rounds > 0) {
     adjust.start_reach = step / 2;
@@ -408,13 +408,13 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   }
   // Without guesses a few views may agree by chance.
   const bool sides_open = std::any_of(alike.begin(), alike.end(), [](const AlikeTurn& a) { return !a.open.empty(); });
-  const bool enough = sides_open ? enough_agree_of_alike(used.size(), views.size()) : enough_agree(used.size(), views.size());
+  const bool enough = enough_agree(used.size(), views.size(), sides_open);
   if (options.arrangement == Arrangement::unknown && !enough)
     for (const std::size_t v : used) {
       if (v == used.front()) continue;
       result.views[v].status = ViewStatus::refused;
-      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected " +
-                               (sides_open ? "nine tenths of a part alike from two sides" : "three quarters") + " where no poses are known";
+      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected " + enough_in_words(sides_open) +
+                               " where no poses are known";
     }
   result.center = joint.center, result.covariance = with_free_motions(joint);
   for (const auto& row : joint.gap)

@@ -154,19 +154,23 @@ std::vector<Pose> Turns::all() const {
 /// Of every two views: as they lie, and with the first of them turned.
 using Table = std::vector<std::vector<Evidence>>;
 
-Table evidence(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views, const Pose& turn, double reach, int threads) {
+/// What `other` says to the places of a view that is turned.
+Evidence asked(const Placement& placement, std::size_t view, const Pose& turn, std::size_t other) {
   constexpr std::size_t samples = 1000;
-  Table table(views.size(), std::vector<Evidence>(views.size()));
-  parallel_for(views.size() * views.size(), threads, [&](std::size_t begin, std::size_t end) {
+  const Agreement found = agreement(placement.surfaces, placement.poses, view, turn * placement.poses[view], {other}, placement.reach, samples, Creases::left_out);
+  return {double(found.odd + found.through + found.missing()), double(found.faced + found.through)};
+}
+
+Table evidence(const Placement& placement, const Pose& turn, int threads) {
+  const std::size_t n = placement.placed.size();
+  const Pose back = turn.inverse();
+  Table table(n, std::vector<Evidence>(n));
+  parallel_for(n * n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t a = k / views.size(), b = k % views.size(), v = views[a], w = views[b];
+      const std::size_t a = k / n, b = k % n, v = placement.placed[a], w = placement.placed[b];
       if (a == b) continue;
-      std::vector<Pose> there = poses;
-      there[v] = turn * poses[v];
-      for (const auto& [one, other] : {std::pair{v, w}, std::pair{w, v}}) {
-        const Agreement found = agreement(surfaces, there, one, there[one], {other}, reach, samples, Creases::left_out);
-        table[a][b] += {double(found.odd + found.through + found.missing()), double(found.faced + found.through)};
-      }
+      table[a][b] = asked(placement, v, turn, w);
+      table[a][b] += asked(placement, w, back, v);
     }
   }, 1);
   return table;
@@ -243,12 +247,13 @@ std::vector<AlikeTurn> alike_turns(const std::vector<ViewSurface>& surfaces, con
                                    Context& context) {
   std::vector<AlikeTurn> result;
   if (views.size() < 2) return result;
-  const double reach = confirm_reach(surfaces);
-  const Placement placement{surfaces, poses, views, reach};
-  const Table now = evidence(surfaces, poses, views, {}, reach, context.threads);
-  for (const Pose& turn : Turns(placement, context.threads).all()) {
+  const Placement placement{surfaces, poses, views, confirm_reach(surfaces)};
+  const std::vector<Pose> turns = Turns(placement, context.threads).all();
+  if (turns.empty()) return result;
+  const Table now = evidence(placement, {}, context.threads);
+  for (const Pose& turn : turns) {
     if (context.cancelled) break;
-    const Table turned = evidence(surfaces, poses, views, turn, reach, context.threads);
+    const Table turned = evidence(placement, turn, context.threads);
     const Arrangements arrangements(now, turned);
     AlikeTurn alike;
     alike.turn = turn;

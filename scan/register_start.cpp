@@ -502,7 +502,8 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
   }
   bool either_side = false;
   if (!worth_trying_again(most, usable.size()) && !largest.empty() && fine_enough(surfaces, usable, places_for_all)) {
-    Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, result, largest, false, false, true};
+    Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, result, largest, false};
+    growth.either_side = true;
     grow(growth, pairs, usable, context);
     context.say("with views on either side " + std::to_string(growth.placed.size()) + " placed");
     either_side = growth.placed.size() > most;
@@ -519,14 +520,12 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     result = troubled ? before : std::move(growth.result);
   }
   // Few views that agree among themselves may do so by chance; of many that is unlikely.
-  const bool enough = either_side ? enough_agree_of_alike(most, usable.size()) : enough_agree(most, usable.size());
-  if (!enough) {
+  if (!enough_agree(most, usable.size(), either_side)) {
     for (const std::size_t v : usable) {
       result.placed[v] = v == usable.front();
       if (result.placed[v]) continue;
       const std::string own = result.reason[v].empty() ? "" : "; of this view: " + result.reason[v];
-      result.reason[v] = "only " + std::to_string(most) + " of " + std::to_string(usable.size()) + " views can be laid over one another by their shapes; expected " +
-                         (either_side ? "nine tenths of a part alike from two sides" : "three quarters") + own;
+      result.reason[v] = "only " + std::to_string(most) + " of " + std::to_string(usable.size()) + " views can be laid over one another by their shapes; expected " + enough_in_words(either_side) + own;
     }
     result.poses = none;
   }

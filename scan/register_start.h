@@ -26,10 +26,11 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
 
 
 /// Where no poses are known: three quarters. Of six views of a bracket, each of hardly more than one face, four were once laid face on
-/// face where they did not belong, and agreed.
-inline bool enough_agree(std::size_t views, std::size_t of) { return 4 * views >= 3 * of; }
-/// Nine tenths of a part alike from two sides: of a block two of eight views were refused that spoke against one 2.8 mm off.
-inline bool enough_agree_of_alike(std::size_t views, std::size_t of) { return 10 * views >= 9 * of; }
+/// face where they did not belong, and agreed. Nine tenths where views were placed that could stand on either side of a part: of a block two of
+/// eight were refused that spoke against one 2.8 mm off.
+inline bool enough_agree(std::size_t views, std::size_t of, bool either_side) { return either_side ? 10 * views >= 9 * of : 4 * views >= 3 * of; }
+/// That share in words.
+inline const char* enough_in_words(bool either_side) { return either_side ? "nine tenths of a part alike from two sides" : "three quarters"; }
 
 /// Without guesses: every two views are compared by their features and planes, the pair that agrees best comes first, then the
 /// view that agrees best with all that are placed. World is the frame of the first view that is placed.

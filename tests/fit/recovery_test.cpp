@@ -32,6 +32,22 @@ std::string reasons(const Model& model) {
   return text;
 }
 
+/// One simulated scan of a known part.
+struct Run {
+  const char* kind;
+  Conditions conditions;
+  std::uint64_t seed;
+};
+
+void check_right(const std::vector<Run>& runs) {
+  for (const Run& run : runs) {
+    Context context;
+    const Score score = recovered(make_case(run.kind, run.conditions, run.seed), context);
+    INFO(run.kind << " " << run.seed << ": " << score.found << " " << score.why);
+    CHECK(score.answer == Answer::right);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("recovery: of thirty hard scans with a third unseen at least 28 give the right kind and numbers, none a wrong answer") {
@@ -97,28 +113,15 @@ TEST_CASE("recovery: a block is none whose side is folded into a wing that meets
 
 TEST_CASE("recovery: a face of a polyhedron that few points show is one, and no side that nobody saw cuts across it") {
   // Of one face 49 points of 3,900 are about, of the other 24.
-  for (const std::uint64_t seed : {129, 152}) {
-    Context context;
-    const Score score = recovered(make_case("half_spaces", standard_conditions(), seed), context);
-    INFO(seed << ": " << score.found << " " << score.why);
-    CHECK(score.answer == Answer::right);
-  }
+  check_right({{"half_spaces", standard_conditions(), 129}, {"half_spaces", standard_conditions(), 152}});
 }
 
 TEST_CASE("recovery: an angle of which no wall of the notch was seen is one where its end faces show it") {
-  for (const std::uint64_t seed : {98, 198}) {
-    Context context;
-    const Score score = recovered(make_case("extrude", standard_conditions(), seed), context);
-    INFO(seed << ": " << score.found << " " << score.why);
-    CHECK(score.answer == Answer::right);
-  }
+  check_right({{"extrude", standard_conditions(), 98}, {"extrude", standard_conditions(), 198}});
 }
 
 TEST_CASE("recovery: sides of a plate that its rounds tell move with them") {
-  Context context;
-  const Score score = recovered(make_case("extrude", standard_conditions(), 37), context);
-  INFO(score.found << " " << score.why);
-  CHECK(score.answer == Answer::right);
+  check_right({{"extrude", standard_conditions(), 37}});
 }
 
 TEST_CASE("recovery: the end of a block that nobody saw stays where the data end") {
@@ -155,25 +158,15 @@ TEST_CASE("recovery: a curtain of strays behind the edges of a plate leaves its 
 }
 
 TEST_CASE("recovery: a ring with corners and a fillet come back from hard scans, a fillet from a coarse mesh") {
-  struct Run {
-    const char* kind;
-    Conditions conditions;
-    std::uint64_t seed;
-  };
   // Of ring 54 an extrusion is within the tolerance too, though only just; so is one of hard ring 84, and a polyhedron of 37, as
   // strays go. Of fillet 200 a rod of no radius is proposed. Of 38 and 83 no leg was seen, of 51 an extrusion with a folded leg
   // follows the noise, and of 116 the points of one end were taken for strays.
-  for (const Run& run : {Run{"supertoroid", standard_conditions(), 1}, Run{"supertoroid", standard_conditions(), 54},
-                         Run{"supertoroid", hardest_conditions(), 37}, Run{"supertoroid", hardest_conditions(), 84},
-                         Run{"fillet", standard_conditions(), 5}, Run{"fillet", standard_conditions(), 38},
-                         Run{"fillet", standard_conditions(), 51}, Run{"fillet", standard_conditions(), 83},
-                         Run{"fillet", standard_conditions(), 116}, Run{"fillet", standard_conditions(), 200},
-                         Run{"fillet", facet_conditions(), 2}}) {
-    Context context;
-    const Score score = recovered(make_case(run.kind, run.conditions, run.seed), context);
-    INFO(run.kind << " " << run.seed << ": " << score.found << " " << score.why);
-    CHECK(score.answer == Answer::right);
-  }
+  check_right({{"supertoroid", standard_conditions(), 1}, {"supertoroid", standard_conditions(), 54},
+               {"supertoroid", hardest_conditions(), 37}, {"supertoroid", hardest_conditions(), 84},
+               {"fillet", standard_conditions(), 5}, {"fillet", standard_conditions(), 38},
+               {"fillet", standard_conditions(), 51}, {"fillet", standard_conditions(), 83},
+               {"fillet", standard_conditions(), 116}, {"fillet", standard_conditions(), 200},
+               {"fillet", facet_conditions(), 2}});
 }
 
 TEST_CASE("recovery: parts that are nearly of another kind are told from it, or the model says that it cannot tell") {
@@ -376,12 +369,7 @@ TEST_CASE("rivals: a plate with a wall that may as well be of no thickness is no
 TEST_CASE("recovery: plates among 30 % strays: dense walls are no strays, what is printed is no dearer than what else was found") {
   // Of 155 the densest wall passed for strays; of 140 the last steps led a plate that was swept across another way to one that costs 90
   // nats more than the right one.
-  for (const std::uint64_t seed : {140, 155}) {
-    Context context;
-    const Score score = recovered(make_case("extrude", hardest_conditions(), seed), context);
-    INFO(seed << ": " << score.found << " " << score.why);
-    CHECK(score.answer == Answer::right);
-  }
+  check_right({{"extrude", hardest_conditions(), 140}, {"extrude", hardest_conditions(), 155}});
 }
 
 TEST_CASE("recovery: strays beside a face are no fin of a plate, 0.9 +- 1.1 mm thick") {
