@@ -1,33 +1,27 @@
 #include "scan/register.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/ensure.h"
 #include "core/number.h"
-#include "core/statistics.h"
 #include "geometry/kd_tree.h"
 #include "scan/register_alike.h"
 #include "scan/register_free.h"
 #include "scan/register_joint.h"
+#include "scan/register_judge.h"
 #include "scan/register_pair.h"
 #include "scan/register_paper.h"
 #include "scan/register_start.h"
 #include "scan/register_turntable.h"
+#include "scan/register_words.h"
 
 namespace partscribe {
 namespace {
 
-/// In units of 1 / `parts`.
-std::string rounded(double x, double parts) { return print_number(std::round(x * parts) / parts); }
-std::string percent(double share) { return rounded(share * 100, 10) + " %"; }
-
-std::string place_text(const Vec3& v, double parts) {
-  return "(" + rounded(v.x(), parts) + ", " + rounded(v.y(), parts) + ", " + rounded(v.z(), parts) + ")";
+std::string place_text(const Vec3& v, double resolution) {
+  return "(" + in_steps(v.x(), resolution) + ", " + in_steps(v.y(), resolution) + ", " + in_steps(v.z(), resolution) + ")";
 }
 
 std::string name_of(const std::vector<RegisterView>& views, std::size_t v) {
@@ -56,7 +50,7 @@ std::string names_of(const std::vector<RegisterView>& views, const std::vector<s
 void name_motions(const std::vector<RegisterView>& views, std::vector<FreeMotion>& motions) {
   for (FreeMotion& motion : motions) {
     motion.words = names_of(views, motion.views) + (motion.turns ? " turn about " : " slide along ") +
-                   place_text(motion.axis, 1000) + (motion.turns ? " through " + place_text(motion.point, 100) : "");
+                   place_text(motion.axis, 0.001) + (motion.turns ? " through " + place_text(motion.point, 0.01) : "");
   }
 }
 
@@ -66,157 +60,10 @@ std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, co
     if (alike.open.empty()) continue;
     const FixedLine line = fixed_line(alike.turn, center);
     result.push_back({alike.open, line.angle, line.axis, line.point,
-                      names_of(views, alike.open) + (alike.open.size() == 1 ? " fits" : " fit") + " as well turned by " + rounded(line.angle * 180 / pi, 10) +
-                          " degrees about " + place_text(line.axis, 1000) + " through " + place_text(line.point, 100)});
+                      names_of(views, alike.open) + (alike.open.size() == 1 ? " fits" : " fit") + " as well turned by " + in_degrees(line.angle) +
+                          " degrees about " + place_text(line.axis, 0.001) + " through " + place_text(line.point, 0.01)});
   }
   return result;
-}
-
-struct Judged {
-  std::vector<std::size_t> good;
-  bool changed = false;
-};
-
-/// True poses leave 0.014 of range images where creases are left out, and 0.11 of unorganised real views. Two views whom nobody else
-/// contradicts have to agree better, the more motions their shape leaves free, for a cap lies on any other cap. Without guesses only shape
-/// speaks against chance, and creases count: a part full of edges leaves up to 0.07 of a view at its true pose, and of all its views
-/// much, so that three times what is usual among them may be left of one. `motions`: of two views, those that will be declared; `usual`:
-/// the middle of what all views leave.
-double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, std::size_t motions, std::size_t views, double usual) {
-  constexpr double at_most = 0.15, of_images = 0.05, of_some_motions = 0.03, of_many_motions = 0.02, by_shape = 0.04, of_usual = 3;
-  if (!surface.organised) return at_most;
-  if (options.arrangement == Arrangement::unknown) return std::min(views > 2 ? std::max(by_shape, of_usual * usual) : by_shape, at_most);
-  const std::size_t free = views == 2 ? motions : 0;
-  return free >= 3 ? of_many_motions : free == 2 ? of_some_motions : of_images;
-}
-
-/// Of range images that lie right others look through 0.004 at most; views of a part nearly alike from two sides, some of them half a
-/// turn round, through 0.02 to 0.04 of one another, and all of them measure another surface in places, so that none stands out.
-double most_seen_through(const RegisterOptions& options, const ViewSurface& surface) {
-  constexpr double by_shape = 0.015;
-  return options.arrangement == Arrangement::unknown && surface.organised ? std::min(by_shape, options.max_seen_through) : options.max_seen_through;
-}
-
-/// Motions of a view that most others do not share: without guesses nothing says where it lies along them. Where most others share one
-/// that the view does not have, it is the view that moves against them.
-std::size_t motions_of_its_own(std::size_t view, const std::vector<FreeMotion>& motions, std::size_t views) {
-  return static_cast<std::size_t>(std::count_if(motions.begin(), motions.end(), [&](const FreeMotion& m) {
-    const bool has = std::find(m.views.begin(), m.views.end(), view) != m.views.end();
-    return has ? 2 * m.views.size() <= views : 2 * m.views.size() > views;
-  }));
-}
-
-/// Without guesses a view of hardly more than one face lies on any other face; but then what it and its neighbours show faces
-/// sensors that saw nothing there. Of the points of two views true poses left up to 0.05 so, real range images included, a view on
-/// the wrong face 0.065 and more.
-constexpr double most_unanswered_by_shape = 0.06;
-
-/// The view for which that is so, or the reference if there is none. One view that lies wrong leaves answers open between itself
-/// and its neighbours, each of these only with that one: the one that leaves most open with all others.
-std::size_t least_answered(const std::vector<ViewSurface>& surfaces, const std::vector<Agreement>& agreements, const std::vector<std::size_t>& used,
-                           const RegisterOptions& options) {
-  std::size_t result = used.front();
-  if (options.arrangement != Arrangement::unknown) return result;
-  int most_open = 0;
-  for (const std::size_t v : used) {
-    if (!surfaces[v].organised || v == used.front()) continue;
-    int sum = 0, worst = 0;
-    for (const std::size_t o : used) {
-      const int open = agreements[v].missing_by[o] + agreements[o].missing_by[v];
-      sum += open, worst = std::max(worst, open);
-    }
-    // Each of the two counts half as many points of the other.
-    if (worst > 1.5 * most_unanswered_by_shape * agreements[v].samples && sum > most_open) most_open = sum, result = v;
-  }
-  return result;
-}
-
-/// Of a view of a cap that lies on another cap than its own, much of what speaks against that are places where the other sensor saw
-/// nothing: with three free motions they count together (true places left up to 0.030, a cap of a lens on the other side of it 0.038).
-constexpr std::size_t many_motions = 3;
-constexpr double most_against_many_motions = 0.035;
-
-/// Without guesses, of the part's size: views that hang together by hardly more than one face may lie on the wrong one.
-constexpr double most_unsure_by_shape = 0.02;
-
-/// Each fixes a pose by its noise; with a handful, chance does.
-constexpr std::size_t fewest_matches = 50;
-
-/// Why a view has to be refused; no reason if it has not.
-struct Trouble {
-  std::string reason;
-  double contradicted = 0;  ///< by other views, so many times as much as is allowed; 0: the view alone is to blame
-};
-
-/// Fills in what the final poses say of each view, and refuses those that break a rule. Of two views that contradict each other both
-/// break it: those that are to blame alone leave first, then the most contradicted one, and the others are asked again without it.
-Judged judge(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::size_t>& used, std::size_t motions,
-             const RegisterOptions& options, Registration& result) {
-  Judged judged;
-  const double reach = confirm_reach(surfaces);
-  const Creases creases = options.arrangement == Arrangement::unknown ? Creases::count : Creases::left_out;
-  std::vector<Agreement> agreements(surfaces.size());
-  std::vector<double> disagreements;
-  for (const std::size_t v : used) {
-    agreements[v] = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500, creases);
-    disagreements.push_back(agreements[v].disagreement());
-  }
-  const double usual_disagreement = median(std::move(disagreements));
-  const std::size_t unanswered = least_answered(surfaces, agreements, used, options);
-  const auto trouble_of = [&](std::size_t v, const RegisteredView& view) -> Trouble {
-    const Agreement& found = agreements[v];
-    const double most_elsewhere = most_disagreement(options, surfaces[v], motions, used.size(), usual_disagreement), both = found.disagreement() + found.unanswered();
-    const Eigen::SelfAdjointEigenSolver<Mat3> shift(view.covariance.bottomRightCorner<3, 3>()), turn(view.covariance.topLeftCorner<3, 3>());
-    const double sigma = std::sqrt(std::max({0.0, shift.eigenvalues()[2], turn.eigenvalues()[2] * joint.size * joint.size}));
-    const std::size_t own = options.arrangement == Arrangement::unknown ? motions_of_its_own(v, result.free_motions, used.size()) : 0;
-    if (own >= 2) return {"its shape leaves it free to move in " + std::to_string(own) + " ways, and no guess says where it lies"};
-    if (v == used.front()) return {};
-    if (view.overlap < options.min_overlap)
-      return {"only " + percent(view.overlap) + " of its points are confirmed by other views, expected " + percent(options.min_overlap)};
-    if (joint.matches[v] < fewest_matches)
-      return {"only " + std::to_string(joint.matches[v]) + " places of its surface lie on that of other views, expected " + std::to_string(fewest_matches)};
-    if (const double most_through = most_seen_through(options, surfaces[v]); view.seen_through > most_through)
-      return {"another view looked through " + percent(view.seen_through) + " of what would be there, expected at most " + percent(most_through),
-              view.seen_through / most_through};
-    if (found.disagreement() > most_elsewhere)
-      return {percent(found.disagreement()) + " of its points lie where other views measured another surface, expected at most " + percent(most_elsewhere),
-              found.disagreement() / most_elsewhere};
-    if (surfaces[v].organised && used.size() == 2 && motions >= many_motions && both > most_against_many_motions)
-      return {percent(both) + " of its points lie where the other view measured another surface, or nothing, expected at most " + percent(most_against_many_motions) +
-                  " of a shape that may move in so many ways", both / most_against_many_motions};
-    if (found.unanswered() > options.max_unanswered)
-      return {percent(found.unanswered()) + " of its points face another sensor that saw nothing there, expected at most " + percent(options.max_unanswered),
-              found.unanswered() / options.max_unanswered};
-    if (v == unanswered)
-      return {"of its points and those of another view more than " + percent(most_unanswered_by_shape) + " face a sensor that saw nothing there", 1};
-    if (options.arrangement == Arrangement::unknown && sigma > most_unsure_by_shape * joint.size)
-      return {"its pose is known to " + rounded(sigma, 1000) + " mm only, and no guess says where it lies"};
-    if (options.tolerance > 0 && sigma > options.tolerance / 4)
-      return {"its pose is known to " + rounded(sigma, 1000) + " mm only, expected a quarter of the tolerance, " + rounded(options.tolerance / 4, 1000) + " mm"};
-    return {};
-  };
-  std::vector<Trouble> troubles;
-  bool alone = false;
-  double worst = 0;
-  for (const std::size_t v : used) {
-    RegisteredView& view = result.views[v];
-    view.world_from_view = joint.poses[v], view.covariance = joint.covariance_of(v);
-    if (used.size() > 1) view.overlap = agreements[v].overlap(), view.residual_median = agreements[v].residual, view.seen_through = agreements[v].seen_through();
-    troubles.push_back(trouble_of(v, view));
-    alone = alone || (!troubles.back().reason.empty() && troubles.back().contradicted == 0);
-    worst = std::max(worst, troubles.back().contradicted);
-  }
-  for (std::size_t k = 0; k < used.size(); ++k) {
-    RegisteredView& view = result.views[used[k]];
-    const Trouble& trouble = troubles[k];
-    if (!trouble.reason.empty() && trouble.contradicted == (alone ? 0 : worst)) {
-      view.status = ViewStatus::refused, view.reason = trouble.reason, judged.changed = true;
-    } else {
-      view.status = used[k] == used.front() ? ViewStatus::reference : ViewStatus::registered;
-      judged.good.push_back(used[k]);
-    }
-  }
-  return judged;
 }
 
 std::optional<Error> check(const std::vector<RegisterView>& views, const RegisterOptions& options) {
@@ -391,9 +238,9 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
     result.free_motions = free_motions(joint, start.joined, used);
-    const Judged judged = judge(surfaces, joint, used, std::max(joint.free_directions.size(), result.free_motions.size()), options, result);
-    if (judged.changed) {
-      used = judged.good;
+    const std::vector<std::size_t> good = judge_views(surfaces, joint, used, result.free_motions, options, result.views);
+    if (good.size() < used.size()) {
+      used = good;
       continue;
     }
     if (options.arrangement != Arrangement::unknown) break;

@@ -5,8 +5,12 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "core/number.h"
+#include "core/parallel.h"
 #include "scan/register_pair.h"
+#include "scan/register_start.h"
 #include "scan/register_steps.h"
 
 namespace partscribe {
@@ -199,6 +203,61 @@ std::vector<FreeMotion> followed_motions(const std::vector<ViewSurface>& surface
     }
   }
   return all_motions(followed, joint, joined, used);
+}
+
+bool any_in_trouble(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views) {
+  constexpr double trouble = 0.02;
+  const double reach = confirm_reach(surfaces);
+  return std::any_of(views.begin(), views.end(), [&](std::size_t v) {
+    const Agreement a = agreement(surfaces, poses, v, poses[v], views, reach, 1000);
+    return a.seen_through() > trouble || a.unanswered() > trouble;
+  });
+}
+
+namespace {
+
+/// What speaks against the poses of all views together.
+double contradiction_of(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views, double reach, int threads) {
+  constexpr std::size_t samples = 300;
+  std::vector<double> of(views.size());
+  parallel_for(of.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) of[k] = agreement(surfaces, poses, views[k], poses[views[k]], views, reach, samples).contradiction_by_all();
+  }, 1);
+  return std::accumulate(of.begin(), of.end(), 0.0);
+}
+
+}  // namespace
+
+std::vector<Pose> freed_of_contradictions(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views,
+                                          bool contours, Context& context) {
+  constexpr int steps = 24;           // each way, up to the radius
+  constexpr double clearly_less = 0.7;
+  if (views.size() < 3) return poses;
+  double radius = 0, spacing = 0;
+  for (const std::size_t v : views) radius = std::max(radius, surfaces[v].radius), spacing = std::max(spacing, surfaces[v].spacing);
+  JointOptions adjust;
+  adjust.start_reach = 6 * spacing, adjust.contours = contours;
+  const JointResult joint = adjust_jointly(surfaces, poses, views, adjust, context);
+  const double reach = confirm_reach(surfaces), before = contradiction_of(surfaces, joint.poses, views, reach, context.threads);
+  std::vector<Pose> best = joint.poses;
+  double least = before;
+  for (const Eigen::VectorXd& direction : joint.free_directions) {
+    const Eigen::VectorXd unit = direction / largest_of_a_view(direction);
+    const std::vector<Pose> from = best;
+    for (int k = -steps; k <= steps && !context.cancelled; ++k) {
+      if (k == 0) continue;
+      std::vector<Pose> moved = from;
+      for (const std::size_t v : views) {
+        const Vec6 motion = k * radius / steps * unit.segment<6>(static_cast<Eigen::Index>(6 * v));
+        moved[v] = moved_about(from[v], joint.center, motion.head<3>() / joint.size, motion.tail<3>());
+      }
+      const double now = contradiction_of(surfaces, moved, views, reach, context.threads);
+      if (now < least) least = now, best = std::move(moved);
+    }
+  }
+  if (context.cancelled || !(least < clearly_less * before)) return poses;
+  context.say("free views moved together, contradictions " + print_number(before) + " to " + print_number(least));
+  return best;
 }
 
 }  // namespace partscribe

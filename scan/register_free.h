@@ -17,4 +17,12 @@ std::vector<FreeMotion> free_motions(const JointResult& joint, const std::vector
 std::vector<FreeMotion> followed_motions(const std::vector<ViewSurface>& surfaces, const JointResult& joint, const std::vector<std::vector<Pose>>& joined,
                                          const std::vector<std::size_t>& used, JointOptions options, Context& context);
 
+/// Whether others looked through more of one of the views than true poses leave, or saw nothing where more of it should be.
+bool any_in_trouble(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views);
+
+/// Poses of views that were moved along what surfaces leave free to several of them together (each has the others for it, so that alone
+/// none would move) to where clearly less contradicts them; `poses` if there is no such place.
+std::vector<Pose> freed_of_contradictions(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views,
+                                          bool contours, Context& context);
+
 }  // namespace partscribe

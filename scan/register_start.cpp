@@ -5,15 +5,16 @@
 #include <cmath>
 #include <utility>
 
-#include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "scan/register_alike.h"
 #include "scan/register_features.h"
+#include "scan/register_free.h"
 #include "scan/register_joint.h"
 #include "scan/register_planes.h"
 #include "scan/register_search.h"
 #include "scan/register_steps.h"
+#include "scan/register_words.h"
 
 namespace partscribe {
 namespace {
@@ -41,9 +42,6 @@ double confirm_reach(const std::vector<ViewSurface>& surfaces) {
 
 namespace {
 
-std::string degrees_text(double angle) { return print_number(std::round(angle * 1800 / pi) / 10); }
-std::string percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
-
 /// Whether the evidence tells a worse pose from the better. More overlap is little evidence, for a face lies on any other
 /// face: what is not contradicted and overlaps `little` as much is as possible.
 bool clearly_better(const Agreement& a, const Agreement& b, double little) {
@@ -61,7 +59,7 @@ Distance distance(const ViewSurface& surface, const Pose& a, const Pose& b) {
 }
 
 std::string apart(const Distance& d) {
-  return degrees_text(d.angle) + " degrees and " + print_number(std::round(d.shift * 10) / 10) + " mm apart";
+  return in_degrees(d.angle) + " degrees and " + in_steps(d.shift, 0.1) + " mm apart";
 }
 
 /// Views on their way from guesses to poses.
@@ -127,7 +125,7 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   sort_by_score(found);
   found = distinct(found, surface, 0.03, found.size());
   if (found.empty()) {
-    reason = !guessed ? "no features like those of another view" : "no pose within " + degrees_text(options.guess_angle) + " degrees and " + print_number(std::round(most_shift * 10) / 10) + " mm of the guess fits";
+    reason = !guessed ? "no features like those of another view" : "no pose within " + in_degrees(options.guess_angle) + " degrees and " + in_steps(most_shift, 0.1) + " mm of the guess fits";
     return false;
   }
   // Of a free motion the pose nearest to the start that shows most of what can be shown; not where the start is to be doubted.
@@ -160,9 +158,9 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   result.poses[view] = chosen.pose;
   if (!reason.empty()) return false;
   if (chosen.agreement.overlap() < options.min_overlap)
-    reason = "only " + percent(chosen.agreement.overlap()) + " of its points are confirmed by the views placed before it";
+    reason = "only " + in_percent(chosen.agreement.overlap()) + " of its points are confirmed by the views placed before it";
   else if (chosen.agreement.seen_through() > 2 * options.max_seen_through)
-    reason = "another view looked through " + percent(chosen.agreement.seen_through()) + " of its points";
+    reason = "another view looked through " + in_percent(chosen.agreement.seen_through()) + " of its points";
   return reason.empty();
 }
 
@@ -414,63 +412,6 @@ void place_again(Growth& growth, const std::vector<PairCandidates>& pairs, const
   for (const std::size_t view : unsure) std::erase(placed, view), result.placed[view] = 0;
 }
 
-/// What speaks against the poses of all placed views together.
-double contradiction_of(const Growth& growth, const std::vector<Pose>& poses, int threads) {
-  constexpr std::size_t samples = 300;
-  std::vector<double> of(growth.placed.size());
-  parallel_for(of.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t v = growth.placed[k];
-      of[k] = agreement(growth.surfaces, poses, v, poses[v], growth.placed, growth.reach, samples).contradiction_by_all();
-    }
-  }, 1);
-  double sum = 0;
-  for (const double c : of) sum += c;
-  return sum;
-}
-
-/// How much of a view others looked through, or did not see, above which something lies wrong.
-constexpr double trouble = 0.02;
-
-bool in_trouble(const Growth& growth, std::size_t view, const std::vector<std::size_t>& others) {
-  const Agreement a = agreement(growth.surfaces, growth.result.poses, view, growth.result.poses[view], others, growth.reach, 1000);
-  return a.seen_through() > trouble || a.unanswered() > trouble;
-}
-
-/// Views that surfaces leave free together move along that as long as contradictions get fewer: each of them has the others for
-/// it, so that alone none would.
-void move_free_views_together(Growth& growth, Context& context) {
-  StartResult& result = growth.result;
-  const auto troubled = [&](std::size_t v) { return in_trouble(growth, v, growth.placed); };
-  if (growth.placed.size() < 3 || std::none_of(growth.placed.begin(), growth.placed.end(), troubled)) return;
-  double radius = 0, spacing = 0;
-  for (const std::size_t v : growth.placed) radius = std::max(radius, growth.surfaces[v].radius), spacing = std::max(spacing, growth.surfaces[v].spacing);
-  JointOptions adjust;
-  adjust.start_reach = 6 * spacing, adjust.contours = growth.options.contours;
-  const JointResult joint = adjust_jointly(growth.surfaces, result.poses, growth.placed, adjust, context);
-  std::vector<Pose> best = joint.poses;
-  const double before = contradiction_of(growth, best, context.threads);
-  double least = before;
-  constexpr int steps = 24;  // each way, up to the radius
-  for (const Eigen::VectorXd& direction : joint.free_directions) {
-    const Eigen::VectorXd unit = direction / largest_of_a_view(direction);
-    const std::vector<Pose> from = best;
-    for (int k = -steps; k <= steps && !context.cancelled; ++k) {
-      if (k == 0) continue;
-      std::vector<Pose> moved = from;
-      for (const std::size_t v : growth.placed) {
-        const Eigen::Matrix<double, 6, 1> motion = k * radius / steps * unit.segment<6>(static_cast<Eigen::Index>(6 * v));
-        moved[v] = moved_about(from[v], joint.center, motion.head<3>() / joint.size, motion.tail<3>());
-      }
-      const double now = contradiction_of(growth, moved, context.threads);
-      if (now < least) least = now, best = std::move(moved);
-    }
-  }
-  if (context.cancelled || least > 0.7 * before) return;
-  context.say("free views moved together, contradictions " + print_number(before) + " to " + print_number(least));
-  result.poses = std::move(best);
-}
-
 }  // namespace
 
 StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
@@ -513,11 +454,14 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, std::move(result), largest, false};
     place_again(growth, pairs, usable, context);
     largest = growth.placed, most = largest.size();
-    const StartResult before = growth.result;
-    move_free_views_together(growth, context);
-    // Beside a view that lies wrong the right ones would be moved for its sake.
-    const bool troubled = std::any_of(largest.begin(), largest.end(), [&](std::size_t v) { return in_trouble(growth, v, largest); });
-    result = troubled ? before : std::move(growth.result);
+    const std::vector<Pose> before = growth.result.poses;
+    std::vector<Pose>& poses = growth.result.poses;
+    if (any_in_trouble(surfaces, poses, largest)) {
+      poses = freed_of_contradictions(surfaces, poses, largest, options.contours, context);
+      // Beside a view that lies wrong the right ones would be moved for its sake.
+      if (any_in_trouble(surfaces, poses, largest)) poses = before;
+    }
+    result = std::move(growth.result);
   }
   // Few views that agree among themselves may do so by chance; of many that is unlikely.
   if (!enough_agree(most, usable.size(), either_side)) {

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "scan/register_features.h"
 #include "scan/register_relief.h"
+#include "scan/register_words.h"
 #include "scan/round_views.h"
 
 namespace partscribe {
@@ -90,8 +91,6 @@ void keep_round(std::vector<ViewSurface>& surfaces, const AxisLine& line) {
   for (ViewSurface& s : surfaces)
     std::erase_if(s.samples, [&](std::uint32_t i) { return !round_about(line, s, i); });
 }
-
-std::string in_percent(double share) { return print_number(std::round(share * 1000) / 10) + " %"; }
 
 std::string in_words(const DepthCorrection& depth) {
   return "seen from every side the part is round only with depths " + in_percent(std::abs(depth.stretch)) + " (sigma " + in_percent(depth.stretch_sigma) +
