@@ -121,15 +121,7 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
   if (!read) return read.error();
   PlacedViews placed;
   placed.scan = std::move(*read);
-  const auto filter = [&]() -> Result<Done> {
-    if (auto ok = session.stage("filter"); !ok) return ok.error();
-    placed.filter = filter_views(placed.scan, images, session.context);
-    return Done{};
-  };
-  // Registration sees filtered images in any case; beside other views they are measured points like these.
-  const bool early = are_range_images(images);
-  if (points == Points::filtered && early)
-    if (auto ok = filter(); !ok) return ok.error();
+  // Registration filters for itself: it wants the places as measured as well.
   if (poses.poses != "given") {
     if (auto ok = session.stage("register"); !ok) return ok.error();
     auto registration = registration_of(placed.scan, images, poses, session);
@@ -137,8 +129,10 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
     say(*registration, placed.scan, session);
     placed.registration = std::move(*registration);
   }
-  if (points == Points::filtered && !early)
-    if (auto ok = filter(); !ok) return ok.error();
+  if (points == Points::filtered) {
+    if (auto ok = session.stage("filter"); !ok) return ok.error();
+    placed.filter = filter_views(placed.scan, images, session.context);
+  }
   if (placed.registration) place_views(*placed.registration, placed.scan);
   return placed;
 }

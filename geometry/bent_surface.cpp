@@ -1,5 +1,7 @@
 #include "geometry/bent_surface.h"
 
+#include <cmath>
+
 namespace partscribe {
 namespace {
 
@@ -21,6 +23,11 @@ struct Turned {
 constexpr float mean_2 = 2, mean_4 = 6.8F;
 
 }  // namespace
+
+float doubt(const Bend& bend, float price) {
+  const float shift = 2 * (bend.xx + bend.yy);
+  return shift * shift / (1 + std::exp(0.5F * (price - bend.evidence())));
+}
 
 Bend curvature_of(const Bend& bend, const Tilt& tilt) {
   const float w = 1 / tilt.secant;

@@ -23,6 +23,10 @@ struct Bend {
 /// chi^2 of a bend's three terms that noise exceeds once in a thousand.
 constexpr float significant_bend = 16.3F;
 
+/// What a bend that is perhaps none adds to the variance of the middle of a 5x5 window's plane: as much as it would shift that, as often
+/// as `evidence` makes it real; as likely as not if that is `price`. All in units of the noise.
+float doubt(const Bend& bend, float price);
+
 inline Bend operator-(const Bend& a, const Bend& b) { return {a.xx - b.xx, a.yy - b.yy, a.xy - b.xy}; }
 
 /// A round surface has one curvature wherever it is seen, while its bend grows with 1 / cos^3 of the incidence.

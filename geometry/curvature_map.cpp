@@ -92,11 +92,14 @@ KnownBend CurvatureMap::at(int row, int column, const Tilt& tilt) const {
     chosen = k;
   }
   const auto& [bend, windows, steepening] = found[chosen];
-  if (windows * bend.evidence() <= limit) return {};
+  if (windows * bend.evidence() <= limit) return {{}, 0, 8 / (70 * windows), false};
   // Twice the variance of two coefficients, and for near windows their covariance with the plane's value.
   const float shared = chosen == 0 ? 0.0208F * std::max(1 - 1 / windows, 0.F) : 0;
+  // What bends in one place only may be a crease: through the middle of a window it lies .8 of an arc's coefficient beside the arc, and
+  // chi^2 tells the two apart by 6.5 times its square.
+  const float square = bend.evidence() / (70 * sigma * sigma), crease = chosen == 0 ? 0.64F * square / (1 + std::exp(0.5F * 6.5F * square)) : 0;
   const auto unit = static_cast<float>(heights_.pixels_per_height(heights_.grid.row(row)[column]));
-  return {BentSurface(bend, tilt, unit), 8 / (70 * windows) + shared, steepening > like};
+  return {BentSurface(bend, tilt, unit), 8 / (70 * windows) + shared, crease, steepening > like};
 }
 
 }  // namespace partscribe

@@ -21,6 +21,7 @@ struct CurvatureGrids {
 struct KnownBend {
   BentSurface shape;
   float variance = 0;        ///< that it adds to the value of a plane's middle, in units of the noise squared
+  float doubt = 0;           ///< what a bend that hides in the noise, or a crease that passes for one, may add to that
   bool far_steeper = false;  ///< than where it was seen
 };
 

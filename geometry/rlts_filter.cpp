@@ -234,6 +234,7 @@ struct Fitter {
     const Tilt tilt = h.tilt(r, c, h.grid.row(r)[c], f.slope_x, f.slope_y);
     const KnownBend bend = bend_at(curvatures, slopes, r, c, tilt);
     if (how == Fitness::quadric && !explains(bend.shape, r, c, sigma)) return broken(r, c, sigma);
+    f.doubt = bend.doubt + hidden(planes.bend(r, c) - bend.shape.second_order(), sigma);
     if (bend.shape.flat()) return f;
     if (planes.count.row(r)[c] < 25 || bend.far_steeper)
       return better(f, bent(f, bend, r, c, sigma), bend.far_steeper, sigma);
@@ -254,12 +255,19 @@ struct Fitter {
     const auto [turn_x, turn_y] =
         there.shape.slope(static_cast<float>(-slopes.right.row(r)[c]), static_cast<float>(-slopes.down.row(r)[c]));
     const KnownBend here = bend_at(curvatures, slopes, r, c, h.tilt(r, c, height, sx + turn_x, sy + turn_y));
-    const WindowFacet f = facet(r, c, sx + turn_x, sy + turn_y, here.shape, sigma);
+    WindowFacet f = facet(r, c, sx + turn_x, sy + turn_y, here.shape, sigma);
+    if (f.model == RltsModel::plane) f.doubt += here.variance + here.doubt;
     if (!there.far_steeper && !here.far_steeper) return f;
     return better(facet(r, c, sx, sy, {}, sigma), f, true, sigma);
   }
 
  private:
+  /// What a window bends otherwise than its surroundings is noise, or a crease passes.
+  static float hidden(const Bend& own, float sigma) {
+    constexpr float price = 10;
+    return doubt({own.xx / sigma, own.yy / sigma, own.xy / sigma}, price);
+  }
+
   /// Whether a window bends as its surroundings do. One that lies on a crease may pass for a quadric of its own.
   bool explains(const BentSurface& shape, int r, int c, float sigma) const {
     const Bend own = planes.bend(r, c);
@@ -310,7 +318,7 @@ FilteredImage empty_result(const RangeImage& image) {
   result.width = image.width, result.height = image.height;
   const std::size_t n = image.codes.size();
   result.depth.assign(n, std::numeric_limits<double>::quiet_NaN());
-  result.sigma.assign(n, 0), result.raw_sigma.assign(n, 0);
+  result.sigma.assign(n, 0), result.raw_sigma.assign(n, 0), result.doubt.assign(n, 0);
   result.slope_column.assign(n, 0), result.slope_row.assign(n, 0);
   result.kept.assign(n, 0);
   result.model.assign(n, RltsModel::none);
@@ -325,6 +333,7 @@ void put(const RangeHeights& h, int r, int c, const WindowFacet& facet, float si
   out.depth[i] = h.depth(value);
   out.raw_sigma[i] = static_cast<float>(sigma * scale);
   out.sigma[i] = static_cast<float>(std::sqrt(facet.variance) * sigma * scale);
+  out.doubt[i] = static_cast<float>(std::sqrt(facet.doubt) * sigma * scale);
   out.slope_column[i] = static_cast<float>(facet.slope_x * scale);
   out.slope_row[i] = static_cast<float>(facet.slope_y * scale);
   out.model[i] = facet.model;

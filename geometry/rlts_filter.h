@@ -39,7 +39,8 @@ enum class RltsModel : std::uint8_t { none, rejected, raw, line, plane, quadric,
 struct FilteredImage {
   int width = 0, height = 0;
   std::vector<double> depth;                   ///< mm
-  std::vector<float> sigma;                    ///< of the depth, mm
+  std::vector<float> sigma;                    ///< of the depth, mm, by the noise of the samples
+  std::vector<float> doubt;                    ///< mm, what a crease or bend that hides in the noise may add: in all hypot(sigma, doubt)
   std::vector<float> raw_sigma;                ///< of the sample itself, mm
   std::vector<float> slope_column, slope_row;  ///< of the depth, mm per pixel
   std::vector<std::uint8_t> kept;              ///< 1: the pixel's own sample was accepted

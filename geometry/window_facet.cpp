@@ -10,13 +10,14 @@ namespace partscribe {
 namespace {
 
 constexpr float choice_of_side = 6.4F;  // 2 ln 24
+constexpr float likely_bend = 6;        // instead of significant_bend: three terms as likely as not
 constexpr float wild_sample = 9;        // chi^2 of a sample beyond three deviations, and what leaving it out costs
 
-/// Reweighted: samples beyond three deviations are left out, at the price of as many deviations; at most a fifth.
+/// Reweighted: samples beyond three deviations are left out (`accepted` 0), at the price of as many deviations; at most a fifth.
 WindowFit trimmed(WindowFit (*least_squares)(const Window&, const Window&), const Window& heights,
-                  const Window& weights) {
+                  const Window& weights, Window& accepted) {
   constexpr float limit = wild_sample;
-  Window accepted = weights;
+  accepted = weights;
   WindowFit fit;
   int out = 0;
   for (int round = 0; round < 3; ++round) {
@@ -75,6 +76,25 @@ void doubt(WindowFacet& facet) {
   facet.variance = static_cast<float>((1 - wrong) * static_cast<double>(facet.variance) + wrong + wrong * (1 - wrong) * v * v);
 }
 
+/// What the samples say of a bend; those that are left out count as if they lay on the plane.
+Bend bend_beside(const WindowFit& plane, const Window& heights, const Window& accepted) {
+  Bend bend;
+  for (int y = -2; y <= 2; ++y)
+    for (int x = -2; x <= 2; ++x) {
+      const auto k = static_cast<std::size_t>(5 * (y + 2) + x + 2);
+      const float left = accepted[k] * (heights[k] - plane.at(x, y));
+      bend.xx += left * static_cast<float>(x * x - 2), bend.yy += left * static_cast<float>(y * y - 2), bend.xy += left * static_cast<float>(x * y);
+    }
+  return {bend.xx / 70, bend.yy / 70, bend.xy / 100};
+}
+
+/// Fewer terms hold unless more are significant; but in a window that is not plain they are more likely than not, and what they say of
+/// the middle makes it uncertain by how likely they are. `dearer`: how much more they cost; `facet`: what holds.
+void doubt_beside(float other_value, float dearer, WindowFacet& facet) {
+  const float off = other_value - facet.value;
+  facet.doubt += off * off / (1 + std::exp(0.5F * dearer));
+}
+
 }  // namespace
 
 WindowFacet window_facet(const Window& heights, const Window& weights, bool firm) {
@@ -88,7 +108,10 @@ WindowFacet window_facet(const Window& heights, const Window& weights, bool firm
     best = fit.good ? fit.facet : WindowFacet{0, 0, 0, 1, RltsModel::raw};
     best.cost = cost;
   };
-  consider(trimmed(plane_fit, heights, weights), 0);
+  Window accepted;
+  const WindowFit plane = trimmed(plane_fit, heights, weights, accepted);
+  consider(plane, 0);
+  if (best.model == RltsModel::plane) best.doubt += doubt(bend_beside(plane, heights, accepted), likely_bend);
   if (cost < count + 10) return best;  // nothing dearer can be better
   Sides sides;
   split_window(heights, weights, sides);
@@ -96,8 +119,11 @@ WindowFacet window_facet(const Window& heights, const Window& weights, bool firm
   const auto s = static_cast<std::size_t>(side);
   const float split_cost = sides.cost[s] + significant_bend + choice_of_side;
   if (std::min(cost, split_cost) > significant_bend + 0.5F * count)
-    consider(trimmed(quadric_fit, heights, weights), significant_bend);
-  if (split_cost >= cost) return best;
+    consider(trimmed(quadric_fit, heights, weights, accepted), significant_bend);
+  if (split_cost >= cost) {
+    if (best.model != RltsModel::raw) doubt_beside(sides.value[s], split_cost - cost - (best.model == RltsModel::plane ? significant_bend - likely_bend : 0), best);
+    return best;
+  }
   if (!firm && wild_middle(heights, weights, sides.cost[s])) return {0, 0, 0, 1, RltsModel::raw, split_cost};
   best = {sides.value[s], sides.slope_x[s], sides.slope_y[s], sides.variance[s], RltsModel::side, split_cost};
   average(sides, sides.cost[s], best);

@@ -16,6 +16,7 @@ struct WindowFacet {
   float variance = 0;  ///< of the value
   RltsModel model = RltsModel::raw;
   float cost = 0;  ///< chi^2 of the window, and what more terms cost
+  float doubt = 0;  ///< variance that a crease or bend which hides in the noise may add
 };
 
 struct WindowFit {

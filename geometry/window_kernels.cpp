@@ -180,7 +180,6 @@ PARTSCRIBE_INLINE void facets_at(const std::array<const float*, 5>& heights, con
                                  int i, const FacetRow& out) {
   const F middle = load<F>(heights[2] + i);
   PlaneSums<F> s;
-  F bxx{}, byy{}, bxy{};
 #pragma GCC unroll 5
   for (int r = 0; r < 5; ++r)
 #pragma GCC unroll 5
@@ -191,13 +190,12 @@ PARTSCRIBE_INLINE void facets_at(const std::array<const float*, 5>& heights, con
       s.n += w;
       if (c != 2) s.x += w * x, s.xx += w * (x * x), s.xu += u * x;
       if (r != 2) s.y += w * y, s.yy += w * (y * y), s.yu += u * y;
-      if (r != 2 && c != 2) s.xy += w * (x * y), bxy += u * (x * y);
+      if (r != 2 && c != 2) s.xy += w * (x * y);
       s.u += u;
-      bxx += u * (x * x - 2), byy += u * (y * y - 2);
     }
   PlaneFit<F> f;
   plane_of(s, f);
-  F sse{}, largest{};
+  F sse{}, largest{}, bxx{}, byy{}, bxy{};
 #pragma GCC unroll 5
   for (int r = 0; r < 5; ++r)
 #pragma GCC unroll 5
@@ -207,6 +205,8 @@ PARTSCRIBE_INLINE void facets_at(const std::array<const float*, 5>& heights, con
       const F u = load<F>(heights[static_cast<std::size_t>(r)] + i + c - 2) - middle;
       const F d = w * (u - (f.value + f.slope_x * x + f.slope_y * y));
       const F size = select(d < 0.F, -d, d);
+      bxx += d * (x * x - 2), byy += d * (y * y - 2);
+      if (r != 2 && c != 2) bxy += d * (x * y);
       sse += d * d;
       largest = select(size > largest, size, largest);
     }

@@ -31,7 +31,7 @@ struct FacetRow {
   float* count;                        ///< samples with weight
   float* sse;                          ///< sum of squared residuals
   float* largest;                      ///< absolute residual
-  float *bend_xx, *bend_yy, *bend_xy;  ///< coefficients of x^2, y^2, xy; only right in windows with all 25 samples
+  float *bend_xx, *bend_yy, *bend_xy;  ///< coefficients of x^2, y^2, xy; samples that are missing count as if they lay on the plane
 };
 
 /// Least-squares planes in 5x5 windows. heights[r][i + c - 2] with weight weights[r][i + c - 2] (0 or 1) is the sample

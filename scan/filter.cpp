@@ -43,7 +43,7 @@ bool are_range_images(const std::vector<RangeImage>& images) {
   return !images.empty() && std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
 }
 
-FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context) {
+FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context, FilterSigma of) {
   FilterSummary summary;
   PointCloud& cloud = scan.cloud;
   if (images.size() != scan.views.size() || cloud.pixel.size() != cloud.size() || cloud.view.size() != cloud.size()) return summary;
@@ -73,7 +73,8 @@ FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Co
       if (!all_images) continue;
       cloud.normals[i] = pose.rotation * sample.normal;
       const double cosine = sample.normal.isZero() ? 1 : std::abs(cloud.normals[i].dot(cloud.rays[i]));
-      cloud.sigma[i] = static_cast<float>(filtered.sigma[pixel] * cosine);
+      const double sigma = of == FilterSigma::of_noise ? filtered.sigma[pixel] : std::hypot(filtered.sigma[pixel], filtered.doubt[pixel]);
+      cloud.sigma[i] = static_cast<float>(sigma * cosine);
     }
   }
   if (!sigmas.empty()) summary.sigma = median(std::move(sigmas));
@@ -84,7 +85,7 @@ std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<
   const bool filtered_before = scan.cloud.sigma.size() == scan.cloud.size();
   if (!are_range_images(images) || filtered_before) return views_of(scan);
   Scan filtered = scan;
-  filter_views(filtered, images, context);
+  filter_views(filtered, images, context, FilterSigma::of_noise);
   return views_of(filtered, scan.cloud.points);
 }
 

@@ -20,13 +20,19 @@ struct FilterSummary {
 /// True if every view is a range image; false for none.
 bool are_range_images(const std::vector<RangeImage>& images);
 
+/// What the sigma of a filtered point stands for.
+enum class FilterSigma {
+  of_place,  ///< all that may be wrong with it: noise, and what hides in that
+  of_noise,  ///< noise alone, which averages out between views
+};
+
 /// Filters the image of each view (see read_scan). The view's points, found by view and pixel, take the filtered depth, with
 /// its normal and sigma, or are flagged as rejected. Columns normals and sigma are filled only where every view is a range
 /// image. For registration and merging; fits and verdicts average on their own and take points as measured.
-FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context);
+FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context, FilterSigma sigma = FilterSigma::of_place);
 
-/// The views of a scan as registration wants them: filtered, with normals and sigma, where every view is a range image; as
-/// measured where not. A scan that filter_views has seen is taken as it is; the scan itself stays.
+/// The views of a scan as registration wants them: filtered, with normals, sigma of their noise and where they were measured, if every
+/// view is a range image; as measured if not. A scan that filter_views has seen is taken as it is; the scan itself stays.
 std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<RangeImage>& images, Context& context);
 
 }  // namespace partscribe

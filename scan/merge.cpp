@@ -100,7 +100,8 @@ bool confirmed(const PointCloud& cloud, const KdTree& tree, const std::vector<st
     if (!n.isZero() && !(m.dot(n) > cosine)) continue;
     // Off the other's plane; on a round face, where that bends away, the mean of both normals knows better.
     const Vec3 d = cloud.points[k] - p;
-    const double limit = options.max_sigmas * std::hypot(std::max<double>(cloud.sigma[i], 1e-9), std::max<double>(cloud.sigma[k], 1e-9));
+    // What is hardly known itself confirms no more than the sample's own noise.
+    const double own = std::max<double>(cloud.sigma[i], 1e-9), limit = options.max_sigmas * std::hypot(own, std::clamp<double>(cloud.sigma[k], 1e-9, own));
     const double off = m.dot(d), off_both = (m + n).normalized().dot(d);
     agreeing += std::abs(off) < limit || std::abs(off_both) < limit || off * off_both < 0;
     if (agreeing == enough) return true;

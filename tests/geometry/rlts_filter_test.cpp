@@ -102,6 +102,37 @@ TEST_CASE("rlts filter: a crease that passes for a quadric is not rounded") {
   }
 }
 
+TEST_CASE("rlts filter: a crease that hides in the noise makes places uncertain, and a plane hardly") {
+  // Slopes that change by `turn` deviations a pixel: too little for two planes to be significant in every window.
+  const auto pulls = [](double turn, bool with_doubt) {
+    const double sigma = 0.2;
+    const auto s = range_scene({.height = 160, .sigma = sigma}, [&](double x, double y) { return 10 + 0.5 * turn * sigma * std::abs(x - 40.2) + 0.1 * y; });
+    const auto f = filtered(s.image);
+    double sum = 0;
+    int count = 0, beyond = 0;
+    for (int r = 4; r < s.image.height - 4; ++r)
+      for (int c = 38; c < 43; ++c) {
+        const auto i = static_cast<std::size_t>(r * s.image.width + c);
+        if (!f.kept[i] || std::isnan(s.truth[i])) continue;
+        const double u = (f.depth[i] - s.truth[i]) / std::hypot(f.sigma[i], with_doubt ? f.doubt[i] : 0);
+        sum += u * u, beyond += std::abs(u) > 4, ++count;
+      }
+    return std::pair(std::sqrt(sum / count), double(beyond) / count);
+  };
+  for (const double turn : {1.5, 2.0, 3.0}) {
+    INFO("turn " << turn);
+    const auto [noise, noise_beyond] = pulls(turn, false);
+    const auto [all, all_beyond] = pulls(turn, true);
+    UNSCOPED_INFO("by noise " << noise << ", " << noise_beyond << " beyond four; in all " << all << ", " << all_beyond);
+    CHECK(noise > 1.2 * all);
+    CHECK(all < 1.7);
+    CHECK(all_beyond < 0.3 * noise_beyond);
+  }
+  const auto [flat, beyond] = pulls(0, true);
+  CHECK(flat > 0.8);
+  CHECK(flat < 1.05);
+}
+
 TEST_CASE("rlts filter: pixels beside a bent edge stay, though no two planes explain their windows") {
   // Twelve round pegs of five pixels radius before a plate.
   for (const std::uint64_t seed : {1, 2, 4, 5}) {
