@@ -146,8 +146,12 @@ class Seen {
     cell_ = std::sqrt(per_cell_ * (high_ - low_).prod() / double(ends.size()));
     const auto nx = static_cast<std::size_t>(whole.x() / cell_) + 1, ny = static_cast<std::size_t>(whole.y() / cell_) + 1;
     std::vector<bool> filled(nx * ny, false);
-    for (const Vec2& e : ends)
-      filled[static_cast<std::size_t>((e.y() - low.y()) / cell_) * nx + static_cast<std::size_t>((e.x() - low.x()) / cell_)] = true;
+    for (const Vec2& e : ends) {
+      // Of many points the bounds are those of a selection: a stray may lie anywhere.
+      const Vec2 at = (e - low) / cell_;
+      if ((at.array() < 0).any() || at.x() >= double(nx) || at.y() >= double(ny)) continue;
+      filled[static_cast<std::size_t>(at.y()) * nx + static_cast<std::size_t>(at.x())] = true;
+    }
     for (std::size_t y = 0; y < ny; ++y)
       for (std::size_t x = 0; x < nx; ++x)
         if (!filled[y * nx + x]) empty_.emplace_back(low + cell_ * Vec2(double(x) + 0.5, double(y) + 0.5));

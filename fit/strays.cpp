@@ -19,9 +19,10 @@ namespace {
 constexpr std::size_t least_neighbours = 20, most_neighbours = 90;
 constexpr int drawn_planes = 25;
 constexpr double good_share = 0.72;  // of the neighbours on a point's plane; a ball of strays reaches 0.6 by chance
+constexpr double clear_share = 0.9;  // nine in ten points of a face have more on theirs
 constexpr double edge_on = 0.1;      // cosine between normal and ray; no surface returns light at 84 degrees
 constexpr double everywhere = 0.1;   // share of the points; then what is sparse is no surface
-constexpr double sparse = 0.1;       // of the middle density of a surface
+constexpr double thin_out = 0.1;     // of the middle density of a surface; sparser is sparse
 
 /// The plane near a point that holds most of its neighbours.
 struct LocalPlane {
@@ -111,13 +112,13 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Vec3>& 
   return plane;
 }
 
-/// Marks what is so sparse among the points left that it is a curtain rather than a surface.
-void set_sparse_aside(const std::vector<Vec3>& points, SurfacePoints& result, Context& context) {
-  std::vector<std::uint32_t> source;
+/// Of the points left those so sparse that they are a curtain rather than a surface, if there are many strays.
+std::vector<std::uint32_t> sparse_points(const std::vector<Vec3>& points, const SurfacePoints& result, Context& context) {
+  std::vector<std::uint32_t> source, found;
   std::vector<Vec3> kept;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!result.stray[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
-  if (kept.size() < 3 * least_neighbours) return;
+  if (kept.size() < 3 * least_neighbours) return found;
   const KdTree tree(kept);
   std::vector<double> sq_radius(kept.size());
   parallel_for(kept.size(), context.threads, [&](std::size_t begin, std::size_t end) {
@@ -127,9 +128,17 @@ void set_sparse_aside(const std::vector<Vec3>& points, SurfacePoints& result, Co
       sq_radius[i] = near.back().sq_distance;
     }
   });
-  const double widest = median(sq_radius) / sparse;
+  const double widest = median(sq_radius) / thin_out;
   for (std::size_t i = 0; i < kept.size(); ++i)
-    if (sq_radius[i] > widest) result.stray[source[i]] = 1, ++result.strays;
+    if (sq_radius[i] > widest) found.push_back(source[i]);
+  return found;
+}
+
+/// True if most of some points lie on planes that hold as many of their neighbours as a face's do.
+bool clear_planes(const std::vector<std::uint32_t>& some, const SurfacePoints& result) {
+  std::vector<double> shares;
+  for (const std::uint32_t i : some) shares.push_back(double(result.share[i]));
+  return !shares.empty() && median(std::move(shares)) > clear_share;
 }
 
 /// Marks heaps of points that stand apart from everything else and are dots or threads: too narrow for noise to leave a face.
@@ -248,7 +257,14 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
       break;
     }
   }
-  if (double(result.strays) > everywhere * double(n)) set_sparse_aside(points, result, context), set_dots_aside(points, result);
+  // In a box hardly thicker than the noise is wide strays hold one another. They are sparse, and lie on no planes as clear as a face's.
+  const std::vector<std::uint32_t> sparse = sparse_points(points, result, context);
+  const std::size_t strewn = clear_planes(sparse, result) ? 0 : sparse.size();
+  if (double(result.strays + strewn) > everywhere * double(n)) {
+    for (const std::uint32_t i : sparse) result.stray[i] = 1;
+    result.strays += sparse.size();
+    set_dots_aside(points, result);
+  }
   return result;
 }
 

@@ -23,8 +23,8 @@ struct SurfacePoints {
 /// neighbours, whose own planes hold most of theirs, hold it. Neighbours that were seen from behind the plane are the far
 /// side of a thin wall and do not count. Repeated without the strays until nothing changes, the noise
 /// included, of which the guess may be several times too wide. Strays too
-/// are curtains: planes along the viewing rays (`rays`: of each point, or none), and, where a tenth of the points are strays,
-/// what is a tenth as dense as the middle of the surface; and pieces that hang together but hold less than 3 % of the points.
+/// are curtains: planes along the viewing rays (`rays`: of each point, or none), and, where a tenth of the points are strays
+/// or strewn so thinly that most have no clear plane, what is a tenth as dense as the middle of the surface; and pieces that hang together but hold less than 3 % of the points.
 /// The same for any number of threads.
 SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double sigma, Context& context);
 

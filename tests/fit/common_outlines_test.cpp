@@ -50,6 +50,15 @@ struct Plate {
 
 }  // namespace
 
+TEST_CASE("common outlines: a stray of the end faces, however far off, is none of the cells in which no end face was") {
+  Plate plate;
+  plate.wall({0, 0}, {30, 0}, 100);
+  plate.face({0, 0}, {30, 20}, 1500, [](const Vec2&) { return true; });
+  const double alone = common_outlines(plate.data).front().cost;
+  plate.data.ends[1] = {4000, 9000};  // not of those that the bounds are taken of
+  CHECK(common_outlines(plate.data).front().cost == Approx(alone).epsilon(0.05));
+}
+
 TEST_CASE("common outlines: a slot of which one end and one wall were hidden") {
   Plate plate;
   const double r = 10, l = 30;

@@ -120,6 +120,11 @@ TEST_CASE("recovery: an angle of which no wall of the notch was seen is one wher
   check_right({{"extrude", standard_conditions(), 98}, {"extrude", standard_conditions(), 198}});
 }
 
+TEST_CASE("recovery: strays that fill a box hardly thicker than the noise is wide are strays") {
+  // Strays in so flat a box hold one another: hardly a tenth of the points seemed to be any, and what is sparse was kept.
+  check_right({{"extrude", hardest_conditions(), 143}, {"extrude", hardest_conditions(), 168}});
+}
+
 TEST_CASE("recovery: sides of a plate that its rounds tell move with them") {
   check_right({{"extrude", standard_conditions(), 37}});
 }
