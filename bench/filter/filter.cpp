@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <string>
 
 #include "bench/filter/peers.h"
 #include "bench/filter/scenes.h"
@@ -200,6 +201,35 @@ void surface_table(const std::vector<SceneOptions>& scenes) {
   }
 }
 
+/// What is left of errors, in units of their own sigma.
+std::string pulls_of(std::vector<double> pulls) {
+  double square = 0;
+  std::size_t beyond = 0;
+  for (const double u : pulls) square += u * u, beyond += u > 4;
+  const double n = static_cast<double>(pulls.size());
+  char text[80];
+  std::snprintf(text, sizeof text, "%.2f | %.3f %% | %.2f", std::sqrt(square / n), 100 * static_cast<double>(beyond) / n, quantile(std::move(pulls), 0.999));
+  return text;
+}
+
+/// Is sigma true? By the noise of the samples, and with what hides in that.
+void sigma_table(const std::vector<SceneOptions>& scenes) {
+  std::printf("\n| scene | bits, sigma | by noise: rms | beyond 4 | 99.9 %% | in all: rms | beyond 4 | 99.9 %% |\n|---|---|---|---|---|---|---|---|\n");
+  for (const SceneOptions& options : scenes) {
+    const Scene scene = scene_of(options);
+    Context context;
+    const FilteredImage f = rlts_filter(scene.image, {}, context);
+    std::vector<double> by_noise, in_all;
+    for (std::size_t i = 0; i < f.depth.size(); ++i) {
+      if (!f.kept[i] || std::isnan(scene.truth[i].depth)) continue;
+      const double off = std::abs(f.depth[i] - scene.truth[i].depth);
+      by_noise.push_back(off / f.sigma[i]), in_all.push_back(off / std::hypot(f.sigma[i], f.doubt[i]));
+    }
+    std::printf("| %s%s | %d, %g | %s | %s |\n", options.part.c_str(), options.projection == Projection::pinhole ? " behind a pinhole" : options.mixed > 0 ? ", mixed pixels" : "",
+                options.bits, options.sigma, pulls_of(std::move(by_noise)).c_str(), pulls_of(std::move(in_all)).c_str());
+  }
+}
+
 }  // namespace
 
 /// `bench_filter [METHOD]`: only the methods whose names begin so.
@@ -246,6 +276,7 @@ int main(int argc, char** argv) {
       std::fflush(stdout);
     }
   }
+  sigma_table(scenes);
   surface_table({scenes.begin(), scenes.begin() + 4});
   bit_table({.resolution = 320, .bits = 12, .sigma = 0.2, .bit_error = 0.05});
   bit_table({.resolution = 320, .bits = 16, .sigma = 0.01, .bit_error = 0.05});
