@@ -24,7 +24,7 @@ constexpr float mean_2 = 2, mean_4 = 6.8F;
 
 }  // namespace
 
-float doubt(const Bend& bend, float price) {
+float hidden_variance(const Bend& bend, float price) {
   const float shift = 2 * (bend.xx + bend.yy);
   return shift * shift / (1 + std::exp(0.5F * (price - bend.evidence())));
 }

@@ -25,7 +25,7 @@ constexpr float significant_bend = 16.3F;
 
 /// What a bend that is perhaps none adds to the variance of the middle of a 5x5 window's plane: as much as it would shift that, as often
 /// as `evidence` makes it real; as likely as not if that is `price`. All in units of the noise.
-float doubt(const Bend& bend, float price);
+float hidden_variance(const Bend& bend, float price);
 
 inline Bend operator-(const Bend& a, const Bend& b) { return {a.xx - b.xx, a.yy - b.yy, a.xy - b.xy}; }
 

@@ -265,7 +265,7 @@ struct Fitter {
   /// What a window bends otherwise than its surroundings is noise, or a crease passes.
   static float hidden(const Bend& own, float sigma) {
     constexpr float price = 10;
-    return doubt({own.xx / sigma, own.yy / sigma, own.xy / sigma}, price);
+    return hidden_variance({own.xx / sigma, own.yy / sigma, own.xy / sigma}, price);
   }
 
   /// Whether a window bends as its surroundings do. One that lies on a crease may pass for a quadric of its own.

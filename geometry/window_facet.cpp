@@ -111,7 +111,7 @@ WindowFacet window_facet(const Window& heights, const Window& weights, bool firm
   Window accepted;
   const WindowFit plane = trimmed(plane_fit, heights, weights, accepted);
   consider(plane, 0);
-  if (best.model == RltsModel::plane) best.doubt += doubt(bend_beside(plane, heights, accepted), likely_bend);
+  if (best.model == RltsModel::plane) best.doubt += hidden_variance(bend_beside(plane, heights, accepted), likely_bend);
   if (cost < count + 10) return best;  // nothing dearer can be better
   Sides sides;
   split_window(heights, weights, sides);

@@ -76,6 +76,22 @@ TEST_CASE("filter: values lie nearer to the surface, with normals that face out"
   }
 }
 
+TEST_CASE("filter: what hides in the noise is part of a place's sigma, and no part of its noise") {
+  Ball ball = scanned_ball(Projection::orthographic);
+  Context context;
+  Scan place = ball.scan.merged, noise = ball.scan.merged;
+  filter_views(place, ball.images, context), filter_views(noise, ball.images, context, FilterSigma::of_noise);
+  CHECK(place.cloud.points == noise.cloud.points);
+  std::size_t larger = 0;
+  for (std::size_t i = 0; i < place.cloud.size(); ++i) {
+    CHECK(place.cloud.sigma[i] >= noise.cloud.sigma[i]);
+    larger += place.cloud.sigma[i] > 1.01f * noise.cloud.sigma[i];
+  }
+  CHECK(larger > place.cloud.size() / 20);
+  const std::vector<RegisterView> views = views_to_register(ball.scan.merged, ball.images, context);
+  CHECK(views[0].cloud.sigma == std::vector<float>(noise.cloud.sigma.begin(), noise.cloud.sigma.begin() + std::ptrdiff_t(views[0].cloud.size())));
+}
+
 TEST_CASE("filter: points without images stay as they are") {
   Context context;
   Scan scan;
