@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/number.h"
+
 namespace partscribe::registration_cases {
 
 Surface convex(const std::vector<Side>& sides, double reach) {
@@ -57,6 +59,18 @@ Surface block_alike_from_two_sides(double difference) {
   };
   cut_twice({1, 0.8, 0.9}, 19, difference), cut_twice({1, -0.9, 0.5}, 17.5, 0), cut_twice({0.7, 1, -1}, 20, 0);
   cut_twice({1, -0.6, -0.8}, 18, 0), cut_twice({0.2, 1, 0.5}, 19, 0);
+  return convex(sides, 24);
+}
+
+Surface prism_alike_from_sides(int count, double difference) {
+  std::vector<Side> sides{{Vec3::UnitZ(), 16}, {-Vec3::UnitZ(), 16}};
+  const auto around = [](double angle, double z) { return Vec3(std::cos(angle), std::sin(angle), z).normalized(); };
+  for (int k = 0; k < count; ++k) {
+    const double face = 2 * pi * k / count, edge = face + pi / count;
+    sides.push_back({around(face, 0), 15});
+    sides.push_back({around(edge, 1), k == 0 ? 18 + difference : 18});
+    sides.push_back({around(edge + 0.2, -0.8), 19.5});
+  }
   return convex(sides, 24);
 }
 

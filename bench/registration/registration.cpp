@@ -224,7 +224,8 @@ struct ScanOutcomes {
 void blocks(const std::vector<std::string>& seeds) {
   const std::pair<const char*, Surface> parts[] = {
       {"plain block", registration_cases::plain_block()}, {"cut block", registration_cases::cut_block()}, {"balls", registration_cases::balls()},
-      {"block alike from two sides", registration_cases::block_alike_from_two_sides(2)}};
+      {"block alike from two sides", registration_cases::block_alike_from_two_sides(2)},
+      {"prism alike from three sides", registration_cases::prism_alike_from_sides(3, 2)}};
   std::printf("| part | whole | partly | refused | wrong |\n|---|---|---|---|---|\n");
   for (const auto& [name, part] : parts) {
     ScanOutcomes of_part;

@@ -138,6 +138,15 @@ TEST_CASE("register: without any poses a part alike from two sides is put togeth
   CHECK(found.alike[0].words.find("fit as well turned by 180 degrees about") != std::string::npos);
 }
 
+TEST_CASE("register: without any poses a part alike from three sides or more is refused") {
+  SimulateOptions scanner;
+  scanner.views = "cube", scanner.resolution = 100, scanner.sigma = 0.03, scanner.bit_error = 0.002, scanner.seed = 3;
+  const Registration found = run_from_nothing(scan_of(prism_alike_from_sides(4, 2), scanner, 0, 0));
+  CHECK(count(found, ViewStatus::refused) == 7);
+  CHECK(found.alike.empty());
+  CHECK(found.views[7].reason.find("alike from three sides or more") != std::string::npos);
+}
+
 TEST_CASE("register: without any poses no group of views is left half a turn round") {
   SimulateOptions scanner;
   scanner.views = "12", scanner.resolution = 72, scanner.sigma = 0.03, scanner.bit_error = 0.002, scanner.seed = 3;
