@@ -454,14 +454,12 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, std::move(result), largest, false};
     place_again(growth, pairs, usable, context);
     largest = growth.placed, most = largest.size();
-    const std::vector<Pose> before = growth.result.poses;
-    std::vector<Pose>& poses = growth.result.poses;
-    if (any_in_trouble(surfaces, poses, largest)) {
-      poses = freed_of_contradictions(surfaces, poses, largest, options.contours, context);
-      // Beside a view that lies wrong the right ones would be moved for its sake.
-      if (any_in_trouble(surfaces, poses, largest)) poses = before;
-    }
     result = std::move(growth.result);
+    if (any_in_trouble(surfaces, result.poses, largest)) {
+      std::vector<Pose> freed = freed_of_contradictions(surfaces, result.poses, largest, options.contours, context);
+      // Beside a view that lies wrong the right ones would be moved for its sake.
+      if (!any_in_trouble(surfaces, freed, largest)) result.poses = std::move(freed);
+    }
   }
   // Few views that agree among themselves may do so by chance; of many that is unlikely.
   if (!enough_agree(most, usable.size(), either_side)) {

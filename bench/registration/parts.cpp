@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/number.h"
 
@@ -26,9 +27,6 @@ Surface convex(const std::vector<Side>& sides, double reach) {
   return surface;
 }
 
-namespace {
-
-/// Of a block of twice these sizes about the origin.
 std::vector<Side> block_sides(const Vec3& half) {
   std::vector<Side> sides;
   for (int k = 0; k < 3; ++k)
@@ -36,7 +34,12 @@ std::vector<Side> block_sides(const Vec3& half) {
   return sides;
 }
 
-}  // namespace
+FirstHit nearer_of(FirstHit a, FirstHit b) {
+  return [a = std::move(a), b = std::move(b)](const Vec3& o, const Vec3& d) {
+    const auto on_a = a(o, d), on_b = b(o, d);
+    return on_b && (!on_a || on_b->distance < on_a->distance) ? on_b : on_a;
+  };
+}
 
 Surface plain_block() {
   std::vector<Side> sides = block_sides({14, 17, 20});
@@ -121,10 +124,7 @@ Surface cylinder() {
 Surface drum_with(const std::vector<Ball>& bumps, const Vec3& reach) {
   Surface surface;
   surface.bounds.add(-reach), surface.bounds.add(reach);
-  surface.first_hit = [drum = cylinder().first_hit, bump = union_of(bumps, reach.maxCoeff()).first_hit](const Vec3& o, const Vec3& d) {
-    const auto on_drum = drum(o, d), on_bump = bump(o, d);
-    return on_bump && (!on_drum || on_bump->distance < on_drum->distance) ? on_bump : on_drum;
-  };
+  surface.first_hit = nearer_of(cylinder().first_hit, union_of(bumps, reach.maxCoeff()).first_hit);
   return surface;
 }
 

@@ -14,6 +14,13 @@ struct Side {
 };
 Surface convex(const std::vector<Side>& sides, double reach);
 
+/// Of a block of twice these sizes about the origin.
+std::vector<Side> block_sides(const Vec3& half);
+
+/// Of two parts as one.
+using FirstHit = decltype(Surface::first_hit);
+FirstHit nearer_of(FirstHit a, FirstHit b);
+
 /// A block with little beside its large faces: two edges and a corner are cut off.
 Surface plain_block();
 

@@ -1,5 +1,5 @@
 /// Which views may be used where they have come to lie, and why others may not.
-#include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
@@ -7,7 +7,6 @@
 #include "core/number.h"
 #include "scan/register_free.h"
 #include "scan/register_judge.h"
-#include "scan/register_pair.h"
 #include "tests/scan/register_cases.h"
 
 using namespace partscribe;
@@ -61,12 +60,8 @@ std::vector<Side> prism(int sides, double radius, double low, double high) {
 
 /// A prism on a wider one, seen from around and from both ends: no view shows a side and an end.
 Scene tower_from_around() {
-  const Surface foot = convex(prism(12, 16, -16, -4), 20), tower = convex(prism(12, 9, -5, 14), 20);
-  Surface both = foot;
-  both.first_hit = [foot, tower](const Vec3& origin, const Vec3& direction) {
-    const auto a = foot.first_hit(origin, direction), b = tower.first_hit(origin, direction);
-    return b && (!a || b->distance < a->distance) ? b : a;
-  };
+  Surface both = convex(prism(12, 16, -16, -4), 20);
+  both.first_hit = nearer_of(both.first_hit, convex(prism(12, 9, -5, 14), 20).first_hit);
   SimulateOptions scanner = small();
   scanner.views = "100", scanner.tilt = 0;
   const Case all = scan_of(both, scanner, 0, 0);
@@ -117,11 +112,7 @@ TEST_CASE("judge: without guesses a view on a wrong face is told by what faces s
   // A block of equal corners: a view slid along what it sees still lies on faces.
   SimulateOptions scanner = small();
   scanner.views = "12";
-  const Vec3 half(14, 17, 20);
-  std::vector<Side> sides;
-  for (int k = 0; k < 3; ++k)
-    for (const double s : {1.0, -1.0}) sides.push_back({s * Vec3::Unit(k), half[k]});
-  const Scene scene = scene_of(scan_of(convex(sides, 22), scanner, 0, 0));
+  const Scene scene = scene_of(scan_of(convex(block_sides({14, 17, 20}), 22), scanner, 0, 0));
   constexpr std::size_t slid = 11;
   std::vector<Pose> poses = scene.scan.truth;
   const ViewSurface& surface = scene.surfaces[slid];
