@@ -54,9 +54,9 @@ void name_motions(const std::vector<RegisterView>& views, std::vector<FreeMotion
   }
 }
 
-std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, const std::vector<AlikeTurn>& turns, const Vec3& center) {
+std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, const AlikeSides& sides, const Vec3& center) {
   std::vector<AlikePlaces> result;
-  for (const AlikeTurn& alike : turns) {
+  for (const AlikeTurn& alike : sides.turns) {
     if (alike.open.empty()) continue;
     const FixedLine line = fixed_line(alike.turn, center);
     result.push_back({alike.open, line.angle, line.axis, line.point,
@@ -64,13 +64,6 @@ std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, co
                           " degrees about " + place_text(line.axis, 0.001) + " through " + place_text(line.point, 0.01)});
   }
   return result;
-}
-
-/// A turn by less than half lays views onto themselves: then there are three places at least where they fit, and only two are held against
-/// each other at a time. Of 16 scans of a prism of three sides two came out with a third of the views on a wrong one, and nothing said so.
-bool alike_from_many_sides(const std::vector<AlikeTurn>& turns) {
-  constexpr double half = 0.97 * pi;
-  return std::any_of(turns.begin(), turns.end(), [](const AlikeTurn& a) { return !a.open.empty() && rotation_vector(a.turn.rotation).norm() < half; });
 }
 
 std::optional<Error> check(const std::vector<RegisterView>& views, const RegisterOptions& options) {
@@ -240,7 +233,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   JointOptions adjust;
   adjust.start_reach = step, adjust.contours = options.contours;
   if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
-  std::vector<AlikeTurn> alike;
+  AlikeSides alike;
   for (int changes_of_side = 4;;) {
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
@@ -251,9 +244,10 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
       continue;
     }
     if (options.arrangement != Arrangement::unknown) break;
-    alike = alike_turns(surfaces, joint.poses, used, context);
+    alike = alike_sides(surfaces, joint.poses, used, context);
     if (context.cancelled) return stopped;
-    if (changes_of_side-- == 0 || !to_better_side(alike, used, joint.poses)) break;
+    if (changes_of_side-- == 0 || alike.better.empty()) break;
+    joint.poses = alike.better;
   }
   if (!joint.free_directions.empty() && adjust.rounds > 0) {
     adjust.start_reach = step / 2;
@@ -261,14 +255,12 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (context.cancelled) return stopped;
   }
   // Without guesses a few views may agree by chance.
-  const bool sides_open = std::any_of(alike.begin(), alike.end(), [](const AlikeTurn& a) { return !a.open.empty(); });
-  const bool many_sides = alike_from_many_sides(alike), enough = enough_agree(used.size(), views.size(), sides_open) && !many_sides;
+  const bool sides_open = alike.any_open(), enough = enough_agree(used.size(), views.size(), sides_open);
   if (options.arrangement == Arrangement::unknown && !enough)
     for (const std::size_t v : used) {
       if (v == used.front()) continue;
       result.views[v].status = ViewStatus::refused;
-      if (many_sides) result.views[v].reason = "the part looks alike from three sides or more, and no guess says which of them each view shows";
-      else result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected " + enough_in_words(sides_open) +
+      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected " + enough_in_words(sides_open) +
                                " where no poses are known";
     }
   result.center = joint.center, result.covariance = with_free_motions(joint);
@@ -283,7 +275,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   if (result.turntable && !result.turntable->step_observed)
     result.warnings.push_back("the part is round about the axis of the table: the steps cannot be seen and are taken as equal parts of one turn");
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);
-  for (const AlikePlaces& places : result.alike) result.warnings.push_back("the part looks alike from two sides: " + places.words);
+  for (const AlikePlaces& places : result.alike) result.warnings.push_back("the part looks alike from " + std::string(places.angle < 0.97 * pi ? "several" : "two") + " sides: " + places.words);
   for (std::size_t v = 0; v < views.size(); ++v)
     if (result.views[v].status == ViewStatus::refused)
       result.warnings.push_back("view " + name_of(views, v) + " is not registered: " + result.views[v].reason);

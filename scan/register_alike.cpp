@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "core/number.h"
 #include "core/parallel.h"
@@ -146,12 +147,13 @@ std::vector<Pose> Turns::all() const {
   std::vector<Turn> families;
   for (const Turn& turn : turns)
     if (!continuous(stays, turn) && std::none_of(families.begin(), families.end(), [&](const Turn& f) { return continuous(f, turn); })) families.push_back(turn);
+  constexpr std::size_t most = 24;
   std::vector<Pose> result;
-  for (const Turn& turn : families) result.push_back(turn.pose);
+  for (std::size_t k = 0; k < std::min(most, families.size()); ++k) result.push_back(families[k].pose);
   return result;
 }
 
-/// Of every two views: as they lie, and with the first of them turned.
+/// Of every two views: the first turned, the other as it lies.
 using Table = std::vector<std::vector<Evidence>>;
 
 /// What `other` says to the places of a view that is turned.
@@ -176,6 +178,16 @@ Table evidence(const Placement& placement, const Pose& turn, int threads) {
   return table;
 }
 
+Table transposed(const Table& table) {
+  Table result = table;
+  for (std::size_t a = 0; a < table.size(); ++a)
+    for (std::size_t b = 0; b < table.size(); ++b) result[a][b] = table[b][a];
+  return result;
+}
+
+/// Which of the turns each view is turned by; 0 is none.
+using Sides = std::vector<std::size_t>;
+
 /// What changes if some views are turned.
 struct Change {
   double more = 0;      ///< against it than against the views as they lie, beyond what usually speaks against right poses
@@ -188,104 +200,202 @@ struct Change {
   double chance() const { return 4 * std::sqrt(variance + 4); }
 };
 
-/// Some of the views turned, the others not.
+/// All ways to share the views between the sides of a part. What two views say hangs on the turn between them alone.
 class Arrangements {
  public:
-  Arrangements(const Table& now, const Table& turned) : now_(now), turned_(turned) {
-    Evidence all;
-    for (const auto& row : now)
-      for (const Evidence& e : row) all += e;
-    usual_ = all.shared > 0 ? all.against / all.shared : 0;
-  }
-  std::size_t views() const { return now_.size(); }
+  Arrangements(const Placement& placement, const std::vector<Pose>& alike, Context& context);
+  std::size_t views() const { return views_; }
+  std::size_t turns() const { return poses_.size(); }
+  const Pose& turn(std::size_t t) const { return poses_[t]; }
 
-  Change of(const std::vector<std::uint8_t>& side) const {
-    Change change;
-    for (std::size_t a = 0; a < views(); ++a)
-      for (std::size_t b = 0; b < views(); ++b) {
-        if (!side[a] || side[b]) continue;
-        const Evidence &before = now_[a][b], &after = turned_[a][b];
-        change.more += after.against - before.against - usual_ * (after.shared - before.shared);
-        change.variance += after.against + before.against;
-      }
-    return change;
-  }
-
-  /// The least that speaks against turning no more than half of the views, one of them `first`: others follow it one by one, each the
-  /// one with which least does.
-  std::pair<Change, std::vector<std::uint8_t>> least(std::size_t first) const {
-    std::vector<std::uint8_t> side(views(), 0), best;
-    side[first] = 1;
-    Change least = of(side);
-    best = side;
-    for (std::size_t count = 2; 2 * count <= views(); ++count) {
-      std::size_t next = views();
-      Change with_next;
-      for (std::size_t v = 0; v < views(); ++v) {
-        if (side[v]) continue;
-        side[v] = 1;
-        const Change change = of(side);
-        side[v] = 0;
-        if (next == views() || change.more < with_next.more) next = v, with_next = change;
-      }
-      side[next] = 1;
-      if (with_next.surely_worse() < least.surely_worse()) least = with_next, best = side;
-    }
-    return {least, best};
-  }
+  /// The best that is reached from `sides` by moving one view after the other; the `held` stay.
+  Sides improved(Sides sides, const std::vector<std::size_t>& held) const;
+  Change change(const Sides& from, const Sides& to) const;
+  /// The same arrangement, seen from the side where most views are.
+  Sides from_most(const Sides& sides) const;
 
  private:
-  const Table &now_, &turned_;
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+  std::size_t find(const Pose& turn) const;
+  /// The same for b and a; nothing if no turn is known that leads from the one side to the other.
+  const Evidence* between(std::size_t a, std::size_t side_a, std::size_t b, std::size_t side_b) const {
+    if (a < b) std::swap(a, b), std::swap(side_a, side_b);
+    const std::size_t turn = after_[side_b][side_a];
+    return turn == none ? nullptr : &tables_[turn][a][b];
+  }
+  /// Of a view on each side beside another on one; what no turn is known for is not allowed.
+  const double* costs(std::size_t view, std::size_t other, std::size_t side) const { return &costs_[((view * views() + other) * turns() + side) * turns()]; }
+
+  std::size_t views_;
+  double size_ = 0;
+  Vec3 center_ = Vec3::Zero();
+  std::vector<Pose> poses_;
+  std::vector<Table> tables_;                    // of every turn
+  std::vector<std::vector<std::size_t>> after_;  // [b][a]: which turn leads from side b to side a
+  std::vector<double> costs_;                    // [view][other][side of other][side of view]
   double usual_ = 0;
 };
+
+Arrangements::Arrangements(const Placement& placement, const std::vector<Pose>& alike, Context& context) : views_(placement.placed.size()) {
+  for (const std::size_t v : placement.placed) {
+    center_ += placement.poses[v] * placement.surfaces[v].center / static_cast<double>(views_);
+    size_ = std::max(size_, placement.surfaces[v].radius);
+  }
+  poses_.push_back({}), tables_.push_back(evidence(placement, {}, context.threads));
+  for (const Pose& turn : alike) {
+    if (context.cancelled) break;
+    if (find(turn) != none) continue;
+    poses_.push_back(turn), tables_.push_back(evidence(placement, turn, context.threads));
+    if (find(turn.inverse()) == none) poses_.push_back(turn.inverse()), tables_.push_back(transposed(Table(tables_.back())));
+  }
+  Evidence all;
+  for (const auto& row : tables_[0])
+    for (const Evidence& e : row) all += e;
+  usual_ = all.shared > 0 ? all.against / all.shared : 0;
+  for (const Pose& b : poses_) {
+    after_.emplace_back();
+    for (const Pose& a : poses_) after_.back().push_back(find(b.inverse() * a));
+  }
+  // Found turns are not quite each other's inverses.
+  for (std::size_t b = 0; b < turns(); ++b)
+    for (std::size_t a = 0; a < b; ++a)
+      if (after_[b][a] == none || after_[a][b] == none) after_[b][a] = after_[a][b] = none;
+  constexpr double not_allowed = 1e7;
+  costs_.reserve(views() * views() * turns() * turns());
+  for (std::size_t a = 0; a < views(); ++a)
+    for (std::size_t b = 0; b < views(); ++b)
+      for (std::size_t side_b = 0; side_b < turns(); ++side_b)
+        for (std::size_t side_a = 0; side_a < turns(); ++side_a) {
+          const Evidence* e = between(a, side_a, b, side_b);
+          costs_.push_back(a == b ? 0 : e ? e->against - usual_ * e->shared : not_allowed);
+        }
+}
+
+std::size_t Arrangements::find(const Pose& turn) const {
+  constexpr double same = 0.05;  // rad, share of the radius
+  for (std::size_t t = 0; t < poses_.size(); ++t)
+    if (rotation_vector(poses_[t].rotation.transpose() * turn.rotation).norm() < same && (poses_[t] * center_ - turn * center_).norm() < same * size_) return t;
+  return none;
+}
+
+Sides Arrangements::improved(Sides sides, const std::vector<std::size_t>& held) const {
+  for (;;) {
+    // What each view costs on each side while the others stay where they are.
+    std::vector<double> sum(views() * turns(), 0);
+    for (std::size_t v = 0; v < views(); ++v)
+      for (std::size_t w = 0; w < views(); ++w)
+        for (std::size_t s = 0; s < turns(); ++s) sum[v * turns() + s] += costs(v, w, sides[w])[s];
+    // Every view moves once, for better or worse, the best move first: what several do together is found so.
+    std::vector<std::uint8_t> stays(views(), 0);
+    for (const std::size_t v : held) stays[v] = 1;
+    Sides moved = sides, best = sides;
+    double so_far = 0, least = -0.01;  // of a place
+    for (std::size_t step = held.size(); step < views(); ++step) {
+      std::size_t view = none, side = 0;
+      double more = 0;
+      for (std::size_t v = 0; v < views(); ++v)
+        for (std::size_t s = 0; s < turns() && !stays[v]; ++s)
+          if (const double change = sum[v * turns() + s] - sum[v * turns() + moved[v]]; s != moved[v] && (view == none || change < more)) view = v, side = s, more = change;
+      if (view == none) break;
+      for (std::size_t w = 0; w < views(); ++w)
+        for (std::size_t s = 0; s < turns(); ++s) sum[w * turns() + s] += costs(w, view, side)[s] - costs(w, view, moved[view])[s];
+      moved[view] = side, stays[view] = 1, so_far += more;
+      if (so_far < least) least = so_far, best = moved;
+    }
+    if (best == sides) return sides;
+    sides = best;
+  }
+}
+
+Change Arrangements::change(const Sides& from, const Sides& to) const {
+  Change change;
+  for (std::size_t a = 0; a < views(); ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      const Evidence *before = between(a, from[a], b, from[b]), *after = between(a, to[a], b, to[b]);
+      if (before == after) continue;
+      if (!after) return {1e9, 0};
+      change.more += after->against - before->against - usual_ * (after->shared - before->shared);
+      change.variance += after->against + before->against;
+    }
+  return change;
+}
+
+Sides Arrangements::from_most(const Sides& sides) const {
+  std::vector<std::size_t> count(turns(), 0);
+  for (const std::size_t s : sides) ++count[s];
+  const auto most = static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin());
+  Sides result;
+  for (const std::size_t s : sides) result.push_back(after_[most][s]);
+  return result;
+}
 
 }  // namespace
 
 bool alike_after(const Placement& placement, const Pose& motion) { return laid_onto_itself(placement, motion).alike(); }
 
-std::vector<AlikeTurn> alike_turns(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views,
-                                   Context& context) {
-  std::vector<AlikeTurn> result;
+bool AlikeSides::any_open() const {
+  return std::any_of(turns.begin(), turns.end(), [](const AlikeTurn& t) { return !t.open.empty(); });
+}
+
+AlikeSides alike_sides(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views, Context& context) {
+  AlikeSides result;
   if (views.size() < 2) return result;
   const Placement placement{surfaces, poses, views, confirm_reach(surfaces)};
   const std::vector<Pose> turns = Turns(placement, context.threads).all();
   if (turns.empty()) return result;
-  const Table now = evidence(placement, {}, context.threads);
-  for (const Pose& turn : turns) {
-    if (context.cancelled) break;
-    const Table turned = evidence(placement, turn, context.threads);
-    const Arrangements arrangements(now, turned);
-    AlikeTurn alike;
-    alike.turn = turn;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      const auto [change, side] = arrangements.least(v);
-      if (change.surely_worse() <= 0) alike.open.push_back(views[v]);
-      const double gain = change.surely_better();
-      if (gain <= alike.gain) continue;
-      alike.gain = gain, alike.better.clear();
-      for (std::size_t k = 0; k < views.size(); ++k)
-        if (side[k]) alike.better.push_back(views[k]);
-    }
-    std::string names, better;
-    for (const auto v : alike.open) names += " " + std::to_string(v);
-    for (const auto v : alike.better) better += " " + std::to_string(v);
-    context.say("alike after a turn by " + print_number(rotation_vector(turn.rotation).norm() * 180 / pi) + " degrees: open" + names + ", better turned" + better);
-    result.push_back(std::move(alike));
+  const Arrangements arrangements(placement, turns, context);
+  if (context.cancelled) return result;
+  // With one view turned and another not: the best of all others.
+  const std::size_t n = views.size();
+  const auto others = [&](const Sides& from) {
+    constexpr std::size_t most_fixed = 12;
+    const std::size_t stride = std::max<std::size_t>(1, n / most_fixed);
+    std::vector<Sides> found;
+    for (std::size_t fixed = 0; fixed < n; fixed += stride)
+      for (std::size_t v = 0; v < n; ++v)
+        for (std::size_t t = 1; t < arrangements.turns() && v != fixed; ++t) {
+          Sides sides = from;
+          sides[v] = t;
+          found.push_back(arrangements.improved(std::move(sides), {fixed, v}));
+        }
+    return found;
+  };
+  const Sides now(n, 0);
+  Sides best = now;
+  std::vector<Sides> found = others(now);
+  const auto better = [&] {
+    const Sides* most = nullptr;
+    double gain = 0;
+    for (const Sides& sides : found)
+      if (const double g = arrangements.change(best, sides).surely_better(); g > gain) gain = g, most = &sides;
+    if (most) best = Sides(*most);
+    return most != nullptr;
+  };
+  while (better()) found = others(best);
+  if (best != now) {
+    const Pose back = arrangements.turn(best[0]).inverse();
+    result.better = poses;
+    for (std::size_t k = 0; k < n; ++k)
+      if (best[k] != best[0]) result.better[views[k]] = back * arrangements.turn(best[k]) * poses[views[k]];
   }
+  for (std::size_t t = 1; t < arrangements.turns(); ++t) result.turns.push_back({arrangements.turn(t), {}});
+  std::vector<std::vector<std::uint8_t>> open(arrangements.turns(), std::vector<std::uint8_t>(n, 0));
+  for (const Sides& sides : found) {
+    if (arrangements.change(best, sides).surely_worse() > 0) continue;
+    const Sides seen = arrangements.from_most(sides);
+    for (std::size_t k = 0; k < n; ++k)
+      if (seen[k] != 0) open[seen[k]][k] = 1;
+  }
+  for (std::size_t t = 1; t < arrangements.turns(); ++t) {
+    std::string names;
+    for (std::size_t k = 0; k < n; ++k)
+      if (open[t][k]) result.turns[t - 1].open.push_back(views[k]), names += " " + std::to_string(views[k]);
+    context.say("alike after a turn by " + print_number(rotation_vector(arrangements.turn(t).rotation).norm() * 180 / pi) + " degrees: open" + names);
+  }
+  std::string moved;
+  for (const std::size_t s : best) moved += " " + std::to_string(s);
+  if (best != now) context.say("better on sides" + moved);
   return result;
-}
-
-bool to_better_side(const std::vector<AlikeTurn>& turns, const std::vector<std::size_t>& views, std::vector<Pose>& poses) {
-  const AlikeTurn* best = nullptr;
-  for (const AlikeTurn& turn : turns)
-    if (turn.gain > (best ? best->gain : 0)) best = &turn;
-  if (!best) return false;
-  const auto turned = [&](std::size_t v) { return std::find(best->better.begin(), best->better.end(), v) != best->better.end(); };
-  const bool others = turned(views.front());
-  const Pose motion = others ? best->turn.inverse() : best->turn;
-  for (const std::size_t v : views)
-    if (turned(v) != others) poses[v] = motion * poses[v];
-  return true;
 }
 
 }  // namespace partscribe

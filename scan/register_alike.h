@@ -1,4 +1,4 @@
-/// Parts that some turn lays onto themselves, all but a little: many a view could stand on the other side as well.
+/// Parts that some turn lays onto themselves, all but a little: many a view could stand on another side as well.
 #pragma once
 
 #include <vector>
@@ -7,24 +7,25 @@
 
 namespace partscribe {
 
-/// A turn that lays most of the placed surfaces onto themselves, and what the views say to it.
+/// A turn that lays most of the placed surfaces onto themselves.
 struct AlikeTurn {
-  Pose turn;                        ///< world_from_world
-  std::vector<std::size_t> better;  ///< views that clearly lie better if all of these are turned by it and the others stay
-  double gain = 0;                  ///< places less that then speak against it, beyond chance; 0 if `better` is empty
-  std::vector<std::size_t> open;    ///< views that lie as well if they, alone or with some others, are turned by it: nothing tells
+  Pose turn;                      ///< world_from_world
+  std::vector<std::size_t> open;  ///< views that lie as well if they, alone or with some others, are turned by it: nothing tells
 };
 
-/// Every arrangement of the views on the two sides is held against the present one, by the places that one view measured where
-/// another saw through, saw nothing or measured another surface; pairs of views on one side say the same in both. Places beside creases
-/// do not count. A part that may be turned continuously (round about an axis) is not meant, that is a free motion. `poses`:
-/// world_from_view; `views` are those that are placed.
-std::vector<AlikeTurn> alike_turns(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views,
-                                   Context& context);
+/// What the views say of the turns after which the part looks alike.
+struct AlikeSides {
+  std::vector<AlikeTurn> turns;
+  std::vector<Pose> better;  ///< poses of all views on the sides where clearly less speaks against them; empty if nothing is better
 
-/// Turns the `better` views of that which gains most; where the first of `views` is one of them, all the others instead, the other way.
-/// False if nothing is better.
-bool to_better_side(const std::vector<AlikeTurn>& turns, const std::vector<std::size_t>& views, std::vector<Pose>& poses);
+  bool any_open() const;
+};
+
+/// Other arrangements of the views on the sides that look alike, two or more, are held against the present one, by the places that one
+/// view measured where another saw through, saw nothing or measured another surface; pairs of views that go over together say the same in
+/// both. Places beside creases do not count. A part that may be turned continuously (round about an axis) is not meant, that is a free
+/// motion. `poses`: world_from_view; `views` are those that are placed, of which the first stays.
+AlikeSides alike_sides(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views, Context& context);
 
 /// Whether a motion lays the surface of placed views onto itself as far as they tell; the far side may be unseen.
 bool alike_after(const Placement& placement, const Pose& motion);

@@ -344,7 +344,7 @@ void grow(Growth& growth, const std::vector<PairCandidates>& pairs, const std::v
 /// Hardly less than are asked for in the end: of two parts seven of ten views, that were all ten after that.
 bool worth_trying_again(std::size_t placed, std::size_t of) { return 5 * placed >= 3 * of; }
 
-/// Views that a part alike from two sides let stand on the wrong one go over, as many together as that takes.
+/// Views that a part alike from several sides let stand on a wrong one go over, as many together as that takes.
 void to_better_sides(Growth& growth, Context& context) {
   constexpr int most_rounds = 4;
   double spacing = 0;
@@ -353,27 +353,27 @@ void to_better_sides(Growth& growth, Context& context) {
   adjust.start_reach = 6 * spacing, adjust.contours = growth.options.contours, adjust.roughly = true;
   for (int round = 0; round < most_rounds && !context.cancelled; ++round) {
     std::vector<Pose> poses = adjust_jointly(growth.surfaces, growth.result.poses, growth.placed, adjust, context).poses;
-    if (!to_better_side(alike_turns(growth.surfaces, poses, growth.placed, context), growth.placed, poses)) return;
-    growth.result.poses = std::move(poses);
+    AlikeSides sides = alike_sides(growth.surfaces, poses, growth.placed, context);
+    if (sides.better.empty()) return;
+    growth.result.poses = std::move(sides.better);
   }
 }
 
-/// Of coarse images creases hide what tells the sides of a part apart: of blocks alike from two sides, seen with 60 to 140 pixels, six of
-/// 36 came out wrong where this was not asked, their two halves upon one another or half a turn round. `places`: in a radius, of most views.
-bool fine_enough(const std::vector<ViewSurface>& surfaces, const std::vector<std::size_t>& views, double places) {
+/// Of coarse images creases hide what tells the sides of a part apart: of blocks alike from two sides, seen with 60 pixels, four
+/// of 12 came out with their two halves upon one another or half a turn round where this was not asked.
+bool fine_enough(const std::vector<ViewSurface>& surfaces, const std::vector<std::size_t>& views) {
+  constexpr double places_in_a_radius = 14;
   std::vector<double> of;
   for (const std::size_t v : views) of.push_back(surfaces[v].radius / surfaces[v].spacing);
-  return median(std::move(of)) > places;
+  return median(std::move(of)) > places_in_a_radius;
 }
-constexpr double places_for_some = 14;  ///< most views know their side
-constexpr double places_for_all = 50;   ///< hardly two do
 
 /// Each view is tried in other places once all are there: what was best while few were placed need not be so among all. The most
 /// contradicted first, until none moves; what fits elsewhere no worse then is not known.
 void place_again(Growth& growth, const std::vector<PairCandidates>& pairs, const std::vector<std::size_t>& usable, Context& context) {
   constexpr int most_rounds = 4;
   constexpr double moves = 0.1;  // rad, share of the radius
-  growth.nearly_whole = true, growth.either_side = fine_enough(growth.surfaces, usable, places_for_some);
+  growth.nearly_whole = true, growth.either_side = fine_enough(growth.surfaces, usable);
   std::vector<std::size_t>& placed = growth.placed;
   StartResult& result = growth.result;
   std::vector<std::size_t> asked = placed, unsure;
@@ -442,7 +442,7 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
     if (growth.placed.size() > most) most = growth.placed.size(), result = growth.result, largest = growth.placed;
   }
   bool either_side = false;
-  if (!worth_trying_again(most, usable.size()) && !largest.empty() && fine_enough(surfaces, usable, places_for_all)) {
+  if (!worth_trying_again(most, usable.size()) && !largest.empty() && fine_enough(surfaces, usable)) {
     Growth growth{surfaces, none, options, 0, confirm_reach(surfaces), {}, result, largest, false};
     growth.either_side = true;
     grow(growth, pairs, usable, context);

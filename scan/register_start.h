@@ -30,7 +30,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
 /// eight were refused that spoke against one 2.8 mm off.
 inline bool enough_agree(std::size_t views, std::size_t of, bool either_side) { return either_side ? 10 * views >= 9 * of : 4 * views >= 3 * of; }
 /// That share in words.
-inline const char* enough_in_words(bool either_side) { return either_side ? "nine tenths of a part alike from two sides" : "three quarters"; }
+inline const char* enough_in_words(bool either_side) { return either_side ? "nine tenths of a part alike from several sides" : "three quarters"; }
 
 /// Without guesses: every two views are compared by their features and planes, the pair that agrees best comes first, then the
 /// view that agrees best with all that are placed. World is the frame of the first view that is placed.
