@@ -66,6 +66,25 @@ std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, co
   return result;
 }
 
+/// Their words without those that follow from others: of a hexagonal nut a sixth of a turn says what a third and half a turn would.
+std::vector<std::string> in_short(std::vector<AlikePlaces> places) {
+  constexpr double same = 0.02;  // rad; unit axes
+  std::stable_sort(places.begin(), places.end(), [](const AlikePlaces& a, const AlikePlaces& b) { return a.angle < b.angle - same; });
+  std::vector<std::string> words;
+  std::vector<AlikePlaces> said;
+  for (const AlikePlaces& p : places) {
+    const Mat3 turn = rotation_of(p.angle * p.axis);
+    const bool follows = std::any_of(said.begin(), said.end(), [&](const AlikePlaces& s) {
+      const double times = std::round(p.angle / s.angle);
+      const auto is = [&](double angle) { return rotation_vector(turn.transpose() * rotation_of(angle * s.axis)).norm() < same * times; };
+      return p.views == s.views && (is(times * s.angle) || is(-times * s.angle));
+    });
+    if (follows) continue;
+    said.push_back(p), words.push_back(p.words);
+  }
+  return words;
+}
+
 std::optional<Error> check(const std::vector<RegisterView>& views, const RegisterOptions& options) {
   if (options.method == PairMethod::paper && options.arrangement != Arrangement::guessed)
     return usage_error("expected guesses of the poses for registration as published, found another arrangement");
@@ -275,7 +294,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   if (result.turntable && !result.turntable->step_observed)
     result.warnings.push_back("the part is round about the axis of the table: the steps cannot be seen and are taken as equal parts of one turn");
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);
-  for (const AlikePlaces& places : result.alike) result.warnings.push_back("the part looks alike from " + std::string(places.angle < 0.97 * pi ? "several" : "two") + " sides: " + places.words);
+  for (const std::string& words : in_short(result.alike)) result.warnings.push_back("the part looks alike from several sides: " + words);
   for (std::size_t v = 0; v < views.size(); ++v)
     if (result.views[v].status == ViewStatus::refused)
       result.warnings.push_back("view " + name_of(views, v) + " is not registered: " + result.views[v].reason);

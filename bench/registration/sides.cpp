@@ -7,14 +7,12 @@
 namespace partscribe::registration_cases {
 namespace {
 
-/// Each of the turns taken once, either way, or not.
+/// Where it was put, and turned by each of the turns after which it is said to fit as well.
 std::vector<Pose> places_of(const Registration& registration, std::size_t view) {
-  std::vector<Pose> places{registration.views[view].world_from_view};
-  for (const AlikePlaces& alike : registration.alike) {
-    if (std::find(alike.views.begin(), alike.views.end(), view) == alike.views.end()) continue;
-    const Pose turn = rotation_about(alike.point, alike.axis, alike.angle);
-    for (std::size_t k = 0, before = places.size(); k < before; ++k) places.push_back(turn * places[k]), places.push_back(turn.inverse() * places[k]);
-  }
+  const Pose& placed = registration.views[view].world_from_view;
+  std::vector<Pose> places{placed};
+  for (const AlikePlaces& alike : registration.alike)
+    if (std::find(alike.views.begin(), alike.views.end(), view) != alike.views.end()) places.push_back(rotation_about(alike.point, alike.axis, alike.angle) * placed);
   return places;
 }
 
