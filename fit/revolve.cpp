@@ -249,13 +249,9 @@ ProfileSegment flat_end(const Vec2& from, const Vec2& to) {
   return s;
 }
 
-/// Where a chain ends on the axis, and how far from it a piece along it is no wall yet, in mm.
-struct NearAxis {
-  double ends = 0, no_wall = 0;
-};
-
-/// The chain's pieces in order with the solid on the left, closed at ends that were not scanned.
-std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double cell, const NearAxis& near, double tolerance) {
+/// The chain's pieces in order with the solid on the left, closed at ends that were not scanned. Nearer to the axis than `at_axis` mm a chain ends
+/// on it, and what runs along it is no wall.
+std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double cell, double at_axis, double tolerance) {
   std::vector<Vec2> polygon;
   const Vec2 first = chain.nodes.front().position, last = chain.nodes.back().position;
   for (const auto& node : chain.nodes) polygon.push_back(node.position);
@@ -270,7 +266,7 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
   if (loop.segments.empty()) return {};
   loop.axis_to_axis = !chain.closed;
   if (chain.closed) return loop;
-  const bool starts = chain.nodes.front().position.x() < near.ends, ends = chain.nodes.back().position.x() < near.ends;
+  const bool starts = chain.nodes.front().position.x() < at_axis, ends = chain.nodes.back().position.x() < at_axis;
   // Two ends on the same bore wall: the bore goes through, its middle was not seen.
   const auto& a = loop.segments.back();
   const auto& b = loop.segments.front();
@@ -289,7 +285,7 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
   }
   // A first or last piece along the axis is no surface.
   auto along_axis = [&](const ProfileSegment& s) {
-    return !s.arc && !s.spline && std::max(s.start.x(), s.end.x()) < near.no_wall && std::abs(s.direction.x()) < 0.5;
+    return !s.arc && !s.spline && std::max(s.start.x(), s.end.x()) < at_axis && std::abs(s.direction.x()) < 0.5;
   };
   while (loop.segments.size() > 2 && along_axis(loop.segments.front())) loop.segments.erase(loop.segments.begin());
   while (loop.segments.size() > 2 && along_axis(loop.segments.back())) loop.segments.pop_back();
@@ -530,14 +526,14 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
         options.spline = spline;
         options.size = outline / 2;
         if (!arcs) options.arc_cost = 1e9;
-        const auto loop = loop_of(chains[0], options, nodes.cell, {chain_options.axis, chain_options.axis}, input.tolerance);
+        const auto loop = loop_of(chains[0], options, nodes.cell, chain_options.axis, input.tolerance);
         if (!loop) continue;
         // Many lines in place of few arcs are round after all.
         if (arcs) pieces = loop->segments.size();
         else if (loop->segments.size() > pieces + 2) continue;
         propose_and_square(*loop);
-        // Beyond what noise moves from the axis a piece along it may be the wall of a thin step.
-        const auto stepped = loop_of(chains[0], options, nodes.cell, {chain_options.axis, at_noise * nodes.cell}, input.tolerance);
+        // Beyond what noise moves from the axis a piece along it may be the wall of a thin step, whose end was not seen.
+        const auto stepped = loop_of(chains[0], options, nodes.cell, at_noise * nodes.cell, input.tolerance);
         if (stepped && stepped->segments.size() != loop->segments.size()) propose_and_square(*stepped);
       }
     }

@@ -122,7 +122,8 @@ TEST_CASE("recovery: the step of a turned part that 63 or 132 points of 3,800 sh
 }
 
 TEST_CASE("recovery: the wall of a thin step is no piece of the axis") {
-  check_right({{"revolve", hardest_conditions(), 77}});
+  // Of 242 its end was hardly seen: the wall goes no further, not on to where it would meet the axis, 640 mm away.
+  check_right({{"revolve", hardest_conditions(), 77}, {"revolve", standard_conditions(), 242}});
 }
 
 TEST_CASE("recovery: an angle of which no wall of the notch was seen is one where its end faces show it") {
