@@ -132,12 +132,6 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   return j;
 }
 
-/// By how many points a shape must explain more than a simpler one: where there are many strays, any shape explains some.
-double worth_a_shape(const FitInput& input) {
-  const double points = double(input.cloud.size());
-  return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
-}
-
 /// Nats by which `a` explains better than `b` where their flat faces end. Among strays, where sparse points were set aside as well, that
 /// says little; nor does it outweigh much that is `ahead` in everything else.
 double ends_told(const Candidate& a, const Candidate& b, double ahead, const FitInput& input) {

@@ -1,6 +1,7 @@
 /// How well a candidate explains the data, and what its description costs.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -26,6 +27,12 @@ constexpr double more_likely = 20;  ///< nats by which a longer description must
 /// The same where it is of another procedure: a body of another kind bends to strays in all its places.
 inline double far_more_likely(double stray_share, std::size_t points) { return more_likely + 0.1 * stray_share * double(points); }
 inline double far_more_likely(const FitInput& input) { return far_more_likely(input.stray_share, input.cloud.size()); }
+
+/// By how many points a shape must explain more than a simpler one: where there are many strays, any shape explains some.
+inline double worth_a_shape(const FitInput& input) {
+  const double points = double(input.cloud.size());
+  return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
+}
 
 /// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.
 std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Context& context);

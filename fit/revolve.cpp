@@ -9,7 +9,9 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "fit/equal_choices.h"
+#include "fit/evidence.h"
 #include "fit/sketch_builder.h"
+#include "fit/sparse_step.h"
 #include "fit/turned_primitives.h"
 #include "geometry/nearby_in_plane.h"
 
@@ -247,7 +249,8 @@ ProfileSegment flat_end(const Vec2& from, const Vec2& to) {
   return s;
 }
 
-/// The chain's pieces in order with the solid on the left, closed at ends that were not scanned.
+/// The chain's pieces in order with the solid on the left, closed at ends that were not scanned. Nearer to the axis than `at_axis` mm a chain ends
+/// on it, and what runs along it is no wall.
 std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double cell, double at_axis, double tolerance) {
   std::vector<Vec2> polygon;
   const Vec2 first = chain.nodes.front().position, last = chain.nodes.back().position;
@@ -306,6 +309,30 @@ std::optional<LoopPieces> closed_at_rim(const LoopPieces& loop) {
   LoopPieces result = loop;
   result.segments.erase(result.segments.begin()), result.segments.pop_back();
   result.axis_to_axis = false;
+  return result;
+}
+
+/// The same with another step on top of its last face (`sign` 1) or below its first one (-1): one whose wall was taken for strays, `places` of
+/// which are given as radii and heights. Nothing if there is none, or if the profile ends there in no flat face.
+std::optional<LoopPieces> with_step_aside(const LoopPieces& loop, const std::vector<Vec2>& places, double sign, double noise, std::size_t least) {
+  if (!loop.axis_to_axis || loop.segments.size() < 3) return {};
+  const bool up = sign > 0;
+  const ProfileSegment& end = up ? loop.segments.back() : loop.segments.front();
+  if (end.arc || end.spline || std::abs(end.direction.y()) > 0.1) return {};
+  const Vec2 edge = up ? end.start : end.end;
+  const auto found = step_beyond(places, edge.y(), sign, noise, least);
+  if (!found) return {};
+  const Vec2 foot(found->radius, edge.y()), top(found->radius, found->end);
+  ProfileSegment shoulder = end, wall;
+  shoulder.start = up ? edge : foot, shoulder.end = up ? foot : edge;
+  shoulder.direction = Vec2::UnitX() * (shoulder.end.x() < shoulder.start.x() ? -1 : 1);
+  wall.start = up ? foot : top, wall.end = up ? top : foot;
+  wall.point = 0.5 * (foot + top), wall.direction = Vec2::UnitY();
+  wall.points = double(found->points);
+  LoopPieces result = loop;
+  auto& pieces = result.segments;
+  if (up) pieces.back() = shoulder, pieces.push_back(wall), pieces.push_back(flat_end(top, {0, top.y()}));
+  else pieces.front() = shoulder, pieces.insert(pieces.begin(), {flat_end({0, top.y()}, top), wall});
   return result;
 }
 
@@ -407,6 +434,13 @@ void simplify(Candidate& candidate) {
   }
 }
 
+/// Radii and heights of the points that were set aside.
+std::vector<Vec2> places_aside(const FitInput& input, const Axis& axis) {
+  std::vector<Vec2> places;
+  for (const Vec3& p : input.set_aside.points) places.push_back(turned(p, axis).place);
+  return places;
+}
+
 /// Nodes of a profile, and what they blur.
 struct ProfileNodes {
   double cell = 0;   ///< mm between them
@@ -449,6 +483,9 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
   chain_options.axis = std::max(4 * nodes.cell + input.tolerance, 3 * input.thin_spacing);
   // What goes on beyond a corner in the band of noise is no end of the profile.
   if (nodes.blur > 0) chain_options.least = 6;
+  constexpr double at_noise = 2;  // cells
+  const std::vector<Vec2> aside = places_aside(input, axis);
+  const auto least_of_step = static_cast<std::size_t>(worth_a_shape(input));
   const auto chains = chains_of(points, chain_options);
   if (chains.empty()) return {};
   std::vector<std::array<std::size_t, 4>> seen;  // what was proposed already: pieces, arcs, walls, control points
@@ -469,6 +506,15 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
     if (!std::holds_alternative<Revolve>(c.shape) && !primitives.insert(kind).second) return;
     candidates.push_back(std::move(c));
   };
+  const auto propose_and_square = [&](const LoopPieces& loop) {
+    propose(loop);
+    for (const double sign : {1.0, -1.0})
+      if (const auto step = with_step_aside(loop, aside, sign, nodes.noise, least_of_step)) propose(*step);
+    if (const auto rim = closed_at_rim(loop)) propose(*rim);
+    if (nodes.blur == 0) return;
+    for (const bool corners_stay : {false, true})
+      if (const auto square = with_square_steps(loop, nodes.blur, corners_stay)) propose(*square);
+  };
   for (const double share : {0.35, 0.15, 0.07, 0.03})
     for (const double spline : {0.0, 0.15 * input.tolerance}) {
       std::size_t pieces = 0;
@@ -485,11 +531,10 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
         // Many lines in place of few arcs are round after all.
         if (arcs) pieces = loop->segments.size();
         else if (loop->segments.size() > pieces + 2) continue;
-        propose(*loop);
-        if (const auto rim = closed_at_rim(*loop)) propose(*rim);
-        if (nodes.blur == 0) continue;
-        for (const bool corners_stay : {false, true})
-          if (const auto square = with_square_steps(*loop, nodes.blur, corners_stay)) propose(*square);
+        propose_and_square(*loop);
+        // Beyond what noise moves from the axis a piece along it may be the wall of a thin step, whose end was not seen.
+        const auto stepped = loop_of(chains[0], options, nodes.cell, at_noise * nodes.cell, input.tolerance);
+        if (stepped && stepped->segments.size() != loop->segments.size()) propose_and_square(*stepped);
       }
     }
   return chains[0];

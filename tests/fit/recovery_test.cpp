@@ -116,6 +116,16 @@ TEST_CASE("recovery: a face of a polyhedron that few points show is one, and no 
   check_right({{"half_spaces", standard_conditions(), 129}, {"half_spaces", standard_conditions(), 152}});
 }
 
+TEST_CASE("recovery: the step of a turned part that 63 or 132 points of 3,800 show is no heap of strays") {
+  // So sparse that no local plane holds its neighbours: all of them pass for strays, and a plain rod is within tolerance of the others.
+  check_right({{"revolve", standard_conditions(), 204}, {"revolve", standard_conditions(), 223}});
+}
+
+TEST_CASE("recovery: the wall of a thin step is no piece of the axis") {
+  // Of 242 its end was hardly seen: the wall goes no further, not on to where it would meet the axis, 640 mm away.
+  check_right({{"revolve", hardest_conditions(), 77}, {"revolve", standard_conditions(), 242}});
+}
+
 TEST_CASE("recovery: an angle of which no wall of the notch was seen is one where its end faces show it") {
   check_right({{"extrude", standard_conditions(), 98}, {"extrude", standard_conditions(), 198}});
 }

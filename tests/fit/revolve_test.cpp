@@ -88,6 +88,27 @@ TEST_CASE("revolve: a wall of which few points were seen belongs to the profile"
   }));
 }
 
+TEST_CASE("revolve: the wall of a step hardly thicker than the nodes are wide is no part of the axis") {
+  Loop loop;
+  loop.name = "profile";
+  loop.elements = {SketchPoint{0, 0, ""}, SketchPoint{20, 0, ""}, SketchPoint{20, 30, ""}, SketchPoint{4, 30, ""}, SketchPoint{4, 74, ""}, SketchPoint{0, 74, ""}};
+  Model model;
+  model.objects.push_back({"part", Revolve{{{loop}}}, {}, {}, {}});
+  model.as_scanned = false;
+  Scan scan = test::sampled(model, {.points = 4000, .noise = 0.2, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
+  // Of its end nothing was seen: what lies nearest to the axis is this wall.
+  std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() > 73; });
+  Context context;
+  const auto input = prepare(scan, 4, context);
+  REQUIRE(input);
+  auto candidates = propose_revolves(*input, {Vec3(0.1, 0, 1)}, context);
+  CHECK(std::any_of(candidates.begin(), candidates.end(), [&](Candidate& c) {
+    if (!std::holds_alternative<Revolve>(c.shape) || c.parameters.size() > 6) return false;
+    refine(c, *input, {.points = 6000, .uncertainty = false}, context);
+    return std::abs(nearest_value(c, 20) - 20) < 0.3 && std::abs(nearest_value(c, 4) - 4) < 0.3 && evidence_of(c, *input, context).local_max < input->tolerance;
+  }));
+}
+
 TEST_CASE("revolve: a profile is closed at a rim of which nobody saw enough") {
   // A cone's shell with a hole on top; nothing was seen of the hole's lower edge.
   Loop loop;
