@@ -66,6 +66,21 @@ std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, co
   return result;
 }
 
+/// Of a part that a sixth or a quarter of a turn lays onto itself views of different sides are the same picture, and contradict nobody where
+/// they come to lie upon one another: of a prism all alike four upper and four lower views stood 8 to 18 degrees apart instead of 71.
+bool upon_one_another(const AlikeSides& alike, const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views) {
+  constexpr double half = 0.97 * pi;
+  const double near = std::cos(radians(25));
+  if (std::none_of(alike.turns.begin(), alike.turns.end(), [](const AlikeTurn& t) { return !t.open.empty() && rotation_vector(t.turn.rotation).norm() < half; })) return false;
+  std::vector<Vec3> sights;
+  for (const std::size_t v : views) {
+    const Vec3 sight = poses[v].rotation * surfaces[v].raster.ray(surfaces[v].center);
+    if (std::any_of(sights.begin(), sights.end(), [&](const Vec3& s) { return s.dot(sight) > near; })) return true;
+    sights.push_back(sight);
+  }
+  return false;
+}
+
 /// Their words without those that follow from others: of a hexagonal nut a sixth of a turn says what a third and half a turn would.
 std::vector<std::string> in_short(std::vector<AlikePlaces> places) {
   constexpr double same = 0.02;  // rad; unit axes
@@ -273,20 +288,26 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     result.free_motions = followed_motions(surfaces, joint, start.joined, used, adjust, context);
     if (context.cancelled) return stopped;
   }
-  // Without guesses a few views may agree by chance.
-  const bool sides_open = alike.any_open(), enough = enough_agree(used.size(), views.size(), sides_open);
-  if (options.arrangement == Arrangement::unknown && !enough)
+  if (options.arrangement == Arrangement::unknown) {
+    // Without guesses a few views may agree by chance. Which side a view shows is told by others, and those that slide lie where they
+    // contradict nobody: of a prism three views of eight came out a third of a turn round so.
+    const bool sides_open = alike.any_open(), enough = enough_agree(used.size(), views.size(), sides_open);
+    const bool on_sides = std::any_of(used.begin(), used.end(), [&](std::size_t v) { return start.on_a_side[v] != 0; });
+    const bool some_slide = std::any_of(result.free_motions.begin(), result.free_motions.end(), [&](const FreeMotion& m) { return 2 * m.views.size() < used.size(); });
+    const bool sides_known = (!on_sides || (!some_slide && !alike.turns.empty())) && !upon_one_another(alike, surfaces, joint.poses, used);
     for (const std::size_t v : used) {
-      if (v == used.front()) continue;
+      if (v == used.front() || (enough && sides_known)) continue;
       result.views[v].status = ViewStatus::refused;
-      result.views[v].reason = "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected " + enough_in_words(sides_open) +
-                               " where no poses are known";
+      result.views[v].reason = enough ? "the part looks alike from several sides, and nothing tells which of them each view shows"
+                                      : "only " + std::to_string(used.size()) + " of " + std::to_string(views.size()) + " views agree, expected " + enough_in_words(sides_open) +
+                                            " where no poses are known";
     }
+    if (enough && sides_known) result.alike = alike_places(views, alike, joint.center);
+  }
   result.center = joint.center, result.covariance = with_free_motions(joint);
   for (const auto& row : joint.gap)
     for (const double gap : row) result.worst_gap = std::max(result.worst_gap, gap);
   name_motions(views, result.free_motions);
-  if (enough) result.alike = alike_places(views, alike, joint.center);
   if (result.turntable && !result.turntable->steps.empty() && used.size() == views.size()) *result.turntable = table_of(joint.poses, surfaces[0].center);
   // The last view has turned by all the steps together.
   if (result.turntable && result.turntable->step_observed)

@@ -136,10 +136,12 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   // one another, and the right place, uncontradicted, shows a third as much.
   const double little = guessed && others.size() == 1 ? 0.2 : nearly_whole ? 0.35 : 0.5;
   reason.clear();
+  result.on_a_side[view] = 0;
   for (std::size_t k = 1; k < found.size(); ++k) {
     if (same_place(surface, found[k].pose, found[0].pose, 0.03, 0.05 * surface.radius) || clearly_better(found[0].agreement, found[k].agreement, little)) continue;
     if (!connected(placement, view, found[0], found[k])) {
       if (either_side && alike_after(placement, found[k].pose * found[0].pose.inverse())) {
+        result.on_a_side[view] = 1;
         if (clearly_better(found[k].agreement, chosen.agreement, little)) chosen = found[k];
         continue;
       }
@@ -196,7 +198,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
                                const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   Growth growth{surfaces, guesses, options, 0, confirm_reach(surfaces), turns_within(options.guess_angle),
-                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n)}, {}, true};
+                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n), std::vector<std::uint8_t>(n, 0)}, {}, true};
   StartResult& result = growth.result;
   std::vector<std::size_t> usable;
   Box3 box;
@@ -417,7 +419,7 @@ void place_again(Growth& growth, const std::vector<PairCandidates>& pairs, const
 StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   const std::vector<Pose> none(n);
-  const StartResult nothing{none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n)};
+  const StartResult nothing{none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n), std::vector<std::uint8_t>(n, 0)};
   StartResult result = nothing;
   std::vector<std::size_t> usable;
   for (std::size_t v = 0; v < n; ++v)

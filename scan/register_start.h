@@ -14,6 +14,8 @@ struct StartResult {
   std::vector<std::string> reason;   ///< why a view could not be placed
   /// World motions of each view that lead, by a way that fits all along, to poses that fit as well; may be empty.
   std::vector<std::vector<Pose>> joined;
+  /// Views that were put on one of several sides from which those placed before look alike; may be empty.
+  std::vector<std::uint8_t> on_a_side;
 };
 
 /// How far apart confirmed surfaces may lie along the normal once poses are good, mm.
