@@ -67,37 +67,16 @@ std::vector<AlikePlaces> alike_places(const std::vector<RegisterView>& views, co
 }
 
 /// Of a part that a sixth or a quarter of a turn lays onto itself views of different sides are the same picture, and contradict nobody where
-/// they come to lie upon one another: of a prism all alike four upper and four lower views stood 8 to 18 degrees apart instead of 71.
+/// they come to lie upon one another, most of them: of a prism all alike four upper and four lower views stood 8 to 18 degrees apart instead of 71.
 bool upon_one_another(const AlikeSides& alike, const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses, const std::vector<std::size_t>& views) {
   constexpr double half = 0.97 * pi;
   const double near = std::cos(radians(25));
   if (std::none_of(alike.turns.begin(), alike.turns.end(), [](const AlikeTurn& t) { return !t.open.empty() && rotation_vector(t.turn.rotation).norm() < half; })) return false;
-  std::vector<Vec3> sights;
-  for (const std::size_t v : views) {
-    const Vec3 sight = poses[v].rotation * surfaces[v].raster.ray(surfaces[v].center);
-    if (std::any_of(sights.begin(), sights.end(), [&](const Vec3& s) { return s.dot(sight) > near; })) return true;
-    sights.push_back(sight);
-  }
-  return false;
-}
-
-/// Their words without those that follow from others: of a hexagonal nut a sixth of a turn says what a third and half a turn would.
-std::vector<std::string> in_short(std::vector<AlikePlaces> places) {
-  constexpr double same = 0.02;  // rad; unit axes
-  std::stable_sort(places.begin(), places.end(), [](const AlikePlaces& a, const AlikePlaces& b) { return a.angle < b.angle - same; });
-  std::vector<std::string> words;
-  std::vector<AlikePlaces> said;
-  for (const AlikePlaces& p : places) {
-    const Mat3 turn = rotation_of(p.angle * p.axis);
-    const bool follows = std::any_of(said.begin(), said.end(), [&](const AlikePlaces& s) {
-      const double times = std::round(p.angle / s.angle);
-      const auto is = [&](double angle) { return rotation_vector(turn.transpose() * rotation_of(angle * s.axis)).norm() < same * times; };
-      return p.views == s.views && (is(times * s.angle) || is(-times * s.angle));
-    });
-    if (follows) continue;
-    said.push_back(p), words.push_back(p.words);
-  }
-  return words;
+  const auto sight = [&](std::size_t v) { return Vec3(poses[v].rotation * surfaces[v].raster.ray(surfaces[v].center)); };
+  const auto close = std::count_if(views.begin(), views.end(), [&](std::size_t v) {
+    return std::any_of(views.begin(), views.end(), [&](std::size_t w) { return w != v && sight(v).dot(sight(w)) > near; });
+  });
+  return 2 * static_cast<std::size_t>(close) >= views.size();
 }
 
 std::optional<Error> check(const std::vector<RegisterView>& views, const RegisterOptions& options) {
@@ -315,7 +294,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   if (result.turntable && !result.turntable->step_observed)
     result.warnings.push_back("the part is round about the axis of the table: the steps cannot be seen and are taken as equal parts of one turn");
   for (const FreeMotion& motion : result.free_motions) result.warnings.push_back("the data do not fix that " + motion.words);
-  for (const std::string& words : in_short(result.alike)) result.warnings.push_back("the part looks alike from several sides: " + words);
+  for (const AlikePlaces& places : result.alike) result.warnings.push_back("the part looks alike from several sides: " + places.words);
   for (std::size_t v = 0; v < views.size(); ++v)
     if (result.views[v].status == ViewStatus::refused)
       result.warnings.push_back("view " + name_of(views, v) + " is not registered: " + result.views[v].reason);
