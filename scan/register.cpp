@@ -273,7 +273,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     const bool sides_open = alike.any_open(), enough = enough_agree(used.size(), views.size(), sides_open);
     const bool on_sides = std::any_of(used.begin(), used.end(), [&](std::size_t v) { return start.on_a_side[v] != 0; });
     const bool some_slide = std::any_of(result.free_motions.begin(), result.free_motions.end(), [&](const FreeMotion& m) { return 2 * m.views.size() < used.size(); });
-    const bool sides_known = (!on_sides || (!some_slide && !alike.turns.empty())) && !upon_one_another(alike, surfaces, joint.poses, used);
+    const bool sides_known = alike.better.empty() && (!on_sides || (!some_slide && !alike.turns.empty())) && !upon_one_another(alike, surfaces, joint.poses, used);
     for (const std::size_t v : used) {
       if (v == used.front() || (enough && sides_known)) continue;
       result.views[v].status = ViewStatus::refused;

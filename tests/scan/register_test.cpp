@@ -30,6 +30,29 @@ Surface drum_with_bumps() {
   return drum_with(bumps, {13, 13, 15});
 }
 
+/// All views of a part at their true poses, and which of them could stand on other sides.
+struct SidesOf {
+  explicit SidesOf(const Surface& part) : scan(scan_of(part, small(), 0, 0)), surfaces(view_surfaces(scan.views, 1500, context)), all(surfaces.size()) {
+    std::iota(all.begin(), all.end(), 0);
+  }
+  AlikeSides at(const std::vector<Pose>& poses) { return alike_sides(surfaces, poses, all, context); }
+  /// Views that are not in any of these, of which there must be two at least, lie as in truth to each other.
+  void check_told(const std::vector<Pose>& poses, const std::vector<std::size_t>& open) const {
+    std::vector<std::size_t> told;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(told), [&](std::size_t v) { return std::find(open.begin(), open.end(), v) == open.end(); });
+    REQUIRE(told.size() >= 2);
+    const Pose back = scan.truth[told[0]] * poses[told[0]].inverse();
+    for (const std::size_t v : told) CHECK(same_place(surfaces[v], back * poses[v], scan.truth[v], 0.05, 1));
+  }
+
+  Context context;
+  Case scan;
+  std::vector<ViewSurface> surfaces;
+  std::vector<std::size_t> all;
+};
+
+bool about_z(const AlikeTurn& a) { return rotation_vector(a.turn.rotation).normalized().cross(Vec3::UnitZ()).norm() < 0.01; }
+
 }  // namespace
 
 TEST_CASE("register: views of a block are found from guesses 3 degrees and 1 mm off") {
@@ -175,71 +198,46 @@ TEST_CASE("register: without any poses no group of views is left half a turn rou
 }
 
 TEST_CASE("register: of views on both sides of a part alike from two sides those that lie on the wrong one are found") {
-  const Case scan = scan_of(block_alike_from_two_sides(4), small(), 0, 0);
-  Context context;
-  const auto surfaces = view_surfaces(scan.views, 1500, context);
-  std::vector<std::size_t> all(surfaces.size());
-  std::iota(all.begin(), all.end(), 0);
-  const AlikeSides right = alike_sides(surfaces, scan.truth, all, context);
+  SidesOf block(block_alike_from_two_sides(4));
+  const std::vector<Pose>& truth = block.scan.truth;
+  const AlikeSides right = block.at(truth);
   CHECK(right.better.empty());
-  const auto half_turn = [](const AlikeTurn& a) { return rotation_vector(a.turn.rotation).normalized().cross(Vec3::UnitZ()).norm() < 0.01 && !a.open.empty(); };
-  const auto it = std::find_if(right.turns.begin(), right.turns.end(), half_turn);
+  const auto it = std::find_if(right.turns.begin(), right.turns.end(), [](const AlikeTurn& a) { return about_z(a) && !a.open.empty(); });
   const std::vector<std::size_t> open = it == right.turns.end() ? std::vector<std::size_t>() : it->open;
   CHECK(open.size() <= 6);  // all but those from where the corner is seen
   // Whoever tells its side comes back to it.
-  std::vector<std::size_t> told;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(told), [&](std::size_t v) { return std::find(open.begin(), open.end(), v) == open.end(); });
-  REQUIRE(told.size() >= 2);
-  const Mat3 half = rotation_of(pi * Vec3::UnitZ());
-  for (const std::size_t turned : told) {
-    std::vector<Pose> poses = scan.truth;
-    poses[turned] = Pose{half, Vec3::Zero()} * poses[turned];
-    poses = alike_sides(surfaces, poses, all, context).better;
+  for (const std::size_t turned : block.all) {
+    if (std::find(open.begin(), open.end(), turned) != open.end()) continue;
+    std::vector<Pose> poses = truth;
+    poses[turned] = Pose{rotation_of(pi * Vec3::UnitZ()), Vec3::Zero()} * poses[turned];
+    poses = block.at(poses).better;
     INFO("view " << turned << " turned");
     REQUIRE(!poses.empty());
-    const Pose back = scan.truth[told[0]] * poses[told[0]].inverse();
-    for (const std::size_t v : told) CHECK(same_place(surfaces[v], back * poses[v], scan.truth[v], 0.05, 1));
+    block.check_told(poses, open);
   }
 }
 
 TEST_CASE("register: views on three sides of a part alike from three come to one of them together") {
-  const Case scan = scan_of(prism_alike_from_sides(3, 4), small(), 0, 0);
-  Context context;
-  const auto surfaces = view_surfaces(scan.views, 1500, context);
-  std::vector<std::size_t> all(surfaces.size());
-  std::iota(all.begin(), all.end(), 0);
-  const AlikeSides right = alike_sides(surfaces, scan.truth, all, context);
+  SidesOf prism(prism_alike_from_sides(3, 4));
+  const AlikeSides right = prism.at(prism.scan.truth);
   CHECK(right.better.empty());
-  const auto about_z = [](const AlikeTurn& a) { return rotation_vector(a.turn.rotation).normalized().cross(Vec3::UnitZ()).norm() < 0.01; };
   REQUIRE(std::count_if(right.turns.begin(), right.turns.end(), about_z) == 2);
-  const auto open = [&](std::size_t v) {
-    return std::any_of(right.turns.begin(), right.turns.end(), [&](const AlikeTurn& t) { return std::count(t.open.begin(), t.open.end(), v) > 0; });
-  };
+  std::vector<std::size_t> open;
+  for (const AlikeTurn& turn : right.turns) open.insert(open.end(), turn.open.begin(), turn.open.end());
   // Every view a third of a turn farther than the one before.
-  std::vector<Pose> poses = scan.truth;
-  for (const std::size_t v : all) poses[v] = Pose{rotation_of(2 * pi / 3 * static_cast<double>(v % 3) * Vec3::UnitZ()), Vec3::Zero()} * poses[v];
+  std::vector<Pose> poses = prism.scan.truth;
+  for (const std::size_t v : prism.all) poses[v] = Pose{rotation_of(2 * pi / 3 * static_cast<double>(v % 3) * Vec3::UnitZ()), Vec3::Zero()} * poses[v];
   for (int round = 0; round < 4; ++round)  // turns are told by surfaces that lie where they should
-    if (AlikeSides sides = alike_sides(surfaces, poses, all, context); !sides.better.empty()) poses = std::move(sides.better);
-  std::vector<std::size_t> told;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(told), [&](std::size_t v) { return !open(v); });
-  REQUIRE(told.size() >= 2);
-  const Pose back = scan.truth[told[0]] * poses[told[0]].inverse();
-  for (const std::size_t v : told) CHECK(same_place(surfaces[v], back * poses[v], scan.truth[v], 0.05, 1));
+    if (AlikeSides sides = prism.at(poses); !sides.better.empty()) poses = std::move(sides.better);
+  prism.check_told(poses, open);
 }
 
 TEST_CASE("register: a block that nothing turns onto itself is not alike after any turn, and a cylinder only from end to end") {
-  Context context;
-  const auto sides_of = [&](const Surface& part) {
-    const Case scan = scan_of(part, small(), 0, 0);
-    const auto surfaces = view_surfaces(scan.views, 1500, context);
-    std::vector<std::size_t> all(surfaces.size());
-    std::iota(all.begin(), all.end(), 0);
-    return alike_sides(surfaces, scan.truth, all, context);
-  };
-  const AlikeSides block = sides_of(cut_block());
+  SidesOf cut(cut_block()), round(cylinder());
+  const AlikeSides block = cut.at(cut.scan.truth);
   CHECK(!block.any_open());
   CHECK(block.better.empty());
-  const AlikeSides ends = sides_of(cylinder());
+  const AlikeSides ends = round.at(round.scan.truth);
   REQUIRE(ends.turns.size() == 1);
   CHECK((ends.turns[0].turn.rotation * Vec3::UnitZ()).z() < -0.99);
   CHECK(ends.turns[0].open.size() == 8);
