@@ -112,7 +112,7 @@ struct Registration {
   Eigen::MatrixXd covariance;
   double worst_gap = 0;            ///< largest median distance between two overlapping views, mm
   std::vector<FreeMotion> free_motions;
-  std::vector<AlikePlaces> alike;  ///< without guesses: each view lies in one of two places, and its surface is the same in both
+  std::vector<AlikePlaces> alike;  ///< without guesses: these views lie in one of several places, and their surface is the same in all
   std::optional<Turntable> turntable;
   std::optional<DepthCorrection> depth;  ///< of every view in its own frame, before its pose; only if it was asked for and is needed
   std::vector<std::string> warnings;
