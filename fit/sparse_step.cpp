@@ -12,6 +12,7 @@ std::optional<SparseStep> step_beyond(const std::vector<Vec2>& places, double fr
   constexpr double surely = 7;           // nats; odds of a thousand
   constexpr std::size_t most_tried = 400;  // radii
   const double band = half_band * noise;
+  const auto radius = [](const Vec2& p) { return p.x(); };
   std::vector<Vec2> beyond;  // radius, and how far beyond
   for (const Vec2& p : places)
     if (const double t = sign * (p.y() - from); t > band) beyond.emplace_back(p.x(), t);
@@ -27,8 +28,8 @@ std::optional<SparseStep> step_beyond(const std::vector<Vec2>& places, double fr
     const double r = beyond[k].x(), low = r - band, high = std::min(r + band, widest);
     if (!(low > 0)) continue;  // about the axis there is no room for a wall
     std::vector<double> reached, radii;
-    for (const Vec2& p : beyond)
-      if (p.x() > low && p.x() < high) reached.push_back(p.y()), radii.push_back(p.x());
+    const auto first = std::ranges::upper_bound(beyond, low, {}, radius), last = std::ranges::lower_bound(beyond, high, {}, radius);
+    for (auto p = first; p < last; ++p) reached.push_back(p->y()), radii.push_back(p->x());
     if (reached.size() < least) continue;
     std::sort(reached.begin(), reached.end());
     const double ring = (high * high - low * low) / (widest * widest);  // share of the room

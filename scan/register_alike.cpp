@@ -246,7 +246,7 @@ Arrangements::Arrangements(const Placement& placement, const std::vector<Pose>& 
     if (context.cancelled) break;
     if (find(turn) != none) continue;
     poses_.push_back(turn), tables_.push_back(evidence(placement, turn, context.threads));
-    if (find(turn.inverse()) == none) poses_.push_back(turn.inverse()), tables_.push_back(transposed(Table(tables_.back())));
+    if (find(turn.inverse()) == none) poses_.push_back(turn.inverse()), tables_.push_back(transposed(tables_.back()));
   }
   Evidence all;
   for (const auto& row : tables_[0])

@@ -171,7 +171,7 @@ Vec6 screw_of(const Pose& d, const JointResult& joint) {
 std::vector<FreeMotion> all_motions(const std::vector<Ways>& ways, const JointResult& joint, const std::vector<std::vector<Pose>>& joined,
                                     const std::vector<std::size_t>& used) {
   std::vector<FreeMotion> motions = motions_of(ways, joint);
-  if (!joined.empty()) add_joined(joined, used, joint, motions);
+  add_joined(joined, used, joint, motions);
   return motions;
 }
 

@@ -107,7 +107,7 @@ Pairing match(const std::vector<Patch>& patches, const std::vector<std::uint8_t>
 StartResult register_as_published(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses,
                                   const PaperOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
-  StartResult result{guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), {}, {}};
+  StartResult result = StartResult::at(guesses, false);
   Model model;
   std::vector<std::size_t> placed;
   for (std::size_t v = 0; v < n && !context.cancelled; ++v) {

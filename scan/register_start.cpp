@@ -198,7 +198,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
                                const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   Growth growth{surfaces, guesses, options, 0, confirm_reach(surfaces), turns_within(options.guess_angle),
-                {guesses, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n), std::vector<std::uint8_t>(n, 0)}, {}, true};
+                StartResult::at(guesses, false), {}, true};
   StartResult& result = growth.result;
   std::vector<std::size_t> usable;
   Box3 box;
@@ -419,7 +419,7 @@ void place_again(Growth& growth, const std::vector<PairCandidates>& pairs, const
 StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   const std::vector<Pose> none(n);
-  const StartResult nothing{none, std::vector<std::uint8_t>(n, 0), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n), std::vector<std::uint8_t>(n, 0)};
+  const StartResult nothing = StartResult::at(none, false);
   StartResult result = nothing;
   std::vector<std::size_t> usable;
   for (std::size_t v = 0; v < n; ++v)

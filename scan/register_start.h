@@ -1,7 +1,9 @@
 /// Rough poses for all views, from guesses or from nothing, each checked against what is placed already.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scan/register_pair.h"
@@ -12,10 +14,16 @@ struct StartResult {
   std::vector<Pose> poses;           ///< world_from_view
   std::vector<std::uint8_t> placed;
   std::vector<std::string> reason;   ///< why a view could not be placed
-  /// World motions of each view that lead, by a way that fits all along, to poses that fit as well; may be empty.
+  /// World motions of each view that lead, by a way that fits all along, to poses that fit as well.
   std::vector<std::vector<Pose>> joined;
-  /// Views that were put on one of several sides from which those placed before look alike; may be empty.
+  /// Views that were put on one of several sides from which those placed before look alike.
   std::vector<std::uint8_t> on_a_side;
+
+  /// All views at these poses, placed or not.
+  static StartResult at(std::vector<Pose> poses, bool placed) {
+    const std::size_t n = poses.size();
+    return {std::move(poses), std::vector<std::uint8_t>(n, placed), std::vector<std::string>(n), std::vector<std::vector<Pose>>(n), std::vector<std::uint8_t>(n, 0)};
+  }
 };
 
 /// How far apart confirmed surfaces may lie along the normal once poses are good, mm.

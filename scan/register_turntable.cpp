@@ -113,7 +113,7 @@ TurntableStart turned_by_relief(const std::vector<RegisterView>& views, const st
   }
   if (!poses) return result;
   result.table = table_of(*poses, surfaces[0].center);
-  result.start = {std::move(*poses), std::vector<std::uint8_t>(views.size(), 1), std::vector<std::string>(views.size()), {}, {}};
+  result.start = StartResult::at(std::move(*poses), true);
   return result;
 }
 
@@ -195,7 +195,7 @@ std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterVie
   }
   std::stable_sort(best.begin(), best.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   if (best.empty() || best[0].score < 0.25) return {};
-  TurntableStart result{{{}, std::vector<std::uint8_t>(n, 1), std::vector<std::string>(n), {}, {}}, {}, {}, {}};
+  TurntableStart result;
   Turntable& table = result.table;
   FixedLine line = fixed_line(best[0].step, surfaces[0].center);
   table.step = line.angle;
@@ -216,7 +216,7 @@ std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterVie
     table.step = full, table.step_sigma = std::numeric_limits<double>::infinity();
   }
   table.axis = line.axis, table.point = line.point;
-  result.start.poses = powers(rotation_about(line.point, line.axis, table.step), n);
+  result.start = StartResult::at(powers(rotation_about(line.point, line.axis, table.step), n), true);
   return result;
 }
 
