@@ -590,7 +590,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   const bool littered = double(input.sampling.rejected) > many * double(scan.cloud.size());
   const std::vector<std::uint8_t> rejected = scan.cloud.rejected;
   std::vector<Attempt> attempts;
-  std::size_t chosen = 2;
+  constexpr std::size_t none = 2;
+  std::size_t chosen = none;
   const auto found_in = [&](Attempt& a, bool last_resort) {
     scan.cloud.rejected = a.rejected;
     search_procedure(a, last_resort, options, context);
@@ -607,9 +608,10 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     break;
   }
   for (auto& a : attempts)
-    if (chosen == 2 && !context.cancelled && found_in(a, true)) break;
+    if (chosen == none && !context.cancelled && found_in(a, true)) break;
   if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
-  chosen = std::min(chosen, attempts.size() - 1);
+  // Where nothing was found the scan is taken as it would be first.
+  if (chosen == none) chosen = 0, scan.cloud.rejected = attempts[0].rejected;
   input = std::move(attempts[chosen].input);
   const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = attempts[chosen].search;
   Model model = found_model;
@@ -626,11 +628,12 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     std::optional<Candidate> mesh;
     FitInput dense = selection(scan, input.sampling, options.tolerance, 400000);
     dense.surroundings = surroundings_of(dense, context);
-    // The triangulation aims at a share of the tolerance; where that was not enough it tries again, finer.
+    // The triangulation aims at a share of the tolerance; where that was not enough it tries again, finer, as long as the
+    // triangles are what is in the way and not the surface that they follow.
+    Triangulator triangulator(input, context);
+    double enough = 0.8 * options.tolerance;
     for (const double share : {1.0, 0.5, 0.25}) {
-      FitInput finer = input;
-      finer.tolerance = share * options.tolerance;
-      auto attempt = triangulate(finer, context);
+      auto attempt = triangulator.within(share * options.tolerance);
       if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
       if (!attempt) {
         if (mesh) break;
@@ -639,9 +642,17 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
       const CandidateEvidence evidence = evidence_of(*attempt, dense, context);
       context.say("triangulation: deviation " + millimetres(evidence.local_max, options.tolerance));
       if (mesh && evidence.local_max > final_evidence.local_max) break;
+      const bool first = !mesh;
       mesh = std::move(*attempt);
       final_evidence = evidence;
-      if (evidence.local_max < 0.8 * options.tolerance) break;
+      if (evidence.local_max < enough) break;
+      if (!first) continue;
+      if (const auto surface = triangulator.unsimplified()) {
+        const double least = evidence_of(*surface, dense, context).local_max;
+        context.say("triangulation: deviation " + millimetres(least, options.tolerance) + " before triangles were taken out");
+        enough = std::max(enough, least + 0.1 * options.tolerance);
+        if (evidence.local_max < enough) break;
+      }
     }
     final_covered = coverage_of(*mesh, input, context).covered;
     model = model_of(*mesh, input);

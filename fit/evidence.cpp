@@ -83,6 +83,11 @@ std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Conte
   const std::size_t n = cloud.size();
   const KdTree tree(cloud.points);
   const bool normals = cloud.normals.size() == n;
+  // The two sides of a thin wall are two places, where normals know their side.
+  const auto along = [&](std::size_t a, std::size_t b) {
+    const double cosine = cloud.normals[a].dot(cloud.normals[b]);
+    return input.oriented ? cosine : std::abs(cosine);
+  };
   // Farther points are another place; a point without like-minded neighbours nearby is no surface.
   const double sq_reach = std::pow(6 * input.thin_spacing, 2);
   std::vector<std::uint32_t> slots(n * local_points);
@@ -93,7 +98,7 @@ std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Conte
       tree.nearest(cloud.points[i], 2 * local_points, near);
       for (const auto& k : near) {
         if (k.sq_distance > sq_reach || count[i] == local_points) break;
-        if (normals && std::abs(cloud.normals[i].dot(cloud.normals[k.index])) < 0.7) continue;
+        if (normals && along(i, k.index) < 0.7) continue;
         slots[i * local_points + count[i]++] = static_cast<std::uint32_t>(k.index);
       }
     }

@@ -74,24 +74,30 @@ Surfels averaged(const PointCloud& cloud, double edge) {
   return surfels;
 }
 
-/// Without those that no others continue: strays that the filter left, each of which would put up a wall of its own.
+/// Without those that no others continue: strays that the filter left, each of which would put up a wall of its own. Where
+/// one view alone saw a place the next surfels are farther, and have to agree better.
 Surfels continued(Surfels surfels, double cell, double sigma, bool rays, Context& context) {
-  constexpr double reach = 2, bent = 0.3;  // cells; height over distance
-  const std::size_t least = rays ? 4 : 2;  // fewer where turned normals may be wrong
+  struct Rule {
+    double reach, bent, along;  // cells; height over distance; cosine between normals
+    std::size_t least;
+  };
+  // Fewer are enough where turned normals may be wrong.
+  const Rule near_by{2, 0.3, 0.3, rays ? 4u : 2u}, farther{4, 0.1, 0.9, 5};
   const KdTree tree(surfels.points);
   std::vector<std::uint8_t> keep(surfels.points.size());
   parallel_for(keep.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
-    for (std::size_t i = begin; i < end; ++i) {
-      tree.within(surfels.points[i], reach * cell, near);
+    const auto supported = [&](std::size_t i, const Rule& rule) {
+      tree.within(surfels.points[i], rule.reach * cell, near);
       std::size_t support = 0;
       for (const Neighbour& m : near) {
-        if (m.index == i || surfels.normals[i].dot(surfels.normals[m.index]) < bent) continue;
+        if (m.index == i || surfels.normals[i].dot(surfels.normals[m.index]) < rule.along) continue;
         const double height = surfels.normals[i].dot(surfels.points[m.index] - surfels.points[i]);
-        support += std::abs(height) < bent * std::sqrt(m.sq_distance) + 2 * sigma;
+        support += std::abs(height) < rule.bent * std::sqrt(m.sq_distance) + 2 * sigma;
       }
-      keep[i] = support >= least;
-    }
+      return support >= rule.least;
+    };
+    for (std::size_t i = begin; i < end; ++i) keep[i] = supported(i, near_by) || supported(i, farther);
   });
   std::size_t at = 0;
   for (std::size_t i = 0; i < keep.size(); ++i)

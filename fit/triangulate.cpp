@@ -119,51 +119,8 @@ TriangleMesh canonical(const TriangleMesh& mesh) {
 /// Vertices and triangles of a mesh file in an order that depends on the coordinates only.
 TriangleMesh ordered_source(const TriangleMesh& mesh) { return canonical(welded(mesh, 0)); }
 
-}  // namespace
-
-Result<Candidate> triangulate(const FitInput& input, Context& context) {
-  const Error no_surface = bad_input("triangulate: expected points that lie on a surface, found " +
-                                     std::to_string(input.cloud.size()) + " points that span none");
-  if (spans_a_line(input.cloud.points)) return no_surface;
-  TriangleMesh mesh;
-  const double tolerance = input.tolerance;
-  if (input.scan && !input.scan->mesh.empty()) {
-    RepairOptions options;
-    options.separation = 0.1 * tolerance;
-    RepairReport report = repair(ordered_source(input.scan->mesh), options);
-    if (report.dropped_components > 0)
-      context.say("triangulate: " + std::to_string(report.dropped_components) +
-                  " small floating pieces of the mesh left out");
-    if (report.filled_holes > 0)
-      context.say("triangulate: " + std::to_string(report.filled_holes) + " holes of the mesh filled");
-    mesh = simplified(report.mesh, 0.4 * tolerance, context);
-  } else {
-    // All points if they are prepared, because averaging many lowers the noise; else the thinned ones.
-    const bool full = input.scan && input.scan->cloud.normals.size() == input.scan->cloud.size();
-    const PointCloud& all = full ? input.scan->cloud : input.cloud;
-    SamplingSummary sampling = input.sampling;
-    if (!full) sampling.spacing = std::max(sampling.spacing, 0.6 * input.thin_spacing);
-    HeightFieldOptions one_side;
-    one_side.max_error = 0.6 * tolerance;
-    one_side.oriented = input.oriented;
-    const auto views = input.scan ? input.scan->views : std::vector<View>();
-    if (auto field = triangulated_height_field(all, views, sampling, one_side, context)) {
-      mesh = std::move(field->mesh);
-    } else if (input.oriented) {
-      mesh = simplified(reconstruct(all, sampling, {}, context).mesh, 0.4 * tolerance, context);
-    } else {
-      PointCloud turned = input.cloud;
-      orient_normals(turned, 12, context);
-      if (full) turned = turned_like(turned, all, context);
-      mesh = simplified(reconstruct(turned, sampling, {}, context).mesh, 0.4 * tolerance, context);
-    }
-  }
-  if (mesh.empty()) return no_surface;
-  mesh = snapped_mesh(mesh, power_of_ten_below(tolerance / 20));
-  mesh = canonical(mesh);
-
+Candidate candidate_of(const TriangleMesh& mesh, double tolerance) {
   const bool closed = topology(mesh).closed();
-
   Candidate candidate;
   candidate.procedure = "triangulation";
   candidate.object_name = closed ? "body" : "sheet";
@@ -185,6 +142,72 @@ Result<Candidate> triangulate(const FitInput& input, Context& context) {
   candidate.extra_numbers = static_cast<int>(3 * surface.vertices.size() + 3 * surface.triangles.size());
   candidate.shape = std::move(surface);
   return candidate;
+}
+
+}  // namespace
+
+struct Triangulator::Parts {
+  const FitInput& input;
+  Context& context;
+  bool one_sided = true;  // until the points were not: a height field is made for each tolerance
+  std::optional<TriangleMesh> surface;
+
+  bool from_mesh() const { return input.scan && !input.scan->mesh.empty(); }
+
+  TriangleMesh of_source(double tolerance) const {
+    RepairOptions options;
+    options.separation = 0.1 * tolerance;
+    RepairReport report = repair(ordered_source(input.scan->mesh), options);
+    if (report.dropped_components > 0)
+      context.say("triangulate: " + std::to_string(report.dropped_components) +
+                  " small floating pieces of the mesh left out");
+    if (report.filled_holes > 0)
+      context.say("triangulate: " + std::to_string(report.filled_holes) + " holes of the mesh filled");
+    return simplified(report.mesh, 0.4 * tolerance, context);
+  }
+
+  TriangleMesh of_points(double tolerance) {
+    // All points if they are prepared, because averaging many lowers the noise; else the thinned ones.
+    const bool full = input.scan && input.scan->cloud.normals.size() == input.scan->cloud.size();
+    const PointCloud& all = full ? input.scan->cloud : input.cloud;
+    SamplingSummary sampling = input.sampling;
+    if (!full) sampling.spacing = std::max(sampling.spacing, 0.6 * input.thin_spacing);
+    if (one_sided) {
+      HeightFieldOptions options;
+      options.max_error = 0.6 * tolerance;
+      options.oriented = input.oriented;
+      const auto views = input.scan ? input.scan->views : std::vector<View>();
+      if (auto field = triangulated_height_field(all, views, sampling, options, context)) return std::move(field->mesh);
+      one_sided = false;
+    }
+    if (!surface && input.oriented) {
+      surface = reconstruct(all, sampling, {}, context).mesh;
+    } else if (!surface) {
+      PointCloud turned = input.cloud;
+      orient_normals(turned, 12, context);
+      if (full) turned = turned_like(turned, all, context);
+      surface = reconstruct(turned, sampling, {}, context).mesh;
+    }
+    return simplified(*surface, 0.4 * tolerance, context);
+  }
+};
+
+Triangulator::Triangulator(const FitInput& input, Context& context) : parts_(new Parts{input, context, true, {}}) {}
+Triangulator::~Triangulator() = default;
+
+Result<Candidate> Triangulator::within(double tolerance) {
+  const FitInput& input = parts_->input;
+  const Error no_surface = bad_input("triangulate: expected points that lie on a surface, found " +
+                                     std::to_string(input.cloud.size()) + " points that span none");
+  if (spans_a_line(input.cloud.points)) return no_surface;
+  const TriangleMesh mesh = parts_->from_mesh() ? parts_->of_source(tolerance) : parts_->of_points(tolerance);
+  if (mesh.empty()) return no_surface;
+  return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
+}
+
+std::optional<Candidate> Triangulator::unsimplified() {
+  if (!parts_->surface || parts_->surface->empty()) return std::nullopt;
+  return candidate_of(*parts_->surface, parts_->input.tolerance);
 }
 
 }  // namespace partscribe

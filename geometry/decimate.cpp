@@ -7,7 +7,11 @@
 #include <queue>
 
 #include "core/ensure.h"
+#include "core/parallel.h"
+#include "geometry/kd_tree.h"
 #include "geometry/mesh_distance.h"
+#include "geometry/self_intersection.h"
+#include "geometry/thin.h"
 
 namespace partscribe {
 namespace {
@@ -71,7 +75,7 @@ class Decimator {
     if (m > 0) probe_ = (m <= 150000 ? 0.7 : 1.5) * edge_sum / (3.0 * static_cast<double>(m));
     // Samples of the original surface; each belongs to a triangle that is near enough to it.
     for (std::uint32_t v = 0; v < n; ++v)
-      if (!fans_[v].empty()) add_sample(fans_[v].front(), points_[v]);
+      if (!fans_[v].empty()) owners_.push_back(fans_[v].front()), add_sample(fans_[v].front(), points_[v]);
     for (std::uint32_t t = 0; t < m; ++t) {
       add_sample(t, (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3);
       for (int k = 0; k < 3; ++k) {
@@ -89,6 +93,7 @@ class Decimator {
         if (alone || (a < b && m <= 150000)) add_sample(t, 0.5 * (points_[a] + points_[b]));
       }
     }
+    find_narrow_places(m > 0 ? edge_sum / (3.0 * static_cast<double>(m)) : 0);
   }
 
   TriangleMesh run() {
@@ -119,6 +124,33 @@ class Decimator {
   void add_sample(std::uint32_t t, const Vec3& p) {
     samples_of_[t].push_back(static_cast<std::uint32_t>(samples_.size()));
     samples_.push_back(p);
+  }
+
+  /// Notes for the first samples, those at vertices, which others of another sheet or of the other side of an edge lie so
+  /// near that decimated surfaces could meet there. `edge`: mm, the mean length.
+  void find_narrow_places(double edge) {
+    const std::vector<Vec3> all(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(owners_.size()));
+    const double spacing = 0.5 * options_.max_error, reach = 2 * options_.max_error + 2 * edge;
+    const auto chosen = thinned(all, {}, spacing > edge ? spacing : 0);
+    std::vector<Vec3> places, normals;
+    for (const std::uint32_t s : chosen) {
+      Vec3 sum = Vec3::Zero();
+      for (const std::uint32_t v : triangles_[owners_[s]])
+        if (points_[v] == all[s])
+          for (const std::uint32_t t : fans_[v]) sum += triangle_normal(mesh_, t);
+      places.push_back(all[s]);
+      normals.push_back(sum.normalized());
+    }
+    const KdTree tree(places);
+    across_.resize(owners_.size());
+    parallel_for(chosen.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<Neighbour> near;
+      for (std::size_t i = begin; i < end; ++i) {
+        tree.within(places[i], reach, near);
+        for (const Neighbour& n : near)
+          if (normals[i].dot(normals[n.index]) < 0.5) across_[chosen[i]].push_back(chosen[n.index]);
+      }
+    });
   }
 
   std::size_t edge_triangles(std::uint32_t a, std::uint32_t b) const {
@@ -247,7 +279,38 @@ class Decimator {
           if (!original_.closest_within(p, bound)) return false;
         }
     }
-    return true;
+    return !crosses(a, b);
+  }
+
+  /// Would the triangles of `survivors_` pass through each other, or through others nearby? Asked where surfaces are near
+  /// each other only; what it misses elsewhere are folds that no normal has shown.
+  bool crosses(std::uint32_t a, std::uint32_t b) {
+    nearby_.clear();
+    for (const std::uint32_t t : ring_)
+      for (const std::uint32_t s : samples_of_[t])
+        if (s < across_.size())
+          for (const std::uint32_t other : across_[s]) nearby_.push_back(owners_[other]);
+    if (nearby_.empty()) return false;
+    for (const std::uint32_t t : ring_)
+      for (const std::uint32_t v : triangles_[t])
+        if (v != a && v != b) nearby_.insert(nearby_.end(), fans_[v].begin(), fans_[v].end());
+    std::sort(nearby_.begin(), nearby_.end());
+    nearby_.erase(std::unique(nearby_.begin(), nearby_.end()), nearby_.end());
+    const auto in_ring = [&](std::uint32_t t) { return std::find(ring_.begin(), ring_.end(), t) != ring_.end(); };
+    std::erase_if(nearby_, in_ring);
+    const auto next_of = [&](const Survivor& survivor) {
+      PlacedTriangle next{triangles_[survivor.triangle], survivor.corners};
+      std::replace(next.vertices.begin(), next.vertices.end(), b, a);
+      return next;
+    };
+    for (std::size_t i = 0; i < survivors_.size(); ++i) {
+      const PlacedTriangle next = next_of(survivors_[i]);
+      for (std::size_t k = 0; k < i; ++k)
+        if (triangles_cross(next, next_of(survivors_[k]))) return true;
+      for (const std::uint32_t t : nearby_)
+        if (triangles_cross(next, {triangles_[t], {corner(t, 0), corner(t, 1), corner(t, 2)}})) return true;
+    }
+    return false;
   }
 
   void try_collapse(std::uint32_t a, std::uint32_t b) {
@@ -265,7 +328,10 @@ class Decimator {
     }
     // `survivors_`, `ring_` and `moved_` describe the accepted place.
     for (const std::uint32_t t : ring_) samples_of_[t].clear();
-    for (const auto& [sample, at] : moved_) samples_of_[survivors_[at].triangle].push_back(sample);
+    for (const auto& [sample, at] : moved_) {
+      samples_of_[survivors_[at].triangle].push_back(sample);
+      if (sample < owners_.size()) owners_[sample] = survivors_[at].triangle;
+    }
     std::vector<std::uint32_t> fan;
     for (const Survivor& survivor : survivors_) fan.push_back(survivor.triangle);
     std::sort(fan.begin(), fan.end());
@@ -324,11 +390,12 @@ class Decimator {
   std::vector<Vec3> points_, samples_;
   std::vector<Triangle> triangles_;
   std::vector<std::uint8_t> alive_, border_;
-  std::vector<std::vector<std::uint32_t>> fans_, samples_of_;
+  std::vector<std::vector<std::uint32_t>> fans_, samples_of_, across_;
+  std::vector<std::uint32_t> owners_;  // the triangle that each of the first samples, those at vertices, belongs to
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> stamps_;
   std::priority_queue<Candidate> queue_;
-  std::vector<std::uint32_t> around_a_, around_b_, common_, ring_;
+  std::vector<std::uint32_t> around_a_, around_b_, common_, ring_, nearby_;
   std::vector<Survivor> survivors_;
   std::vector<Moved> moved_;
 };

@@ -80,26 +80,32 @@ class BoxTree {
   std::vector<Node> nodes_;
 };
 
-/// Does an edge of one of two triangles that share at most a corner pass through the other?
-bool cross(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
-  int shared = 0;
-  for (const std::uint32_t v : mesh.triangles[a])
-    for (const std::uint32_t w : mesh.triangles[b]) shared += v == w;
-  if (shared >= 2) return false;
-  for (const auto& [s, t] : {std::pair{a, b}, std::pair{b, a}})
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t p = mesh.triangles[s][k], q = mesh.triangles[s][(k + 1) % 3];
-      const auto& tri = mesh.triangles[t];
-      // An edge that ends in a corner of the other triangle cannot pass through its inside.
-      if (std::count(tri.begin(), tri.end(), p) + std::count(tri.begin(), tri.end(), q) > 0) continue;
-      if (pierces(mesh.vertices[p], mesh.vertices[q], mesh.vertices[tri[0]], mesh.vertices[tri[1]],
-                  mesh.vertices[tri[2]]))
-        return true;
-    }
-  return false;
+PlacedTriangle placed(const TriangleMesh& mesh, std::uint32_t t) {
+  return {mesh.triangles[t], {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}};
 }
 
 }  // namespace
+
+bool triangles_cross(const PlacedTriangle& a, const PlacedTriangle& b) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto [a_low, a_high] = std::minmax({a.corners[0][k], a.corners[1][k], a.corners[2][k]});
+    const auto [b_low, b_high] = std::minmax({b.corners[0][k], b.corners[1][k], b.corners[2][k]});
+    if (a_low > b_high || b_low > a_high) return false;
+  }
+  int shared = 0;
+  for (const std::uint32_t v : a.vertices)
+    for (const std::uint32_t w : b.vertices) shared += v == w;
+  if (shared >= 2) return false;
+  for (const auto& [s, t] : {std::pair{&a, &b}, std::pair{&b, &a}})
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      const auto is_corner = [&](std::uint32_t v) { return std::count(t->vertices.begin(), t->vertices.end(), v) > 0; };
+      // An edge that ends in a corner of the other triangle cannot pass through its inside.
+      if (is_corner(s->vertices[k]) || is_corner(s->vertices[next])) continue;
+      if (pierces(s->corners[k], s->corners[next], t->corners[0], t->corners[1], t->corners[2])) return true;
+    }
+  return false;
+}
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const TriangleMesh& mesh, std::size_t limit) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
@@ -109,7 +115,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const Tr
   const BoxTree tree(boxes);
   for (std::uint32_t a = 0; a < boxes.size() && result.size() < limit; ++a)
     tree.meeting(boxes[a], [&](std::uint32_t b) {
-      if (b > a && cross(mesh, a, b)) result.push_back({a, b});
+      if (b > a && triangles_cross(placed(mesh, a), placed(mesh, b))) result.push_back({a, b});
     });
   std::sort(result.begin(), result.end());
   if (result.size() > limit) result.resize(limit);

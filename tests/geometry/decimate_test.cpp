@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/number.h"
 #include "core/random.h"
 #include "geometry/mesh_distance.h"
+#include "geometry/self_intersection.h"
 
 using namespace partscribe;
 
@@ -119,6 +121,51 @@ TEST_CASE("decimate: a wall thinner than the bound is not folded through itself"
   const TriangleMesh small = decimated(wall, {.max_error = 0.15}, context);
   CHECK(topology(small).closed());
   CHECK(volume(small) > 20);
+}
+
+TEST_CASE("decimate: rough walls closer together than the bound do not come to cross each other") {
+  Context context;
+  // A cup turned from a profile, its wall 0.3 mm thick.
+  const std::vector<std::array<double, 2>> corners = {{0, 0}, {8, 0}, {8, 8}, {7.7, 8}, {7.7, 0.4}, {0, 0.4}};
+  constexpr std::uint32_t around = 200;
+  Random random(3);
+  TriangleMesh cup;
+  std::vector<std::array<double, 2>> profile;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const auto [r, z] = corners[i];
+    const double dr = corners[i + 1][0] - r, dz = corners[i + 1][1] - z;
+    const int steps = std::max(1, int(std::hypot(dr, dz) / 0.25));
+    for (int k = i == 0 ? 1 : 0; k < steps; ++k) profile.push_back({r + dr * k / steps, z + dz * k / steps});
+  }
+  for (const auto& [r, z] : profile) {
+    const auto rough = [&, noise = 0.02 * r / 8] { return noise * random.normal(); };
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const double angle = 2 * pi * k / around;
+      cup.vertices.push_back(Vec3((r + rough()) * std::cos(angle), (r + rough()) * std::sin(angle), z + rough()));
+    }
+  }
+  const auto rings = static_cast<std::uint32_t>(profile.size());
+  cup.vertices.push_back(Vec3(0, 0, 0)), cup.vertices.push_back(Vec3(0, 0, 0.4));
+  for (std::uint32_t k = 0; k < around; ++k) {
+    const std::uint32_t next = (k + 1) % around, top = (rings - 1) * around;
+    cup.triangles.push_back({rings * around, next, k});
+    cup.triangles.push_back({rings * around + 1, top + k, top + next});
+    for (std::uint32_t i = 0; i + 1 < rings; ++i) {
+      const std::uint32_t a = i * around + k, b = i * around + next, c = a + around, d = b + around;
+      cup.triangles.push_back({a, b, d});
+      cup.triangles.push_back({a, d, c});
+    }
+  }
+  REQUIRE(topology(cup).closed());
+  REQUIRE(volume(cup) > 0);
+  REQUIRE(self_intersections(cup).empty());
+  for (const double bound : {0.1, 0.14, 0.2, 0.3}) {
+    const TriangleMesh small = decimated(cup, {.max_error = bound}, context);
+    INFO("bound " << bound << ", triangles " << small.triangles.size());
+    CHECK(self_intersections(small).empty());
+    CHECK(topology(small).closed());
+    CHECK(small.triangles.size() * 6 < cup.triangles.size());
+  }
 }
 
 TEST_CASE("decimate: equal input gives equal output, and nothing to do changes nothing") {
