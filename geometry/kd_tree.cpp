@@ -40,6 +40,11 @@ struct Node {
   double sq_distance(const Node& other) const {
     return square(larger(low_xy - other.high_xy, other.low_xy - high_xy), larger(low_z - other.high_z, other.low_z - high_z));
   }
+  /// No point inside is farther, for the same reason.
+  double sq_farthest(const Vec3& p) const {
+    const Two xy{p.x(), p.y()}, z{p.z(), 0};
+    return square(larger(xy - low_xy, high_xy - xy), larger(z - low_z, high_z - z));
+  }
 
  private:
   static double square(Two xy, Two z) {
@@ -369,6 +374,28 @@ void KdTree::within(const Vec3& query, double radius, std::vector<Neighbour>& re
           if (sq_distance[k] <= sq_radius) result.push_back({leaf.index[k], sq_distance[k]});
       });
   std::sort(result.begin(), result.end(), nearer);
+}
+
+std::size_t KdTree::count_within(const Vec3& query, double radius) const {
+  const double sq_radius = std::min(radius * radius, std::numeric_limits<double>::max());
+  std::vector<std::uint32_t> open;
+  if (tree_->finite > 0) open.push_back(0);
+  std::size_t count = 0;
+  while (!open.empty()) {
+    const Node& node = tree_->nodes[open.back()];
+    open.pop_back();
+    if (node.sq_distance(query) > sq_radius) continue;
+    if (node.sq_farthest(query) <= sq_radius) {
+      count += std::min(node.last * leaf_size, tree_->finite) - node.first * leaf_size;
+    } else if (node.is_leaf()) {
+      double sq_distance[leaf_size];
+      tree_->leaves[node.first].sq_distances(query, sq_distance);
+      count += static_cast<std::size_t>(std::count_if(sq_distance, sq_distance + leaf_size, [&](double d) { return d <= sq_radius; }));
+    } else {
+      open.push_back(node.left), open.push_back(node.right);
+    }
+  }
+  return count;
 }
 
 Neighbour KdTree::nearest_one(const Vec3& query) const {

@@ -38,6 +38,8 @@ class KdTree {
   LargeVector<std::uint32_t> order() const;
   /// All points within `radius`, nearest first.
   void within(const Vec3& query, double radius, std::vector<Neighbour>& result) const;
+  /// How many points within() would give; fast also where these are very many.
+  std::size_t count_within(const Vec3& query, double radius) const;
   /// Index of the nearest point; the set must not be empty.
   Neighbour nearest_one(const Vec3& query) const;
   /// The nearest two points that are not farther than `sq_limit` (finite); at an infinite distance where there are none.

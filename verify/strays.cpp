@@ -49,7 +49,7 @@ class Judge {
     parallel_for(count, threads, [&](std::size_t begin, std::size_t end) {
       std::vector<Neighbour> near, kept;
       for (std::size_t i = begin; i < end; ++i) {
-        const Alarm space = in_space(i, near), surface = on_surface(i, near, kept);
+        const Alarm space = in_space(i), surface = on_surface(i, near, kept);
         // Half of the chance of a false alarm each, again shared by the sizes of the windows.
         if (space.probability * double(scales.size()) < limit) alarms[i] = space;
         else if (surface.probability * double(patches.size()) < limit) alarms[i] = surface;
@@ -63,17 +63,12 @@ class Judge {
   KdTree off_, feet_;
   double spacing_, share_ = 0, densest_ = densest_curtain;
 
-  Alarm in_space(std::size_t i, std::vector<Neighbour>& near) const {
+  Alarm in_space(std::size_t i) const {
     Alarm best;
-    off_.within(scene_.off[i], 3 * scales.back() * spacing_, near);
     for (const double scale : scales) {
       const double radius = scale * spacing_;
-      std::size_t inside = 0, ring = 0;
-      for (const auto& n : near) {
-        if (n.sq_distance <= radius * radius) ++inside;
-        else if (n.sq_distance <= 9 * radius * radius) ++ring;
-        else break;
-      }
+      const std::size_t inside = off_.count_within(scene_.off[i], radius);
+      const std::size_t ring = off_.count_within(scene_.off[i], 3 * radius) - inside;
       // Surface would put so many points into a disc of this radius. Strays line up along edges: of a line through
       // the window's middle, the ring holds twice as much as the window.
       const double area = pi * scale * scale;
@@ -86,18 +81,17 @@ class Judge {
 
   Alarm on_surface(std::size_t i, std::vector<Neighbour>& near, std::vector<Neighbour>& kept) const {
     Alarm best;
-    feet_.within(scene_.feet[i], 3 * patches.back() * spacing_, near);
-    if (near.size() < 3) return best;
+    if (feet_.count_within(scene_.feet[i], 3 * patches.back() * spacing_) < 3) return best;
     scene_.source->tree->within(scene_.feet[i], 3 * patches.back() * spacing_, kept);
+    off_.within(scene_.off[i], 2 * patches.back() * spacing_, near);
     for (const double size : patches) {
       const double radius = size * spacing_;
-      std::size_t off = 0, off_ring = 0, on = 0, on_ring = 0;
-      for (const auto& n : near) {
-        if (n.sq_distance > 9 * radius * radius) break;
-        const double apart = (scene_.off[n.index] - scene_.off[i]).norm();
-        if (n.sq_distance > radius * radius) ++off_ring;
-        else if (apart <= 2 * radius) ++off;  // on edges and corners feet of far-off strays fall together
-      }
+      // On edges and corners feet of far-off strays fall together: those count that are near each other themselves.
+      std::size_t off = 0, on = 0, on_ring = 0;
+      for (const auto& n : near)
+        off += n.sq_distance <= 4 * radius * radius && (scene_.feet[n.index] - scene_.feet[i]).squaredNorm() <= radius * radius;
+      const std::size_t off_ring =
+          feet_.count_within(scene_.feet[i], 3 * radius) - feet_.count_within(scene_.feet[i], radius);
       for (const auto& n : kept) {
         if (n.sq_distance > 9 * radius * radius) break;
         if ((*scene_.is_off)[n.index]) continue;

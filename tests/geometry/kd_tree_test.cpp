@@ -70,6 +70,10 @@ TEST_CASE("kd tree: every answer is what comparing with all points gives, in the
         }
         tree.within(place, 1.0, near);
         CHECK(same(near, truth, std::size_t(std::count_if(truth.begin(), truth.end(), [](const Neighbour& n) { return n.sq_distance <= 1; }))));
+        for (const double radius : {0.0, 0.3, 1.0, 3.0, 1e6}) {
+          tree.within(place, radius, near);
+          CHECK(tree.count_within(place, radius) == near.size());
+        }
       }
       for (const std::size_t count : {1, 10, 30, 450}) {
         std::vector<int> asked(size, 0), wrong(size, 0);
