@@ -10,7 +10,9 @@
 #include "cli/views.h"
 #include "core/number.h"
 #include "geometry/read_geometry.h"
+#include "geometry/normals.h"
 #include "model/json.h"
+#include "scan/background.h"
 
 namespace partscribe {
 namespace {
@@ -51,6 +53,22 @@ void print_result(const Model& model, const Verdict& verdict, const Path& folder
   session.print("\nFiles in " + folder.string() + ":" + names + " model.json cloud.ply verdict.json report.html\n");
   session.print("Open " + (folder / "report.html").string() + " for pictures and reasons.\n");
   session.print(seconds_line(session) + "\n");
+}
+
+/// A sensor's picture of a part among other things is no scan of one part. Asked only where no verdict holds: a plate with
+/// bosses looks like a table as well. Empty where nothing stands on a plane.
+std::string scene_hint(const Path& input, const Scan& scan, int threads) {
+  if (scan.views.size() > 1 || !scan.mesh.empty()) return "";
+  Context context;  // the stages are over
+  context.threads = threads;
+  PointCloud cloud = scan.cloud;
+  const SamplingSummary sampling = estimate_normals(cloud, {}, context);
+  const auto found = cut_background(cloud, sampling.sigma, sampling.spacing, 1);
+  if (!found) return "";
+  const auto things = found->things.size();
+  return (things == 1 ? "Something stands" : std::to_string(things) + " things stand") +
+         " on a plane in this scan. If that is a table, partscribe scan " + input.string() +
+         " --on-table 1 cuts the largest out for build.\n";
 }
 
 Result<int> run(const BuildArguments& arguments, Session& session) {
@@ -117,6 +135,8 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   session.finish_stage();
 
   print_result(**model, *verdict, folder, session);
+  if (verdict->verdict == Outcome::out_of_tolerance)
+    session.print(scene_hint(arguments.scans.front(), *scan, session.context.threads));
   session.print_json(json);
   return exit_code_of(verdict->verdict);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/random.h"
 #include "run.h"
 
 namespace partscribe {
@@ -122,6 +123,20 @@ TEST_CASE("views: a part on a table is cut out, and nothing is written when ther
   const int points = std::stoi(dome.out.substr(line + 7));
   CHECK(points > 1000);
   CHECK(points < 1257);  // 400 pi in all
+
+  // Whoever builds the whole scene is told, once that has failed: among so many strays there is no verdict for it.
+  Random random(4);
+  for (int i = 0; i < 1500; ++i) {
+    for (const double size : {45, 45, 20}) scene += std::to_string(random.uniform(-size, size)) + " ";
+    scene += "\n";
+  }
+  REQUIRE(write_file(folder.path() / "room.xyz", scene).ok());
+  const Path room = folder.path() / "room.xyz";
+  const auto built = run_partscribe({"build", room.string(), "--units", "mm", "--tolerance", "0.5", "--procedure", "triangulation", "--to",
+                                     "alpha1", "--out", (folder.path() / "room").string()});
+  INFO(built.out << built.err);
+  CHECK(built.exit_code == 1);
+  CHECK(built.out.find("partscribe scan " + room.string() + " --on-table 1") != std::string::npos);
 }
 
 }  // namespace partscribe
