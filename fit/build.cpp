@@ -174,7 +174,7 @@ bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   if (same && explained > few_points && gain > surely * far_more_likely(input)) return true;
   const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
   const double enough = same ? more_likely : far_more_likely(input);
-  return only_noise && gain - nats_per_stray * std::max(explained, 0.0) > enough;
+  return only_noise && gain - gained_by_strays(longer, shorter, input) > enough;
 }
 
 /// Of those from `first` on the shortest description that meets the tolerance comes first, unless a longer one pays. They are
