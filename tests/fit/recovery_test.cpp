@@ -126,6 +126,8 @@ TEST_CASE("recovery: the wall of a thin step is no piece of the axis") {
   check_right({{"revolve", hardest_conditions(), 77}, {"revolve", standard_conditions(), 242}});
 }
 
+TEST_CASE("recovery: a neck between two collars that 24 points of 3,700 show is one") { check_right({{"revolve", standard_conditions(), 121}}); }
+
 TEST_CASE("recovery: an angle of which no wall of the notch was seen is one where its end faces show it") {
   check_right({{"extrude", standard_conditions(), 98}, {"extrude", standard_conditions(), 198}});
 }
