@@ -389,6 +389,8 @@ TEST_CASE("recovery: plates among 30 % strays: dense walls are no strays, what i
   check_right({{"extrude", hardest_conditions(), 140}, {"extrude", hardest_conditions(), 155}});
 }
 
+TEST_CASE("recovery: a plate of which the floor, the top and the wall of a step were seen lies below them") { check_right({{"extrude", hardest_conditions(), 206}}); }
+
 TEST_CASE("recovery: strays beside a face are no fin of a plate, 0.9 +- 1.1 mm thick") {
   Context context;
   const Score score = recovered(make_case("extrude", hardest_conditions(), 172), context);
