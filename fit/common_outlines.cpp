@@ -76,12 +76,13 @@ class Seen {
     if (o.form == OutlineForm::ell && (((o.inner - o.low).array() < 2 * band_).any() || ((o.high - o.inner).array() < 2 * band_).any())) return impossible;
     if (o.form == OutlineForm::link && (o.eye < 2 * band_ || o.eye > o.radius() - 2 * band_)) return impossible;
     const Ruler distance(o);
+    const bool tells_side = outward_ && o.form == OutlineForm::ell;  // the others are convex: none is another one turned inside out
     double walls = 0, ends = 0;
     for (const auto& w : walls_) {
       const double u = 2.5 * distance(w.position) / band_, off = std::min(0.5 * u * u, stray);
       const auto faces_along = [&] {
         const double rise = distance(w.position + band_ * w.normal) - distance(w.position - band_ * w.normal);
-        return (outward_ ? rise : std::abs(rise)) >= along * 2 * band_;
+        return (tells_side ? rise : std::abs(rise)) >= along * 2 * band_;
       };
       walls += off < stray && faces_along() ? off : stray;
     }
