@@ -29,7 +29,8 @@ struct CommonOutline {
 };
 
 /// One of each form, the likeliest first. Robust: walls farther off than noise, or that face another way (of an L the inside too, where
-/// that is known), and a few points of the end faces outside, cost no more than being strays; area that end faces do not fill costs a little, which draws in a side of which no wall was seen.
+/// that is known), and a few points of the end faces outside, cost no more than being strays; area that end faces do not fill costs a
+/// little, which draws in a side of which no wall was seen.
 std::vector<CommonOutline> common_outlines(const OutlineData& data);
 
 }  // namespace partscribe
