@@ -20,6 +20,7 @@
 #include "fit/revolve.h"
 #include "fit/ring.h"
 #include "fit/rivals.h"
+#include "fit/seen_through.h"
 #include "fit/strays.h"
 #include "fit/superellipsoid.h"
 #include "fit/tidy.h"
@@ -70,6 +71,9 @@ double most_thin(const Candidate& c) {
   return std::holds_alternative<Extrude>(c.shape) || std::holds_alternative<Box>(c.shape) ? 0.12 : 0.3;
 }
 
+/// Of the points on a shape, how many may have been seen through it: strays beside it may, of a true shape 3 % where a third of all are strays.
+constexpr double most_through = 0.1;
+
 /// Welsch constants among strays, of the search and of the last steps: strays beside the surface draw less, and at 1.5 the
 /// error that noise alone makes grows by 8 % only. A search as narrow as that would stay where it starts.
 constexpr double narrow = 2, narrow_last = 1.5;
@@ -110,15 +114,19 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     return j;
   }
   j.evidence = evidence_of(candidate, input, context);
-  if (j.evidence.local_max <= input.tolerance) j.coverage = coverage_of(candidate, input, context);
+  const bool within = j.evidence.local_max <= input.tolerance;
+  if (within) j.coverage = coverage_of(candidate, input, context);
+  const double through = within ? share_seen_through(candidate, input, context) : 0;
   j.candidate = std::move(candidate);
-  if (j.evidence.local_max > input.tolerance)
+  if (!within)
     j.reason = "deviates by " + millimetres(j.evidence.local_max, input.tolerance) + " at (" +
                print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
                print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
   else if (hardly_bends(j.candidate, input.bounds.diagonal()))
     j.reason = bends_too_little;
+  else if (through > most_through)
+    j.reason = print_number(std::round(100 * through)) + " % of the points on it could be seen through it only";
   else if (j.coverage.covered < 0.25)
     j.open = true, j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
   else if (j.coverage.contradicted > 0.001)
@@ -166,7 +174,7 @@ bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   if (same && explained > few_points && gain > surely * far_more_likely(input)) return true;
   const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
   const double enough = same ? more_likely : far_more_likely(input);
-  return only_noise && gain - nats_per_stray * std::max(explained, 0.0) > enough;
+  return only_noise && gain - gained_by_strays(longer, shorter, input) > enough;
 }
 
 /// Of those from `first` on the shortest description that meets the tolerance comes first, unless a longer one pays. They are

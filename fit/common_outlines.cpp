@@ -56,7 +56,7 @@ std::vector<T> spread(const std::vector<T>& all) {
 /// What was seen, and what an outline costs that is to explain it.
 class Seen {
  public:
-  explicit Seen(const OutlineData& data) : walls_(spread(data.walls)), ends_(spread(data.ends)), band_(data.band) {
+  explicit Seen(const OutlineData& data) : walls_(spread(data.walls)), ends_(spread(data.ends)), band_(data.band), outward_(data.outward) {
     for (const auto& w : walls_) low_ = low_.cwiseMin(w.position), high_ = high_.cwiseMax(w.position);
     for (const Vec2& e : ends_) low_ = low_.cwiseMin(e), high_ = high_.cwiseMax(e);
     end_share_ = double(data.ends.size()) / double(ends_.size());
@@ -76,12 +76,13 @@ class Seen {
     if (o.form == OutlineForm::ell && (((o.inner - o.low).array() < 2 * band_).any() || ((o.high - o.inner).array() < 2 * band_).any())) return impossible;
     if (o.form == OutlineForm::link && (o.eye < 2 * band_ || o.eye > o.radius() - 2 * band_)) return impossible;
     const Ruler distance(o);
+    const bool tells_side = outward_ && o.form == OutlineForm::ell;  // the others are convex: none is another one turned inside out
     double walls = 0, ends = 0;
     for (const auto& w : walls_) {
       const double u = 2.5 * distance(w.position) / band_, off = std::min(0.5 * u * u, stray);
       const auto faces_along = [&] {
         const double rise = distance(w.position + band_ * w.normal) - distance(w.position - band_ * w.normal);
-        return std::abs(rise) >= along * 2 * band_;
+        return (tells_side ? rise : std::abs(rise)) >= along * 2 * band_;
       };
       walls += off < stray && faces_along() ? off : stray;
     }
@@ -163,6 +164,7 @@ class Seen {
   double cell_ = 0;      // mm
   double per_cell_ = 0;  // points of the end faces, on the average
   double band_;
+  bool outward_;
   Vec2 low_ = Vec2::Constant(1e300), high_ = -low_;
   double end_share_ = 1, wall_share_ = 1;
 };

@@ -28,8 +28,9 @@ struct CommonOutline {
   LoopPieces loop() const;     ///< counter-clockwise, named "outline"
 };
 
-/// One of each form, the likeliest first. Robust: walls farther off than noise, and a few points of the end faces outside, cost
-/// no more than being strays; area that end faces do not fill costs a little, which draws in a side of which no wall was seen.
+/// One of each form, the likeliest first. Robust: walls farther off than noise, or that face another way (of an L the inside too, where
+/// that is known), and a few points of the end faces outside, cost no more than being strays; area that end faces do not fill costs a
+/// little, which draws in a side of which no wall was seen.
 std::vector<CommonOutline> common_outlines(const OutlineData& data);
 
 }  // namespace partscribe

@@ -140,8 +140,11 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   });
   // Deviations well inside the tolerance are not worth a longer description.
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
+  constexpr double beyond_noise = 2.5;
   const auto weigh = [&](double off, double u) {  // u: in sigmas
-    result.misfit += 0.5 * std::min(u * u / 2, 12.0);
+    const double nats = 0.5 * std::min(u * u / 2, 12.0);
+    result.misfit += nats;
+    if (std::abs(u) > beyond_noise) result.far_out += nats;
     if (std::abs(u) >= 4 && std::abs(off) > input.tolerance) ++result.unexplained;
   };
   double sum = 0, count = 0;

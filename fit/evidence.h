@@ -15,6 +15,7 @@ struct CandidateEvidence {
   double local_max = 0;           ///< mm, largest local robust mean of the signed distance
   Vec3 worst = Vec3::Zero();      ///< where
   double misfit = 0;              ///< nats: sum of min(u^2 / 2, 12) / 2 over the points (neighbours are correlated)
+  double far_out = 0;             ///< nats: the share of points beyond 2.5 sigmas in the misfit; noise alone puts one in eighty there
   std::size_t unexplained = 0;    ///< points beyond the tolerance and 4 sigmas
   double description = 0;         ///< nats: what writing the procedure down costs
   double total() const { return misfit + description; }
@@ -32,6 +33,13 @@ inline double far_more_likely(const FitInput& input) { return far_more_likely(in
 inline double worth_a_shape(const FitInput& input) {
   const double points = double(input.cloud.size());
   return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
+}
+
+/// Nats by which one may be ahead of another for strays alone: those that lie on it and that the other leaves to chance, and among
+/// strays all that are farther from the other than noise puts a point. Curtains and heaps begin at the surface.
+inline double gained_by_strays(const CandidateEvidence& ahead, const CandidateEvidence& other, const FitInput& input) {
+  const double left = nats_per_stray * (double(other.unexplained) - double(ahead.unexplained));
+  return std::max({left, among_strays(input) ? other.far_out - ahead.far_out : 0, 0.0});
 }
 
 /// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.

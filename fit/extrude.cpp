@@ -490,7 +490,7 @@ Section section_of(const FitInput& input, const Sweep& sweep) {
 
 OutlineData outline_data(const FitInput& input, const Section& s, double band) {
   OutlineData data;
-  data.walls = s.walls, data.band = band, data.spacing = input.thin_spacing;
+  data.walls = s.walls, data.band = band, data.spacing = input.thin_spacing, data.outward = input.oriented;
   for (const auto& end : s.ends) data.ends.insert(data.ends.end(), end.begin(), end.end());
   return data;
 }

@@ -16,6 +16,7 @@ struct OutlineData {
   std::vector<Vec2> ends;        ///< points of both end faces
   double band = 0;               ///< half the thickness that noise gives a wall
   double spacing = 0;            ///< between neighbouring points of an end face
+  bool outward = false;          ///< the walls' normals point out of the part; else nobody knows their sign
 };
 
 /// The outer loop first; none where no closed outline comes out.

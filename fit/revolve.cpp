@@ -336,6 +336,29 @@ std::optional<LoopPieces> with_step_aside(const LoopPieces& loop, const std::vec
   return result;
 }
 
+/// The same with a neck wherever a shoulder goes on, by more than `least` mm, towards the axis than the wall next to it, which begins as far
+/// away: the neck between them was hardly seen. Nothing if there is none.
+std::optional<LoopPieces> with_unseen_necks(const LoopPieces& loop, double least) {
+  const auto runs_along = [](const ProfileSegment& s, int axis) { return s.supported && !s.arc && !s.spline && std::abs(s.direction[axis]) > 0.98; };
+  LoopPieces result = loop;
+  result.segments.clear();
+  for (std::size_t i = 0; i < loop.segments.size(); ++i) {
+    const ProfileSegment& s = loop.segments[i];
+    if (i > 0) {
+      const ProfileSegment& before = loop.segments[i - 1];
+      const bool wall_next = runs_along(before, 0) && runs_along(s, 1), wall_before = runs_along(before, 1) && runs_along(s, 0);
+      const Vec2 shoulder = wall_next ? before.end : s.start, wall = wall_next ? s.start : before.end;
+      if ((wall_next || wall_before) && wall.x() - shoulder.x() > least && std::abs(wall.y() - shoulder.y()) > least) {
+        const Vec2 corner(shoulder.x(), wall.y());
+        result.segments.push_back(flat_end(before.end, corner)), result.segments.push_back(flat_end(corner, s.start));
+      }
+    }
+    result.segments.push_back(s);
+  }
+  if (result.segments.size() == loop.segments.size()) return {};
+  return result;
+}
+
 /// What noise makes of steps and corners made square again: a piece shorter than `blur` mm between two walls becomes a
 /// shoulder; one between a wall and a flat is left out, unless `corners_stay`. Nothing if there is none.
 std::optional<LoopPieces> with_square_steps(const LoopPieces& loop, double blur, bool corners_stay) {
@@ -511,6 +534,7 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
     for (const double sign : {1.0, -1.0})
       if (const auto step = with_step_aside(loop, aside, sign, nodes.noise, least_of_step)) propose(*step);
     if (const auto rim = closed_at_rim(loop)) propose(*rim);
+    if (const auto necks = with_unseen_necks(loop, std::max(at_noise * nodes.cell, 2 * input.tolerance))) propose(*necks);
     if (nodes.blur == 0) return;
     for (const bool corners_stay : {false, true})
       if (const auto square = with_square_steps(loop, nodes.blur, corners_stay)) propose(*square);

@@ -164,7 +164,7 @@ std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEv
   const bool makes_sense = rival.description > 0;
   if (!among_strays(input) || !makes_sense || rival.description >= winner.description) return {};
   if (!(left > 0 && left < most_left_out * strays)) return {};
-  if (rival.total() - winner.total() - nats_per_stray * left >= far_more_likely(input)) return {};
+  if (rival.total() - winner.total() - gained_by_strays(winner, rival, input) >= far_more_likely(input)) return {};
   return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are strays";
 }
 

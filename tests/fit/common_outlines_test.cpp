@@ -77,6 +77,31 @@ TEST_CASE("common outlines: a slot of which one end and one wall were hidden") {
   for (std::size_t i = 0; i < 4; ++i) CHECK((loop.segments[i].end - loop.segments[(i + 1) % 4].start).norm() < 1e-9);
 }
 
+TEST_CASE("common outlines: normals that point outward tell on which side of its step an L is solid") {
+  Plate plate;
+  plate.wall({72, 17}, {22, 17}, 600);
+  plate.wall({22, 17}, {22, 42}, 40);
+  plate.wall({22, 42}, {0, 42}, 260);
+  plate.face({0, 0}, {72, 17}, 60, [](const Vec2&) { return true; });
+  plate.strays({-5, -5}, {77, 47}, 60);
+  const auto ell = [&] {
+    for (const CommonOutline& o : common_outlines(plate.data))
+      if (o.form == OutlineForm::ell) return o;
+    return CommonOutline{};
+  };
+  const Vec2 below = turned({47, 13}), beyond = turned({47, 21});
+  const auto solid_below = [&](const CommonOutline& o) { return o.distance(below) < 0 && o.distance(beyond) > 0; };
+  plate.data.outward = true;
+  CHECK(solid_below(ell()));
+  // Turned round they tell the other side; of unknown sign they tell none.
+  for (PlanePoint& w : plate.data.walls) w.normal = -w.normal;
+  CHECK_FALSE(solid_below(ell()));
+  plate.data.outward = false;
+  const double unknown = ell().cost;
+  for (PlanePoint& w : plate.data.walls) w.normal = -w.normal;
+  CHECK(ell().cost == Approx(unknown));
+}
+
 TEST_CASE("common outlines: the walls of two holes say where a link ends that was hidden") {
   Plate plate;
   const double r = 17, l = 42, eye = 9;

@@ -126,6 +126,8 @@ TEST_CASE("recovery: the wall of a thin step is no piece of the axis") {
   check_right({{"revolve", hardest_conditions(), 77}, {"revolve", standard_conditions(), 242}});
 }
 
+TEST_CASE("recovery: a neck between two collars that 24 points of 3,700 show is one") { check_right({{"revolve", standard_conditions(), 121}}); }
+
 TEST_CASE("recovery: an angle of which no wall of the notch was seen is one where its end faces show it") {
   check_right({{"extrude", standard_conditions(), 98}, {"extrude", standard_conditions(), 198}});
 }
@@ -387,6 +389,8 @@ TEST_CASE("recovery: plates among 30 % strays: dense walls are no strays, what i
   check_right({{"extrude", hardest_conditions(), 140}, {"extrude", hardest_conditions(), 155}});
 }
 
+TEST_CASE("recovery: a plate of which the floor, the top and the wall of a step were seen lies below them") { check_right({{"extrude", hardest_conditions(), 206}}); }
+
 TEST_CASE("recovery: strays beside a face are no fin of a plate, 0.9 +- 1.1 mm thick") {
   Context context;
   const Score score = recovered(make_case("extrude", hardest_conditions(), 172), context);
@@ -428,10 +432,30 @@ TEST_CASE("rivals: a shorter one that leaves out few points beside the strays ma
     return leaves_out_strays(winner, other, scan).empty();
   };
   CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.misfit = 2200; }));      // it is off elsewhere as well
+  CHECK_FALSE(empty_with([](CandidateEvidence& r, FitInput&) { r.misfit = 2200, r.far_out = 800; }));  // by points farther off than noise
   CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.unexplained = 160; }));  // too many to be strays
   CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.unexplained = 5; }));    // it leaves out none
   CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.description = 140; }));
   CHECK(empty_with([](CandidateEvidence&, FitInput& scan) { scan.stray_share = 0.05; }));
+}
+
+TEST_CASE("evidence: what points beyond noise cost more is no lead among strays, and one among few") {
+  FitInput input;
+  CandidateEvidence ahead, other;
+  ahead.misfit = 820, ahead.far_out = 200, ahead.unexplained = 10;
+  other.misfit = 1080, other.far_out = 460, other.unexplained = 34;
+  input.stray_share = 0.05;
+  CHECK(gained_by_strays(ahead, other, input) == Approx(24 * nats_per_stray));
+  input.stray_share = 0.25;
+  CHECK(gained_by_strays(ahead, other, input) == Approx(260));
+  CHECK(gained_by_strays(other, ahead, input) == 0);
+}
+
+TEST_CASE("recovery: a ball with a curtain of strays about its limb is a ball, no ball on a rod") {
+  Context context;
+  const Score score = recovered(make_case("sphere", hardest_conditions(), 210), context);
+  INFO(score.found << " " << score.why);
+  CHECK(score.answer == Answer::right);
 }
 
 TEST_CASE("rivals: those that may be the truth are named however many others there are") {

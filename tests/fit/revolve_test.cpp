@@ -88,6 +88,23 @@ TEST_CASE("revolve: a wall of which few points were seen belongs to the profile"
   }));
 }
 
+TEST_CASE("revolve: a neck that nobody saw lies where the shoulder below it ends") {
+  Context context;
+  const Scan dense = test::sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
+  Scan scan = dense;
+  scan.cloud = {};
+  for (const Vec3& p : dense.cloud.points)
+    if (p.z() < 30.5 || p.z() > 59.5 || p.head<2>().norm() > 10.5) scan.cloud.points.push_back(p);
+  const auto input = prepare(scan, 0.3, context);
+  REQUIRE(input);
+  auto candidates = propose_revolves(*input, {Vec3(0.1, 0, 1), Vec3::UnitX()}, context);
+  const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+    return std::abs(nearest_value(c, 20) - 20) < 0.2 && std::abs(nearest_value(c, 12) - 12) < 0.2 && std::abs(nearest_value(c, 9) - 9) < 0.6 &&
+           evidence_of(c, *input, context).local_max < input->tolerance;
+  });
+  CHECK(found != candidates.end());
+}
+
 TEST_CASE("revolve: the wall of a step hardly thicker than the nodes are wide is no part of the axis") {
   Loop loop;
   loop.name = "profile";
