@@ -11,6 +11,7 @@
 #include "fit/evidence.h"
 #include "fit/extrude.h"
 #include "fit/face_ends.h"
+#include "fit/fallback.h"
 #include "fit/fillet.h"
 #include "fit/half_spaces.h"
 #include "fit/prepare.h"
@@ -25,7 +26,6 @@
 #include "fit/superellipsoid.h"
 #include "fit/tidy.h"
 #include "fit/torus_piece.h"
-#include "fit/triangulate.h"
 #include "geometry/keep_points.h"
 #include "model/distance.h"
 
@@ -41,10 +41,6 @@ struct Judged {
   bool open = false;  ///< within tolerance, but refused for what was not seen of it or noise hides
   std::string reason;
 };
-
-std::string millimetres(double v, double tolerance) {
-  return print_number(snapped(v, power_of_ten_below(std::max(tolerance / 20, 1e-9)))) + " mm";
-}
 
 /// Its exact distance takes microseconds.
 bool is_slow(const Candidate& c) {
@@ -618,8 +614,13 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   for (auto& a : attempts)
     if (chosen == none && !context.cancelled && found_in(a, true)) break;
   if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
-  // Where nothing was found the scan is taken as it would be first.
-  if (chosen == none) chosen = 0, scan.cloud.rejected = attempts[0].rejected;
+  if (chosen == none) {
+    // Where nothing was found the scan is taken as it is, unless strays are a good part of it.
+    const auto fits = [&](const Attempt& a) { return among_strays(a.input) || a.input.set_aside.empty(); };
+    chosen = static_cast<std::size_t>(std::find_if(attempts.begin(), attempts.end(), fits) - attempts.begin());
+    chosen = std::min(chosen, attempts.size() - 1);
+    scan.cloud.rejected = attempts[chosen].rejected;
+  }
   input = std::move(attempts[chosen].input);
   const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = attempts[chosen].search;
   Model model = found_model;
@@ -633,39 +634,13 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   }
   if (!found) {
     context.report("triangulation", 0.7);
-    std::optional<Candidate> mesh;
-    FitInput dense = selection(scan, input.sampling, options.tolerance, 400000);
-    dense.surroundings = surroundings_of(dense, context);
-    // The triangulation aims at a share of the tolerance; where that was not enough it tries again, finer, as long as the
-    // triangles are what is in the way and not the surface that they follow.
-    Triangulator triangulator(input, context);
-    double enough = 0.8 * options.tolerance;
-    for (const double share : {1.0, 0.5, 0.25}) {
-      auto attempt = triangulator.within(share * options.tolerance);
-      if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
-      if (!attempt) {
-        if (mesh) break;
-        return attempt.error();
-      }
-      const CandidateEvidence evidence = evidence_of(*attempt, dense, context);
-      context.say("triangulation: deviation " + millimetres(evidence.local_max, options.tolerance));
-      if (mesh && evidence.local_max > final_evidence.local_max) break;
-      const bool first = !mesh;
-      mesh = std::move(*attempt);
-      final_evidence = evidence;
-      if (evidence.local_max < enough) break;
-      if (!first) continue;
-      if (const auto surface = triangulator.unsimplified()) {
-        const double least = evidence_of(*surface, dense, context).local_max;
-        context.say("triangulation: deviation " + millimetres(least, options.tolerance) + " before triangles were taken out");
-        enough = std::max(enough, least + 0.1 * options.tolerance);
-        if (evidence.local_max < enough) break;
-      }
-    }
-    final_covered = coverage_of(*mesh, input, context).covered;
-    model = model_of(*mesh, input);
+    auto fallback = fallback_of(scan, input, options.tolerance, context);
+    if (!fallback) return fallback.error();
+    final_evidence = fallback->evidence;
+    final_covered = coverage_of(fallback->mesh, input, context).covered;
+    model = model_of(fallback->mesh, input);
     model.scan_from_part = {};
-    const Vec3 shift = mesh->scan_from_part.translation;
+    const Vec3 shift = fallback->mesh.scan_from_part.translation;
     model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
     model.fallback = options.force != only_a_mesh;
   }

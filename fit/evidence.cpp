@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "fit/refine.h"
@@ -32,6 +33,10 @@ bool is_dust(const std::vector<Neighbour>& near, const std::vector<Vec3>& points
 }
 
 }  // namespace
+
+std::string millimetres(double deviation, double tolerance) {
+  return print_number(snapped(deviation, power_of_ten_below(std::max(tolerance / 20, 1e-9)))) + " mm";
+}
 
 bool drawable(const Candidate& c) {
   Values values;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "fit/candidate.h"
@@ -44,6 +45,9 @@ inline double gained_by_strays(const CandidateEvidence& ahead, const CandidateEv
 
 /// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.
 std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Context& context);
+
+/// A deviation in words, to a twentieth of the tolerance or a little finer; both in mm.
+std::string millimetres(double deviation, double tolerance);
 
 /// False for a sketch with a loop that has shrunk to a point, or with numbers that are none: it has no distances.
 bool drawable(const Candidate& candidate);

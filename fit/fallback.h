@@ -1,0 +1,20 @@
+/// What is written where no procedure describes a scan.
+#pragma once
+
+#include "core/result.h"
+#include "fit/candidate.h"
+#include "fit/evidence.h"
+
+namespace partscribe {
+
+struct Fallback {
+  Candidate mesh;
+  CandidateEvidence evidence;  ///< of up to 400,000 points
+};
+
+/// The smallest triangulation that lies safely within `tolerance` (mm) of the scan. It aims at a share of the tolerance; where
+/// that was not enough it tries again, finer, as long as the triangles are what is in the way and not the surface that they
+/// follow. `input` is of `scan`.
+Result<Fallback> fallback_of(const Scan& scan, const FitInput& input, double tolerance, Context& context);
+
+}  // namespace partscribe
