@@ -74,8 +74,9 @@ class Decimator {
     // Coarse meshes bend more from facet to facet, so that they are looked at more closely.
     if (m > 0) probe_ = (m <= 150000 ? 0.7 : 1.5) * edge_sum / (3.0 * static_cast<double>(m));
     // Samples of the original surface; each belongs to a triangle that is near enough to it.
+    std::vector<std::uint32_t> sampled;
     for (std::uint32_t v = 0; v < n; ++v)
-      if (!fans_[v].empty()) owners_.push_back(fans_[v].front()), add_sample(fans_[v].front(), points_[v]);
+      if (!fans_[v].empty()) sampled.push_back(v), owners_.push_back(fans_[v].front()), add_sample(fans_[v].front(), points_[v]);
     for (std::uint32_t t = 0; t < m; ++t) {
       add_sample(t, (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3);
       for (int k = 0; k < 3; ++k) {
@@ -93,7 +94,7 @@ class Decimator {
         if (alone || (a < b && m <= 150000)) add_sample(t, 0.5 * (points_[a] + points_[b]));
       }
     }
-    find_narrow_places(m > 0 ? edge_sum / (3.0 * static_cast<double>(m)) : 0);
+    if (m > 0) find_narrow_places(sampled, edge_sum / (3.0 * static_cast<double>(m)));
   }
 
   TriangleMesh run() {
@@ -126,18 +127,17 @@ class Decimator {
     samples_.push_back(p);
   }
 
-  /// Notes for the first samples, those at vertices, which others of another sheet or of the other side of an edge lie so
-  /// near that decimated surfaces could meet there. `edge`: mm, the mean length.
-  void find_narrow_places(double edge) {
-    const std::vector<Vec3> all(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(owners_.size()));
+  /// Notes for the first samples, those at the vertices `sampled`, which others of another sheet or of the other side of an
+  /// edge lie so near that decimated surfaces could meet there. `edge`: mm, the mean length.
+  void find_narrow_places(const std::vector<std::uint32_t>& sampled, double edge) {
+    std::vector<Vec3> all;
+    for (const std::uint32_t v : sampled) all.push_back(points_[v]);
     const double spacing = 0.5 * options_.max_error, reach = 2 * options_.max_error + 2 * edge;
     const auto chosen = thinned(all, {}, spacing > edge ? spacing : 0);
     std::vector<Vec3> places, normals;
     for (const std::uint32_t s : chosen) {
       Vec3 sum = Vec3::Zero();
-      for (const std::uint32_t v : triangles_[owners_[s]])
-        if (points_[v] == all[s])
-          for (const std::uint32_t t : fans_[v]) sum += triangle_normal(mesh_, t);
+      for (const std::uint32_t t : fans_[sampled[s]]) sum += triangle_normal(mesh_, t);
       places.push_back(all[s]);
       normals.push_back(sum.normalized());
     }
