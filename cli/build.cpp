@@ -9,8 +9,8 @@
 #include "cli/stages.h"
 #include "cli/views.h"
 #include "core/number.h"
-#include "geometry/read_geometry.h"
 #include "geometry/normals.h"
+#include "geometry/read_geometry.h"
 #include "model/json.h"
 #include "scan/background.h"
 

@@ -594,12 +594,11 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   const bool littered = double(input.sampling.rejected) > many * double(scan.cloud.size());
   const std::vector<std::uint8_t> rejected = scan.cloud.rejected;
   std::vector<Attempt> attempts;
-  constexpr std::size_t none = 2;
-  std::size_t chosen = none;
+  std::optional<std::size_t> answering;
   const auto found_in = [&](Attempt& a, bool last_resort) {
     scan.cloud.rejected = a.rejected;
     search_procedure(a, last_resort, options, context);
-    if (a.search.found) chosen = static_cast<std::size_t>(&a - attempts.data());
+    if (a.search.found) answering = static_cast<std::size_t>(&a - attempts.data());
     return a.search.found || context.cancelled;
   };
   for (const bool without : {littered, !littered}) {
@@ -612,15 +611,12 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     break;
   }
   for (auto& a : attempts)
-    if (chosen == none && !context.cancelled && found_in(a, true)) break;
+    if (!answering && !context.cancelled && found_in(a, true)) break;
   if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
-  if (chosen == none) {
-    // Where nothing was found the scan is taken as it is, unless strays are a good part of it.
-    const auto fits = [&](const Attempt& a) { return among_strays(a.input) || a.input.set_aside.empty(); };
-    chosen = static_cast<std::size_t>(std::find_if(attempts.begin(), attempts.end(), fits) - attempts.begin());
-    chosen = std::min(chosen, attempts.size() - 1);
-    scan.cloud.rejected = attempts[chosen].rejected;
-  }
+  // Where nothing was found the scan is taken as it is, unless many points were rejected and strays are a good part of the others.
+  const std::size_t as_it_is = attempts.size() == 2 && littered && !among_strays(attempts[0].input) ? 1 : 0;
+  const std::size_t chosen = answering.value_or(as_it_is);
+  scan.cloud.rejected = attempts[chosen].rejected;
   input = std::move(attempts[chosen].input);
   const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = attempts[chosen].search;
   Model model = found_model;
@@ -634,7 +630,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   }
   if (!found) {
     context.report("triangulation", 0.7);
-    auto fallback = fallback_of(scan, input, options.tolerance, context);
+    auto fallback = fallback_of(input, context);
     if (!fallback) return fallback.error();
     final_evidence = fallback->evidence;
     final_covered = coverage_of(fallback->mesh, input, context).covered;

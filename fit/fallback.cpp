@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <optional>
-#include <string>
 
-#include "core/number.h"
 #include "fit/prepare.h"
 #include "fit/triangulate.h"
 
 namespace partscribe {
 
-Result<Fallback> fallback_of(const Scan& scan, const FitInput& input, double tolerance, Context& context) {
-  FitInput dense = selection(scan, input.sampling, tolerance, 400000);
+Result<Fallback> fallback_of(const FitInput& input, Context& context) {
+  const double tolerance = input.tolerance;
+  FitInput dense = selection(*input.scan, input.sampling, tolerance, 400000);
   dense.surroundings = surroundings_of(dense, context);
   Triangulator triangulator(input, context);
   double enough = 0.8 * tolerance;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/result.h"
-#include "fit/candidate.h"
 #include "fit/evidence.h"
 
 namespace partscribe {
@@ -12,9 +11,9 @@ struct Fallback {
   CandidateEvidence evidence;  ///< of up to 400,000 points
 };
 
-/// The smallest triangulation that lies safely within `tolerance` (mm) of the scan. It aims at a share of the tolerance; where
+/// The smallest triangulation that lies safely within the tolerance of the scan. It aims at a share of the tolerance; where
 /// that was not enough it tries again, finer, as long as the triangles are what is in the way and not the surface that they
-/// follow. `input` is of `scan`.
-Result<Fallback> fallback_of(const Scan& scan, const FitInput& input, double tolerance, Context& context);
+/// follow. `input` is of a scan.
+Result<Fallback> fallback_of(const FitInput& input, Context& context);
 
 }  // namespace partscribe

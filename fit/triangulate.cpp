@@ -146,68 +146,54 @@ Candidate candidate_of(const TriangleMesh& mesh, double tolerance) {
 
 }  // namespace
 
-struct Triangulator::Parts {
-  const FitInput& input;
-  Context& context;
-  bool one_sided = true;  // until the points were not: a height field is made for each tolerance
-  std::optional<TriangleMesh> surface;
+TriangleMesh Triangulator::from_mesh(double tolerance) const {
+  RepairOptions options;
+  options.separation = 0.1 * tolerance;
+  RepairReport report = repair(ordered_source(input_.scan->mesh), options);
+  if (report.dropped_components > 0)
+    context_.say("triangulate: " + std::to_string(report.dropped_components) +
+                 " small floating pieces of the mesh left out");
+  if (report.filled_holes > 0)
+    context_.say("triangulate: " + std::to_string(report.filled_holes) + " holes of the mesh filled");
+  return simplified(report.mesh, 0.4 * tolerance, context_);
+}
 
-  bool from_mesh() const { return input.scan && !input.scan->mesh.empty(); }
-
-  TriangleMesh of_source(double tolerance) const {
-    RepairOptions options;
-    options.separation = 0.1 * tolerance;
-    RepairReport report = repair(ordered_source(input.scan->mesh), options);
-    if (report.dropped_components > 0)
-      context.say("triangulate: " + std::to_string(report.dropped_components) +
-                  " small floating pieces of the mesh left out");
-    if (report.filled_holes > 0)
-      context.say("triangulate: " + std::to_string(report.filled_holes) + " holes of the mesh filled");
-    return simplified(report.mesh, 0.4 * tolerance, context);
-  }
-
-  TriangleMesh of_points(double tolerance) {
+TriangleMesh Triangulator::from_points(double tolerance) {
+  if (!surface_) {
     // All points if they are prepared, because averaging many lowers the noise; else the thinned ones.
-    const bool full = input.scan && input.scan->cloud.normals.size() == input.scan->cloud.size();
-    const PointCloud& all = full ? input.scan->cloud : input.cloud;
-    SamplingSummary sampling = input.sampling;
-    if (!full) sampling.spacing = std::max(sampling.spacing, 0.6 * input.thin_spacing);
-    if (one_sided) {
-      HeightFieldOptions options;
-      options.max_error = 0.6 * tolerance;
-      options.oriented = input.oriented;
-      const auto views = input.scan ? input.scan->views : std::vector<View>();
-      if (auto field = triangulated_height_field(all, views, sampling, options, context)) return std::move(field->mesh);
-      one_sided = false;
+    const bool full = input_.scan && input_.scan->cloud.normals.size() == input_.scan->cloud.size();
+    const PointCloud& all = full ? input_.scan->cloud : input_.cloud;
+    SamplingSummary sampling = input_.sampling;
+    if (!full) sampling.spacing = std::max(sampling.spacing, 0.6 * input_.thin_spacing);
+    HeightFieldOptions one_side;
+    one_side.max_error = 0.6 * tolerance;
+    one_side.oriented = input_.oriented;
+    const auto views = input_.scan ? input_.scan->views : std::vector<View>();
+    if (auto field = triangulated_height_field(all, views, sampling, one_side, context_)) return std::move(field->mesh);
+    if (input_.oriented) {
+      surface_ = reconstruct(all, sampling, {}, context_).mesh;
+    } else {
+      PointCloud turned = input_.cloud;
+      orient_normals(turned, 12, context_);
+      if (full) turned = turned_like(turned, all, context_);
+      surface_ = reconstruct(turned, sampling, {}, context_).mesh;
     }
-    if (!surface && input.oriented) {
-      surface = reconstruct(all, sampling, {}, context).mesh;
-    } else if (!surface) {
-      PointCloud turned = input.cloud;
-      orient_normals(turned, 12, context);
-      if (full) turned = turned_like(turned, all, context);
-      surface = reconstruct(turned, sampling, {}, context).mesh;
-    }
-    return simplified(*surface, 0.4 * tolerance, context);
   }
-};
-
-Triangulator::Triangulator(const FitInput& input, Context& context) : parts_(new Parts{input, context, true, {}}) {}
-Triangulator::~Triangulator() = default;
+  return simplified(*surface_, 0.4 * tolerance, context_);
+}
 
 Result<Candidate> Triangulator::within(double tolerance) {
-  const FitInput& input = parts_->input;
   const Error no_surface = bad_input("triangulate: expected points that lie on a surface, found " +
-                                     std::to_string(input.cloud.size()) + " points that span none");
-  if (spans_a_line(input.cloud.points)) return no_surface;
-  const TriangleMesh mesh = parts_->from_mesh() ? parts_->of_source(tolerance) : parts_->of_points(tolerance);
+                                     std::to_string(input_.cloud.size()) + " points that span none");
+  if (spans_a_line(input_.cloud.points)) return no_surface;
+  const TriangleMesh mesh = input_.scan && !input_.scan->mesh.empty() ? from_mesh(tolerance) : from_points(tolerance);
   if (mesh.empty()) return no_surface;
   return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
 }
 
-std::optional<Candidate> Triangulator::unsimplified() {
-  if (!parts_->surface || parts_->surface->empty()) return std::nullopt;
-  return candidate_of(*parts_->surface, parts_->input.tolerance);
+std::optional<Candidate> Triangulator::unsimplified() const {
+  if (!surface_ || surface_->empty()) return std::nullopt;
+  return candidate_of(*surface_, input_.tolerance);
 }
 
 }  // namespace partscribe

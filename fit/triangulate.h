@@ -1,11 +1,11 @@
 /// The fallback that always works: a triangulation within tolerance of the data, as small as that allows.
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "core/result.h"
 #include "fit/candidate.h"
+#include "geometry/triangle_mesh.h"
 
 namespace partscribe {
 
@@ -13,8 +13,7 @@ namespace partscribe {
 class Triangulator {
  public:
   /// `input` and `context` must outlive it.
-  Triangulator(const FitInput& input, Context& context);
-  ~Triangulator();
+  Triangulator(const FitInput& input, Context& context) : input_(input), context_(context) {}
 
   /// A candidate whose shape is a TriSurface in the scan's frame (scan_from_part is the identity or a plain shift), as few
   /// triangles as lie within a share of `tolerance` (mm) of the surface. From a source mesh: cleaned, small holes closed,
@@ -24,11 +23,15 @@ class Triangulator {
 
   /// The surface itself, before anything was simplified; nothing where it is made for a tolerance only (points seen from
   /// one side, meshes).
-  std::optional<Candidate> unsimplified();
+  std::optional<Candidate> unsimplified() const;
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  TriangleMesh from_mesh(double tolerance) const;
+  TriangleMesh from_points(double tolerance);
+
+  const FitInput& input_;
+  Context& context_;
+  std::optional<TriangleMesh> surface_;
 };
 
 }  // namespace partscribe

@@ -113,10 +113,12 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const Tr
   for (std::size_t t = 0; t < boxes.size(); ++t)
     for (int k = 0; k < 3; ++k) boxes[t].add(mesh.corner(t, k));
   const BoxTree tree(boxes);
-  for (std::uint32_t a = 0; a < boxes.size() && result.size() < limit; ++a)
+  for (std::uint32_t a = 0; a < boxes.size() && result.size() < limit; ++a) {
+    const PlacedTriangle own = placed(mesh, a);
     tree.meeting(boxes[a], [&](std::uint32_t b) {
-      if (b > a && triangles_cross(placed(mesh, a), placed(mesh, b))) result.push_back({a, b});
+      if (b > a && triangles_cross(own, placed(mesh, b))) result.push_back({a, b});
     });
+  }
   std::sort(result.begin(), result.end());
   if (result.size() > limit) result.resize(limit);
   return result;
