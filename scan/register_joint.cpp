@@ -170,23 +170,29 @@ struct Beside {
 /// `near`: points of `to`, or of its samples, in order of their distance from `q`; `na`, `outward` and `ray`: of the border, in
 /// the frame of `to`. Right beside an edge places are rounded off where noise is large (half a pixel too low were found), a
 /// little farther on they are not, and far away a round face has bent off and a flat one has ended: of those within reach the
-/// one that is known best, unless it is too far. Nothing if none lies next to the border.
+/// one that is known best, unless it is too far. Nothing if none lies next to the border, or if that one is another face than the
+/// best: a chamfer or a round lies between, so narrow that hardly a place speaks for it, and what ends at the border is not the face
+/// behind it. Nor is it the other side of a wall, of whose edge nothing returned.
 std::optional<Beside> surface_beside(const ViewSurface& to, const ContourPoint& border, const Vec3& q, const Vec3& na, const Vec3& outward,
                                      const Vec3& ray, const std::vector<Neighbour>& near, bool of_samples, const Round& round) {
   constexpr double next_to = 1.5, reach = 4, far = 0.05;  // spacings across; what the square of one spacing costs
+  constexpr double other_side = -0.5;                     // cosine
   const double wide = round.border_kernel(border.pixel);
   std::optional<Beside> best;
+  Vec3 adjoining = Vec3::Zero();
   double least = 0;
   for (const Neighbour& neighbour : near) {
     const std::size_t at = of_samples ? to.samples[neighbour.index] : neighbour.index;
     const Vec3& n = to.normals[at];
     const double towards = -n.dot(ray);
-    if (!to.smooth[at] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(outward) < 0.3) continue;
+    if (!to.smooth[at] || towards > 0.25 || towards < -0.75 || n.dot(na) > 0.75 || n.dot(na) < other_side || n.dot(outward) < 0.3) continue;
     const Vec3 d = q - to.points[at];
     const double e = d.dot(n), across = (d - e * n).norm() / to.spacing;
     if (round.narrow && across > (best ? reach : next_to)) break;
     if (std::abs(e) > 2 * wide * border.pixel) continue;
     const double cost = to.variance[at] * to.variance[at] * (1 + far * across * across);
+    if (!best) adjoining = n;
+    else if (cost < least && n.dot(adjoining) < same_face) return {};
     if (!best || cost < least) best = Beside{at, e / border.pixel}, least = cost;
     if (!round.narrow) break;
   }

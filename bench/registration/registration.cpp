@@ -9,6 +9,7 @@
 ///   bench_registration turntable FILE FILE... views by equal steps about an unknown axis
 ///   bench_registration cases DIR [CASE...]   scans with true poses and disturbed guesses, as `partscribe simulate` writes
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -20,6 +21,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "beside.h"
+#include "bound.h"
 #include "pairs.h"
 #include "parts.h"
 #include "sides.h"
@@ -48,6 +50,8 @@ struct PoseErrors {
   double rms_angle = 0, worst_angle = 0;  // degrees
   double rms_shift = 0, worst_shift = 0;  // mm, at the middle of the part
   std::vector<double> angle, shift;
+  Vec3 center = Vec3::Zero();            // of the part at the true poses, mm
+  Eigen::MatrixXd free;                  // the declared motions there, a column each
 };
 
 /// Pose errors of all views as one vector of rotation vectors (times `size`) and shifts at `center`.
@@ -99,6 +103,7 @@ PoseErrors errors_of(const std::vector<Pose>& truth, const Registration& registr
       else j.block<3, 1>(6 * motions[std::size_t(k)].view + 3, 6 + k) = axis;
     }
     const Eigen::VectorXd step = -j.completeOrthogonalDecomposition().solve(left());
+    result.center = center, result.free = j.rightCols(free);
     for (Eigen::Index k = 0; k < free; ++k) {
       const FreeMotion& m = *motions[std::size_t(k)].motion;
       Pose& pose = found[std::size_t(motions[std::size_t(k)].view)];
@@ -117,6 +122,30 @@ PoseErrors errors_of(const std::vector<Pose>& truth, const Registration& registr
   return result;
 }
 
+/// Degrees and mm that errors have on the root mean square if nothing but noise is in them (pose_bound), of each view that is registered.
+struct BoundOfPoses {
+  std::vector<double> angle, shift;
+};
+BoundOfPoses bound_of(const std::vector<RegisterView>& views, const std::vector<Pose>& truth, const Registration& registration, const PoseErrors& errors, double size) {
+  std::vector<RegisterView> placed;
+  std::vector<Pose> there;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    if (registration.views[v].status != ViewStatus::refused) placed.push_back(views[v]), there.push_back(truth[v]);
+  const Eigen::MatrixXd covariance = pose_bound(view_surfaces(placed, 100, quiet(), false), there, errors.center, size, errors.free);
+  BoundOfPoses result;
+  for (Eigen::Index v = 0; v < Eigen::Index(placed.size()); ++v) {
+    result.angle.push_back(std::sqrt(covariance.block<3, 3>(6 * v, 6 * v).trace()) / size * 180 / pi);
+    result.shift.push_back(std::sqrt(covariance.block<3, 3>(6 * v + 3, 6 * v + 3).trace()));
+  }
+  return result;
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return std::sqrt(sum / double(std::max<std::size_t>(values.size(), 1)));
+}
+
 double radius_of(const Scan& scan) { return scan.cloud.bounds().diagonal() / 3.5; }
 
 int refused(const Registration& registration) {
@@ -126,7 +155,7 @@ int refused(const Registration& registration) {
 }
 
 void cases(const Path& folder, const std::vector<std::string>& names, bool paper) {
-  std::printf("| case | views | refused | free motions | rms deg | worst deg | rms mm | worst mm | overlap least | gap mm | s |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf("| case | views | refused | free motions | rms deg | worst deg | rms mm | worst mm | overlap least | gap mm | s | bound rms deg | worst view's | bound rms mm |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& name : scans_in(folder, names)) {
     const Path file = folder / name / "scan" / "scan.json";
     const auto exact = read_scan({file}, {}, quiet());
@@ -144,13 +173,16 @@ void cases(const Path& folder, const std::vector<std::string>& names, bool paper
     const PoseErrors e = errors_of(truth, *result, radius_of(*exact));
     double overlap = 1;
     for (const auto& view : result->views) overlap = std::min(overlap, view.overlap);
-    std::printf("| %s | %zu | %d | %zu | %.4f | %.4f | %.4f | %.4f | %.2f | %.4f | %.1f |\n", name.c_str(), truth.size(), refused(*result),
-                result->free_motions.size(), e.rms_angle, e.worst_angle, e.rms_shift, e.worst_shift, overlap, result->worst_gap, spent);
+    const BoundOfPoses bound = bound_of(views_to_register(*guess, images, quiet()), truth, *result, e, radius_of(*exact));
+    const std::size_t worst = std::size_t(std::max_element(e.angle.begin(), e.angle.end()) - e.angle.begin());
+    std::printf("| %s | %zu | %d | %zu | %.4f | %.4f | %.4f | %.4f | %.2f | %.4f | %.1f | %.4f | %.4f | %.4f |\n", name.c_str(), truth.size(), refused(*result),
+                result->free_motions.size(), e.rms_angle, e.worst_angle, e.rms_shift, e.worst_shift, overlap, result->worst_gap, spent,
+                root_mean_square(bound.angle), worst < bound.angle.size() ? bound.angle[worst] : 0, root_mean_square(bound.shift));
     if (std::getenv("VERBOSE")) {
       for (const auto& line : result->warnings) std::printf("  %s\n", line.c_str());
       for (std::size_t v = 0; v < e.angle.size() && e.angle.size() == truth.size(); ++v) {
         const Mat6& c = result->views[v].covariance;
-        std::printf("  %zu: %.4f deg %.4f mm, sigma %.4f deg %.4f mm, overlap %.3f, through %.4f, %s\n", v, e.angle[v], e.shift[v],
+        std::printf("  %zu: %.4f deg %.4f mm, bound %.4f deg %.4f mm, sigma %.4f deg %.4f mm, overlap %.3f, through %.4f, %s\n", v, e.angle[v], e.shift[v], bound.angle[v], bound.shift[v],
                     std::sqrt(c.topLeftCorner<3, 3>().trace()) * 180 / pi, std::sqrt(c.bottomRightCorner<3, 3>().trace()), result->views[v].overlap,
                     result->views[v].seen_through, result->views[v].reason.c_str());
       }
