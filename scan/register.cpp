@@ -247,6 +247,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   adjust.start_reach = step, adjust.contours = options.contours;
   if (options.method == PairMethod::paper) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
   AlikeSides alike;
+  std::vector<std::uint8_t> asked_again(views.size(), 0);
   for (int changes_of_side = 4;;) {
     joint = adjust_jointly(surfaces, joint.poses, used, adjust, context);
     if (context.cancelled) return stopped;
@@ -254,6 +255,18 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     const std::vector<std::size_t> good = judge_views(surfaces, joint, used, result.free_motions, options, result.views);
     if (good.size() < used.size()) {
       used = good;
+      continue;
+    }
+    if (options.arrangement == Arrangement::guessed && options.method != PairMethod::paper && used.size() > 1) {
+      std::vector<std::size_t> refused;
+      for (std::size_t v = 0; v < views.size(); ++v)
+        if (!asked_again[v] && std::find(used.begin(), used.end(), v) == used.end()) refused.push_back(v), asked_again[v] = 1;
+      start.poses = joint.poses;
+      const std::vector<std::size_t> back = placed_after_all(surfaces, guesses, options, used, refused, start, context);
+      if (back.empty()) break;
+      joint.poses = start.poses;
+      used.insert(used.end(), back.begin(), back.end());
+      std::sort(used.begin(), used.end());
       continue;
     }
     if (options.arrangement != Arrangement::unknown) break;

@@ -166,6 +166,15 @@ bool Growth::place(std::size_t view, const std::vector<Pose>& starts, const std:
   return reason.empty();
 }
 
+/// mm, from where a view was guessed to be.
+double most_shift(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses, const RegisterOptions& options) {
+  if (options.guess_shift > 0) return options.guess_shift;
+  Box3 box;
+  for (std::size_t v = 0; v < surfaces.size(); ++v)
+    for (std::size_t i = 0; i < surfaces[v].points.size(); i += 16) box.add(guesses[v] * surfaces[v].points[i]);
+  return 0.35 * box.diagonal();
+}
+
 /// All views adjusted at once from their guesses; those that the others then confirm.
 std::vector<std::size_t> agreeing(Growth& growth, const std::vector<std::size_t>& usable, Context& context) {
   double radius = 0;
@@ -199,16 +208,14 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
   const std::size_t n = surfaces.size();
   Growth growth{surfaces, guesses, options, 0, confirm_reach(surfaces), turns_within(options.guess_angle),
                 StartResult::at(guesses, false), {}, true};
+  growth.most_shift = most_shift(surfaces, guesses, options);
   StartResult& result = growth.result;
   std::vector<std::size_t> usable;
-  Box3 box;
   for (std::size_t v = 0; v < n; ++v) {
     if (surfaces[v].usable()) usable.push_back(v);
     else result.reason[v] = "expected at least 50 points on smooth surface, found " + std::to_string(surfaces[v].samples.size());
-    for (std::size_t i = 0; i < surfaces[v].points.size(); i += 16) box.add(guesses[v] * surfaces[v].points[i]);
   }
   if (usable.empty()) return result;
-  growth.most_shift = options.guess_shift > 0 ? options.guess_shift : 0.35 * box.diagonal();
   std::vector<std::size_t>& placed = growth.placed;
   placed = agreeing(growth, usable, context);
   context.say("agree from their guesses: " + std::to_string(placed.size()) + " of " + std::to_string(usable.size()));
@@ -244,6 +251,21 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
   }
   for (const std::size_t v : placed) result.placed[v] = 1;
   return result;
+}
+
+std::vector<std::size_t> placed_after_all(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses, const RegisterOptions& options,
+                                          std::vector<std::size_t> placed, const std::vector<std::size_t>& refused, StartResult& start, Context& context) {
+  Growth growth{surfaces, guesses, options, most_shift(surfaces, guesses, options), confirm_reach(surfaces), turns_within(options.guess_angle), std::move(start), {}, true};
+  std::vector<std::size_t> back;
+  for (const std::size_t view : refused) {
+    if (context.cancelled) break;
+    const Pose before = growth.result.poses[view];
+    if (!surfaces[view].usable()) continue;
+    if (growth.place(view, growth.starts_around(view, before), placed, true, context)) placed.push_back(view), back.push_back(view);
+    else growth.result.poses[view] = before;
+  }
+  start = std::move(growth.result);
+  return back;
 }
 
 namespace {

@@ -34,6 +34,10 @@ double confirm_reach(const std::vector<ViewSurface>& surfaces);
 StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses,
                                const RegisterOptions& options, Context& context);
 
+/// Views that were refused, each tried once more among those that are `placed` at last: what contradicted it may have left since. The
+/// poses of `start` are those of now; those of the views returned, which fit, are changed.
+std::vector<std::size_t> placed_after_all(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses, const RegisterOptions& options,
+                                          std::vector<std::size_t> placed, const std::vector<std::size_t>& refused, StartResult& start, Context& context);
 
 /// Where no poses are known: three quarters. Of six views of a bracket, each of hardly more than one face, four were once laid face on
 /// face where they did not belong, and agreed. Nine tenths where views were placed that could stand on either side of a part: of a block two of
