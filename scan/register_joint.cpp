@@ -199,28 +199,92 @@ std::optional<Beside> surface_beside(const ViewSurface& to, const ContourPoint& 
   return best;
 }
 
-PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
+/// Whether the edge between a border's own face and one beside it is broken by a chamfer or a round: other views show places near it that
+/// lie inside of both faces. What ends at the border is then not what the face beside it runs up to.
+bool is_broken(const Problem& problem, std::size_t a, const ContourPoint& border, const Vec3& on_face, const Vec3& face) {
+  constexpr double around = 2.5, inside = 0.05, sigmas = 2;  // pixels; pixels and sigmas: of sharp edges one in ten is deeper
+  constexpr int enough = 2;                                 // places: one may be a stray
+  const Vec3 q = problem.poses[a] * border.point, own = problem.poses[a].rotation * border.normal;
+  std::vector<Neighbour> near;
+  int found = 0;
+  for (std::size_t w = 0; w < problem.views.size(); ++w) {
+    if (w == a) continue;
+    const ViewSurface& other = problem.surface(w);
+    const double margin = inside * border.pixel + sigmas * other.sigma;
+    other.tree->within(problem.poses[w].inverse() * q, around * border.pixel, near);
+    for (const Neighbour& k : near) {
+      const Vec3 p = problem.poses[w] * other.points[k.index];
+      if ((q - p).dot(own) > margin && (on_face - p).dot(face) > margin && ++found >= enough) return true;
+    }
+  }
+  return false;
+}
+
+/// A border of one view as another one sees it.
+struct SeenBorder {
+  Vec3 q, outward, na, ray;  // its place, the way out, the normal of its face and the sight of its own view, in the other's frame
+};
+
+SeenBorder seen_from(const Pose& there, const ViewSurface& from, const ContourPoint& c) {
+  return {there * c.point, there.rotation * c.outward, there.rotation * c.normal, there.rotation * from.raster.ray(c.point)};
+}
+
+std::optional<Beside> beside_border(const ViewSurface& to, const ContourPoint& c, const SeenBorder& seen, const KdTree& tree, bool of_samples, const Round& round,
+                                    std::vector<Neighbour>& near) {
+  tree.within(seen.q, std::max(4 * std::max(to.spacing, c.pixel), round.reach), near);
+  return surface_beside(to, c, seen.q, seen.na, seen.outward, seen.ray, near, of_samples, round);
+}
+
+/// Which borders of view `a` stand on sharp edges to faces of `b` that lie beside them. An edge is broken where others show that, or of a
+/// quarter of the borders around: a narrow chamfer has few places, but runs along the whole edge.
+std::vector<std::uint8_t> sharp_edges(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
+  constexpr double around = 6, share = 0.25;  // pixels
+  const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
+  const Pose there = problem.poses[b].inverse() * problem.poses[a];
+  std::vector<std::uint8_t> sharp(from.contour.size(), 0), broken;  // of the contour; of those asked
+  std::vector<std::size_t> asked;
+  std::vector<Vec3> places;
+  std::vector<Neighbour> near;
+  for (std::size_t k = 0; k < from.contour.size(); ++k) {
+    const ContourPoint& c = from.contour[k];
+    const auto beside = beside_border(to, c, seen_from(there, from, c), *to.tree, false, round, near);
+    if (!beside) continue;
+    asked.push_back(k), places.push_back(c.point);
+    broken.push_back(is_broken(problem, a, c, problem.poses[b] * to.points[beside->at], problem.poses[b].rotation * to.normals[beside->at]));
+  }
+  if (asked.empty()) return sharp;
+  const KdTree tree(places);
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    tree.within(places[k], around * from.contour[asked[k]].pixel, near);
+    const auto others = std::count_if(near.begin(), near.end(), [&](const Neighbour& n) { return broken[n.index] != 0; });
+    sharp[asked[k]] = !broken[k] && double(others) <= share * double(near.size());
+  }
+  return sharp;
+}
+
+/// `sharp`: sharp_edges, found when they are asked for first, and kept.
+PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, const Round& round, std::vector<std::uint8_t>& sharp) {
   PairSum sum = empty_sum(a, b, round.grouped);
   const ViewSurface &from = problem.surface(a), &to = problem.surface(b);
   const Pose there = problem.poses[b].inverse() * problem.poses[a];
+  if (round.narrow && sharp.empty()) sharp = sharp_edges(problem, a, b, round);
   std::vector<Neighbour> near;
   // While poses are rough a few borders looked for far and wide are enough.
   const bool wide_search = round.reach > 8 * to.spacing;
-  const KdTree& tree = wide_search ? *to.sample_tree : *to.tree;
   const std::size_t count = std::min(wide_search ? rough_contour : most_contour, from.contour.size());
   for (std::size_t k = 0; k < count; ++k) {
-    const ContourPoint& c = from.contour[(2 * k + 1) * from.contour.size() / (2 * count)];
-    const Vec3 q = there * c.point, outward = there.rotation * c.outward, na = there.rotation * c.normal;
-    const Vec3 ray = there.rotation * from.raster.ray(c.point);
-    tree.within(q, std::max(4 * std::max(to.spacing, c.pixel), round.reach), near);
-    const auto beside = surface_beside(to, c, q, na, outward, ray, near, wide_search, round);
+    const std::size_t at = (2 * k + 1) * from.contour.size() / (2 * count);
+    if (round.narrow && !sharp[at]) continue;
+    const ContourPoint& c = from.contour[at];
+    const SeenBorder seen = seen_from(there, from, c);
+    const auto beside = beside_border(to, c, seen, wide_search ? *to.sample_tree : *to.tree, wide_search, round, near);
     if (!beside) continue;
     const Vec3& n = to.normals[beside->at];
-    const double e = beside->off, lever = n.dot(outward);
+    const double e = beside->off, lever = n.dot(seen.outward);
     const double wide = round.border_kernel(c.pixel);
     const double w = std::exp(-e * e / (2 * wide * wide));
     const double sigma = round.contour_sigma * c.pixel;
-    const Vec3 place = problem.poses[b] * q, normal = problem.poses[b].rotation * n;
+    const Vec3 place = problem.poses[b] * seen.q, normal = problem.poses[b].rotation * n;
     add_row(problem, place, normal, e * c.pixel, 0, lever * c.pixel, contour_trust * w / (sigma * sigma),
             mixed_in(problem, place, normal, round.normal_variance), round.grouped, sum);
     sum.residual.push_back(e);
@@ -482,6 +546,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   };
   follow();
   std::vector<PairSum> sums, contour_sums;
+  std::vector<std::vector<std::uint8_t>> sharp(borders.size());
   round.border_wide = round.reach / 2;
   const auto match = [&] {
     round.wide = std::max(round.border_wide, 3 * round.surface_sigma);
@@ -492,7 +557,7 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
         if (k < pairs.size())
           sums[k] = match_surfaces(problem, pairs[k].first, pairs[k].second, round, partners[k]);
         else
-          contour_sums[k - pairs.size()] = match_contours(problem, borders[k - pairs.size()].first, borders[k - pairs.size()].second, round);
+          contour_sums[k - pairs.size()] = match_contours(problem, borders[k - pairs.size()].first, borders[k - pairs.size()].second, round, sharp[k - pairs.size()]);
     }, 1);
   };
   const auto matches_of_view = [&] {

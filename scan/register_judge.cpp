@@ -163,7 +163,7 @@ std::vector<std::size_t> judge_views(const std::vector<ViewSurface>& surfaces, c
     if (!trouble.reason.empty() && trouble.contradicted == (alone ? 0 : worst)) {
       view.status = ViewStatus::refused, view.reason = trouble.reason;
     } else {
-      view.status = used[k] == used.front() ? ViewStatus::reference : ViewStatus::registered;
+      view.status = used[k] == used.front() ? ViewStatus::reference : ViewStatus::registered, view.reason.clear();
       good.push_back(used[k]);
     }
   }

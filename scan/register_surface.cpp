@@ -83,7 +83,7 @@ Mat3 ViewSurface::bending(std::size_t sample) const {
 
 double slant_share(double cosine) {
   const double c = std::max(cosine, 1e-3);
-  return c * c;
+  return c * c * c;
 }
 
 std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,

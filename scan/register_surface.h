@@ -100,8 +100,8 @@ struct ViewSurface {
 std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context, bool contours = true);
 
 /// The share of its weight that a match keeps where the more slanted of the two views sees it under this cosine. What is
-/// wrong there is wrong for whole faces (mixed pixels of one side, half a pixel's place) and does not average out. Its square; the cube
-/// leaves 3 % larger errors, equal weights some 30 %.
+/// wrong there is wrong for whole faces (mixed pixels of one side, half a pixel's place) and does not average out; better
+/// than equal weights and than the square, and the fourth power lets borders fix what they do not.
 double slant_share(double cosine);
 
 /// `count` of the given points: seven tenths from equally filled bins of directions, the rest from everywhere.
