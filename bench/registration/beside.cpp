@@ -10,6 +10,7 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "bound.h"
 #include "pairs.h"
 #include "peers.h"
 
@@ -87,16 +88,34 @@ struct BasinRow {
   std::map<int, int> by_overlap{}, by_start{};  // within one degree; percent, degrees
   int refused = 0, wrong = 0;
   std::map<int, std::vector<double>> angle{}, shift{};  // degrees, mm, where it was within one degree
+  std::vector<double> angle_in_bounds{}, shift_in_bounds{};  // where no motion is free
   std::vector<double> spent{};                            // ms
 
-  void count(const PairCase& pair, const PairError& e) {
+  void count(const PairCase& pair, const PairError& e, const PairError& bound) {
     const double degrees = e.angle * 180 / pi;
     if (degrees > 1) { ++wrong; return; }
     const int overlap = static_cast<int>(std::lround(100 * pair.overlap));
     ++by_overlap[overlap], ++by_start[degrees_off(pair)];
     angle[overlap].push_back(degrees), shift[overlap].push_back(e.shift);
+    if (bound.angle > 0) angle_in_bounds.push_back(e.angle / bound.angle), shift_in_bounds.push_back(e.shift / bound.shift);
   }
 };
+
+/// What noise leaves at least of the second view against the first, on the root mean square.
+PairError bound_of(const PairCase& pair, Context& context) {
+  const auto surfaces = view_surfaces({pair.first, pair.second}, 100, context, false);
+  Vec3 center = Vec3::Zero();
+  for (const Vec3& p : pair.second.cloud.points) center += pair.truth * p / double(pair.second.cloud.size());
+  // Both views are off, by as much in opposite directions.
+  const Mat6 covariance = 4 * pose_bound(surfaces, {*pair.first.guess, pair.truth}, center, pair.radius, Eigen::MatrixXd(12, 0)).bottomRightCorner<6, 6>();
+  return {std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / pair.radius, std::sqrt(covariance.bottomRightCorner<3, 3>().trace())};
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return std::sqrt(sum / double(std::max<std::size_t>(values.size(), 1)));
+}
 
 }  // namespace
 
@@ -117,14 +136,15 @@ void basin(const Path& scan_json) {
     const auto answers = answers_to(pair, methods, gates, context);
     if (!answers) continue;
     declared += !answers->free.empty();
+    const PairError bound = answers->free.empty() ? bound_of(pair, context) : PairError{};
     for (std::size_t k = 0; k < rows.size(); ++k) {
       rows[k].spent.push_back(answers->spent[k]);
       if (k == 0 && answers->refused) ++rows[k].refused;
-      else rows[k].count(pair, pair_error(pair, answers->world_from_second[k], answers->free));
+      else rows[k].count(pair, pair_error(pair, answers->world_from_second[k], answers->free), bound);
     }
   }
   std::printf("%zu starts, free motions declared of %zu\n", pairs.size(), declared);
-  std::printf("| method | partners within | overlap 30 %% | 50 | 70 | 90 | 5 deg | 10 | 20 | 30 | refused | wrong | median deg at 30 / 50 / 70 / 90 %% | mm | ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf("| method | partners within | overlap 30 %% | 50 | 70 | 90 | 5 deg | 10 | 20 | 30 | refused | wrong | median deg at 30 / 50 / 70 / 90 %% | mm | ms | off / bound, deg | mm |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (BasinRow& row : rows) {
     std::printf("| %s | %s |", row.name.c_str(), row.gate.c_str());
     for (const int overlap : {30, 50, 70, 90}) std::printf(" %d |", row.by_overlap[overlap]);
@@ -137,7 +157,7 @@ void basin(const Path& scan_json) {
         else std::printf("%.4f", median((*errors)[overlap]));
         std::printf(overlap == 90 ? " |" : "");
       }
-    std::printf(" %.0f |\n", median(row.spent));
+    std::printf(" %.0f | %.2f | %.2f |\n", median(row.spent), root_mean_square(row.angle_in_bounds), root_mean_square(row.shift_in_bounds));
   }
 }
 
