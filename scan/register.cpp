@@ -261,6 +261,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
       std::vector<std::size_t> refused;
       for (std::size_t v = 0; v < views.size(); ++v)
         if (!asked_again[v] && std::find(used.begin(), used.end(), v) == used.end()) refused.push_back(v), asked_again[v] = 1;
+      if (refused.empty()) break;
       start.poses = joint.poses;
       const std::vector<std::size_t> back = placed_after_all(surfaces, guesses, options, used, refused, start, context);
       if (back.empty()) break;

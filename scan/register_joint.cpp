@@ -167,17 +167,27 @@ struct Beside {
   double off = 0;
 };
 
-/// `near`: points of `to`, or of its samples, in order of their distance from `q`; `na`, `outward` and `ray`: of the border, in
-/// the frame of `to`. Right beside an edge places are rounded off where noise is large (half a pixel too low were found), a
+/// A border of one view as another one sees it.
+struct SeenBorder {
+  Vec3 q, outward, na, ray;  // its place, the way out, the normal of its face and the sight of its own view, in the other's frame
+};
+
+SeenBorder seen_from(const Pose& there, const ViewSurface& from, const ContourPoint& c) {
+  return {there * c.point, there.rotation * c.outward, there.rotation * c.normal, there.rotation * from.raster.ray(c.point)};
+}
+
+/// `of_samples`: asked of these alone; `near`: room for points of `to` in order of their distance from the border. Right beside an edge places are rounded off where noise is large (half a pixel too low were found), a
 /// little farther on they are not, and far away a round face has bent off and a flat one has ended: of those within reach the
 /// one that is known best, unless it is too far. Nothing if none lies next to the border, or if that one is another face than the
 /// best: a chamfer or a round lies between, so narrow that hardly a place speaks for it, and what ends at the border is not the face
 /// behind it. Nor is it the other side of a wall, of whose edge nothing returned.
-std::optional<Beside> surface_beside(const ViewSurface& to, const ContourPoint& border, const Vec3& q, const Vec3& na, const Vec3& outward,
-                                     const Vec3& ray, const std::vector<Neighbour>& near, bool of_samples, const Round& round) {
+std::optional<Beside> surface_beside(const ViewSurface& to, const ContourPoint& border, const SeenBorder& seen, bool of_samples, const Round& round,
+                                     std::vector<Neighbour>& near) {
   constexpr double next_to = 1.5, reach = 4, far = 0.05;  // spacings across; what the square of one spacing costs
   constexpr double other_side = -0.5;                     // cosine
+  const auto& [q, outward, na, ray] = seen;
   const double wide = round.border_kernel(border.pixel);
+  (of_samples ? *to.sample_tree : *to.tree).within(q, std::max(4 * std::max(to.spacing, border.pixel), round.reach), near);
   std::optional<Beside> best;
   Vec3 adjoining = Vec3::Zero();
   double least = 0;
@@ -220,21 +230,6 @@ bool is_broken(const Problem& problem, std::size_t a, const ContourPoint& border
   return false;
 }
 
-/// A border of one view as another one sees it.
-struct SeenBorder {
-  Vec3 q, outward, na, ray;  // its place, the way out, the normal of its face and the sight of its own view, in the other's frame
-};
-
-SeenBorder seen_from(const Pose& there, const ViewSurface& from, const ContourPoint& c) {
-  return {there * c.point, there.rotation * c.outward, there.rotation * c.normal, there.rotation * from.raster.ray(c.point)};
-}
-
-std::optional<Beside> beside_border(const ViewSurface& to, const ContourPoint& c, const SeenBorder& seen, const KdTree& tree, bool of_samples, const Round& round,
-                                    std::vector<Neighbour>& near) {
-  tree.within(seen.q, std::max(4 * std::max(to.spacing, c.pixel), round.reach), near);
-  return surface_beside(to, c, seen.q, seen.na, seen.outward, seen.ray, near, of_samples, round);
-}
-
 /// Which borders of view `a` stand on sharp edges to faces of `b` that lie beside them. An edge is broken where others show that, or of a
 /// quarter of the borders around: a narrow chamfer has few places, but runs along the whole edge.
 std::vector<std::uint8_t> sharp_edges(const Problem& problem, std::size_t a, std::size_t b, const Round& round) {
@@ -247,7 +242,7 @@ std::vector<std::uint8_t> sharp_edges(const Problem& problem, std::size_t a, std
   std::vector<Neighbour> near;
   for (std::size_t k = 0; k < from.contour.size(); ++k) {
     const ContourPoint& c = from.contour[k];
-    const auto beside = beside_border(to, c, seen_from(there, from, c), *to.tree, false, round, near);
+    const auto beside = surface_beside(to, c, seen_from(there, from, c), false, round, near);
     if (!beside) continue;
     asked.push_back(k), places.push_back(c.point);
     broken.push_back(is_broken(problem, a, c, problem.poses[b] * to.points[beside->at], problem.poses[b].rotation * to.normals[beside->at]));
@@ -277,7 +272,7 @@ PairSum match_contours(const Problem& problem, std::size_t a, std::size_t b, con
     if (round.narrow && !sharp[at]) continue;
     const ContourPoint& c = from.contour[at];
     const SeenBorder seen = seen_from(there, from, c);
-    const auto beside = beside_border(to, c, seen, wide_search ? *to.sample_tree : *to.tree, wide_search, round, near);
+    const auto beside = surface_beside(to, c, seen, wide_search, round, near);
     if (!beside) continue;
     const Vec3& n = to.normals[beside->at];
     const double e = beside->off, lever = n.dot(seen.outward);

@@ -175,6 +175,10 @@ double most_shift(const std::vector<ViewSurface>& surfaces, const std::vector<Po
   return 0.35 * box.diagonal();
 }
 
+Growth growth_from_guesses(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses, const RegisterOptions& options, StartResult start) {
+  return {surfaces, guesses, options, most_shift(surfaces, guesses, options), confirm_reach(surfaces), turns_within(options.guess_angle), std::move(start), {}, true};
+}
+
 /// All views adjusted at once from their guesses; those that the others then confirm.
 std::vector<std::size_t> agreeing(Growth& growth, const std::vector<std::size_t>& usable, Context& context) {
   double radius = 0;
@@ -206,9 +210,7 @@ std::vector<std::size_t> agreeing(Growth& growth, const std::vector<std::size_t>
 StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses,
                                const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
-  Growth growth{surfaces, guesses, options, 0, confirm_reach(surfaces), turns_within(options.guess_angle),
-                StartResult::at(guesses, false), {}, true};
-  growth.most_shift = most_shift(surfaces, guesses, options);
+  Growth growth = growth_from_guesses(surfaces, guesses, options, StartResult::at(guesses, false));
   StartResult& result = growth.result;
   std::vector<std::size_t> usable;
   for (std::size_t v = 0; v < n; ++v) {
@@ -255,7 +257,7 @@ StartResult start_from_guesses(const std::vector<ViewSurface>& surfaces, const s
 
 std::vector<std::size_t> placed_after_all(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses, const RegisterOptions& options,
                                           std::vector<std::size_t> placed, const std::vector<std::size_t>& refused, StartResult& start, Context& context) {
-  Growth growth{surfaces, guesses, options, most_shift(surfaces, guesses, options), confirm_reach(surfaces), turns_within(options.guess_angle), std::move(start), {}, true};
+  Growth growth = growth_from_guesses(surfaces, guesses, options, std::move(start));
   std::vector<std::size_t> back;
   for (const std::size_t view : refused) {
     if (context.cancelled) break;

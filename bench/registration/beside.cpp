@@ -104,17 +104,9 @@ struct BasinRow {
 /// What noise leaves at least of the second view against the first, on the root mean square.
 PairError bound_of(const PairCase& pair, Context& context) {
   const auto surfaces = view_surfaces({pair.first, pair.second}, 100, context, false);
-  Vec3 center = Vec3::Zero();
-  for (const Vec3& p : pair.second.cloud.points) center += pair.truth * p / double(pair.second.cloud.size());
   // Both views are off, by as much in opposite directions.
-  const Mat6 covariance = 4 * pose_bound(surfaces, {*pair.first.guess, pair.truth}, center, pair.radius, Eigen::MatrixXd(12, 0)).bottomRightCorner<6, 6>();
+  const Mat6 covariance = 4 * pose_bound(surfaces, {*pair.first.guess, pair.truth}, true_middle(pair), pair.radius, Eigen::MatrixXd(12, 0)).bottomRightCorner<6, 6>();
   return {std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / pair.radius, std::sqrt(covariance.bottomRightCorner<3, 3>().trace())};
-}
-
-double root_mean_square(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / double(std::max<std::size_t>(values.size(), 1)));
 }
 
 }  // namespace

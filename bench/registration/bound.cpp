@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 namespace partscribe {
@@ -45,6 +46,8 @@ void add(const std::vector<Share>& shares, const std::vector<Vec3>& normals, con
 Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& world_from_view, const Vec3& center, double size,
                            const Eigen::MatrixXd& free) {
   const auto unknowns = 6 * Eigen::Index(surfaces.size());
+  std::vector<Pose> view_from_world;
+  for (const Pose& pose : world_from_view) view_from_world.push_back(pose.inverse());
   Eigen::MatrixXd h = Eigen::MatrixXd::Zero(unknowns, unknowns);
   for (std::size_t v = 0; v < surfaces.size(); ++v) {
     const ViewSurface& own = surfaces[v];
@@ -54,9 +57,8 @@ Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::
       std::vector<Share> shares;
       Vec3 mean = Vec3::Zero();
       for (std::size_t u = 0; u < surfaces.size(); ++u) {
-        const Pose back = world_from_view[u].inverse();
         if (!surfaces[u].usable()) continue;
-        const Neighbour near = surfaces[u].nearest(back * p);
+        const Neighbour near = surfaces[u].nearest(view_from_world[u] * p);
         const Vec3 normal = world_from_view[u].rotation * surfaces[u].normals[near.index];
         if (near.sq_distance > surfaces[u].spacing * surfaces[u].spacing || normal.dot(n) < same_normal) continue;
         shares.push_back({u, normal, 1 / area_of(surfaces[u], near.index) / std::pow(surfaces[u].sigma, 2)});
@@ -82,6 +84,12 @@ Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::
     if (eigen.eigenvalues()[k] > 1e-9 * eigen.eigenvalues()[unknowns - 1])
       covariance += eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose() / eigen.eigenvalues()[k];
   return covariance;
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return std::sqrt(sum / double(std::max<std::size_t>(values.size(), 1)));
 }
 
 }  // namespace partscribe

@@ -18,4 +18,7 @@ namespace partscribe {
 Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& world_from_view, const Vec3& center, double size,
                            const Eigen::MatrixXd& free);
 
+/// 0 of none.
+double root_mean_square(const std::vector<double>& values);
+
 }  // namespace partscribe

@@ -113,9 +113,14 @@ std::vector<PairCase> basin_cases(const Path& scan_json, Context& context) {
   return result;
 }
 
+Vec3 true_middle(const PairCase& pair) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : pair.second.cloud.points) middle += pair.truth * p / double(pair.second.cloud.size());
+  return middle;
+}
+
 PairError pair_error(const PairCase& pair, const Pose& found, const std::vector<FreeMotion>& free) {
-  Vec3 center = Vec3::Zero();
-  for (const Vec3& p : pair.second.cloud.points) center += pair.truth * p / double(pair.second.cloud.size());
+  const Vec3 center = true_middle(pair);
   const Pose back = pair.truth.inverse();
   Pose d = found * back;
   const auto error_of = [&] {

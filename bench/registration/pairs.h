@@ -31,6 +31,9 @@ std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name,
 /// twentieth of the radius off; `overlap` is the one asked for. The same every time.
 std::vector<PairCase> basin_cases(const Path& scan_json, Context& context);
 
+/// Of the points of the second view where they truly are, in the world.
+Vec3 true_middle(const PairCase& pair);
+
 /// How far a pose of the second view is off, at the middle of its points, once the motions that were declared free are
 /// followed to where it comes nearest.
 struct PairError {

@@ -140,12 +140,6 @@ BoundOfPoses bound_of(const std::vector<RegisterView>& views, const std::vector<
   return result;
 }
 
-double root_mean_square(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / double(std::max<std::size_t>(values.size(), 1)));
-}
-
 double radius_of(const Scan& scan) { return scan.cloud.bounds().diagonal() / 3.5; }
 
 int refused(const Registration& registration) {
