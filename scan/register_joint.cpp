@@ -124,6 +124,14 @@ PairSum empty_sum(std::size_t a, std::size_t b, bool grouped) {
   return sum;
 }
 
+/// The share of its weight that a match keeps where the more slanted of the two views sees it under this cosine. What is
+/// wrong there is wrong for whole faces (mixed pixels of one side, half a pixel's place) and does not average out; better
+/// than equal weights and than the square, and the fourth power lets borders fix what they do not.
+double slant_share(double cosine) {
+  const double c = std::max(cosine, 1e-3);
+  return c * c * c;
+}
+
 PairSum match_surfaces(const Problem& problem, std::size_t a, std::size_t b, const Round& round, NearestAgain& partners) {
   PairSum sum = empty_sum(a, b, round.grouped);
   const ViewSurface &from = problem.surface(a), &to = problem.surface(b);

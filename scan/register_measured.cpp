@@ -18,7 +18,7 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 constexpr std::size_t most_places = 50000;  // of a view; all that range images of the usual size have
 constexpr double same_face = 0.9;            // cosine of 26 degrees
 constexpr double border_share = 0.2;       // of what borders weigh beside filtered places; see adjust_by_measured
-constexpr double kernel = 2;                // deviations: mixed pixels of slanted faces lie three to five off, all to one side
+constexpr double kernel = 2, own_kernel = 3;  // deviations, of both and of either: mixed pixels of slanted faces lie three to five off, all to one side
 constexpr int rounds = 3, rounds_of_two = 2;  // one pose is there after two
 constexpr std::size_t enough_places = 12000;  // of one of two views: the way back finds much the same pairs
 
@@ -27,14 +27,17 @@ double off_surface(const ViewSurface& surface, std::size_t i) {
   return (surface.measured[i] - surface.points[i]).dot(surface.normals[i]) / surface.sigma;
 }
 
-/// Of many views noise averages out, and what is wrong for whole slanted faces stays; of two noise is most of the error, and slanted
-/// faces are needed against it.
-double share_of(double cosine, std::size_t views) { return views > 2 ? slant_share(cosine) : std::max(cosine, 1e-3); }
+/// What a place is worth that a view sees under this cosine. Of many views noise averages out, and what is wrong for whole slanted faces
+/// stays; of two noise is most of the error, and slanted faces are needed against it.
+double worth_of(double cosine, std::size_t views) { return std::pow(std::max(cosine, 1e-3), views > 2 ? 2 : 1); }
 
 /// A measured place against that of its partner in another view.
 struct Match {
   Vec6 row;
-  double e = 0, weight = 0;  // mm; but for the kernel
+  double e = 0;              // mm
+  double odds = 0;           // that neither is a mixed pixel
+  std::size_t place = 0;     // of the first view's points
+  double own = 0, other = 0;  // worth
 };
 
 std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted, const std::vector<Pose>& poses,
@@ -55,16 +58,29 @@ std::vector<Match> matches_of(const std::vector<ViewSurface>& surfaces, const Ad
     if (nx.dot(ny) < same_face) continue;
     const Vec3 n = (nx + ny).normalized(), across = place - to.points[near];
     if ((across - across.dot(n) * n).norm() > to.spacing) continue;
-    const double cosine = std::min(from.cosine[i], to.cosine[near]);
     const Vec3 d = there * from.measured[i] - to.measured[near];
     const Vec3 middle = poses[b] * (to.measured[near] + 0.5 * d), normal = poses[b].rotation * n;
     Match match;
     match.row << ((middle - adjusted.center) / adjusted.size).cross(normal), normal;
     const double own = off_surface(from, i), other = off_surface(to, near);
-    match.e = d.dot(n), match.weight = share_of(cosine, adjusted.views.size()) * std::exp(-(own * own + other * other) / (2 * kernel * kernel));
+    match.e = d.dot(n), match.odds = std::exp(-(own * own + other * other) / (2 * own_kernel * own_kernel)), match.place = i;
+    match.own = worth_of(from.cosine[i], adjusted.views.size()), match.other = worth_of(to.cosine[near], adjusted.views.size());
     result.push_back(match);
   }
   return result;
+}
+
+/// By view and place: what all views that show the place are worth there.
+std::vector<std::vector<double>> worth_of_places(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted,
+                                                 const std::vector<std::pair<std::size_t, std::size_t>>& pairs, const std::vector<std::vector<Match>>& matches) {
+  std::vector<std::vector<double>> worth;
+  for (const std::size_t view : adjusted.views) worth.emplace_back(surfaces[view].points.size(), 0.0);
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    for (const Match& match : matches[k]) {
+      double& all = worth[pairs[k].first][match.place];
+      all += all > 0 ? match.other : match.own + match.other;
+    }
+  return worth;
 }
 
 }  // namespace
@@ -93,11 +109,15 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
     const double sigma = std::max(spread_of(std::move(residuals)), 1e-12), wide = kernel * sigma;
     MatrixXd h = MatrixXd::Zero(unknowns, unknowns);
     VectorXd g = VectorXd::Zero(unknowns);
+    // Of m views that show a place m - 1 hold against each, though it is one measurement: all of them against their weighted mean is the
+    // sum over pairs of the product of their worths, over the sum of all.
+    const auto worth = worth_of_places(surfaces, adjusted, pairs, matches);
     for (std::size_t k = 0; k < matches.size(); ++k) {
       Mat6 pair_h = Mat6::Zero();
       Vec6 pair_g = Vec6::Zero();
       for (const Match& match : matches[k]) {
-        const double w = match.weight * std::exp(-match.e * match.e / (2 * wide * wide)) / (sigma * sigma);
+        const double shared = 2 * match.own * match.other / worth[pairs[k].first][match.place];
+        const double w = shared * match.odds * std::exp(-match.e * match.e / (2 * wide * wide)) / (sigma * sigma);
         pair_h += w * match.row * match.row.transpose(), pair_g -= w * match.e * match.row;
       }
       const auto& [a, b] = pairs[k];

@@ -81,11 +81,6 @@ Mat3 ViewSurface::bending(std::size_t sample) const {
   });
 }
 
-double slant_share(double cosine) {
-  const double c = std::max(cosine, 1e-3);
-  return c * c * c;
-}
-
 std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
                                          const std::vector<std::uint32_t>& from, std::size_t count) {
   if (from.size() <= count) return from;

@@ -99,11 +99,6 @@ struct ViewSurface {
 /// Points whose neighbours contradict them are left out. `contours`: borders are found as well. The same for any number of threads.
 std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, int samples, Context& context, bool contours = true);
 
-/// The share of its weight that a match keeps where the more slanted of the two views sees it under this cosine. What is
-/// wrong there is wrong for whole faces (mixed pixels of one side, half a pixel's place) and does not average out; better
-/// than equal weights and than the square, and the fourth power lets borders fix what they do not.
-double slant_share(double cosine);
-
 /// `count` of the given points: seven tenths from equally filled bins of directions, the rest from everywhere.
 std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
                                          const std::vector<std::uint32_t>& from, std::size_t count);
