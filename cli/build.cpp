@@ -57,7 +57,7 @@ void print_result(const Model& model, const Verdict& verdict, const Path& folder
 
 /// A sensor's picture of a part among other things is no scan of one part. Asked only where no verdict holds: a plate with
 /// bosses looks like a table as well. Empty where nothing stands on a plane.
-std::string scene_hint(const Path& input, const Scan& scan, int threads) {
+std::string scene_hint(const Path& input, const std::string& units, const Scan& scan, int threads) {
   if (scan.views.size() > 1 || !scan.mesh.empty()) return "";
   Context context;  // the stages are over
   context.threads = threads;
@@ -67,7 +67,7 @@ std::string scene_hint(const Path& input, const Scan& scan, int threads) {
   if (!found) return "";
   const auto things = found->things.size();
   return (things == 1 ? "Something stands" : std::to_string(things) + " things stand") +
-         " on a plane in this scan. If that is a table, partscribe scan " + input.string() +
+         " on a plane in this scan. If that is a table, partscribe scan " + input.string() + (units.empty() ? "" : " --units " + units) +
          " --on-table 1 cuts the largest out for build.\n";
 }
 
@@ -136,7 +136,7 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
 
   print_result(**model, *verdict, folder, session);
   if (verdict->verdict == Outcome::out_of_tolerance)
-    session.print(scene_hint(arguments.scans.front(), *scan, session.context.threads));
+    session.print(scene_hint(arguments.scans.front(), session.options.units, *scan, session.context.threads));
   session.print_json(json);
   return exit_code_of(verdict->verdict);
 }

@@ -136,7 +136,7 @@ TEST_CASE("views: a part on a table is cut out, and nothing is written when ther
                                      "alpha1", "--out", (folder.path() / "room").string()});
   INFO(built.out << built.err);
   CHECK(built.exit_code == 1);
-  CHECK(built.out.find("partscribe scan " + room.string() + " --on-table 1") != std::string::npos);
+  CHECK(built.out.find("partscribe scan " + room.string() + " --units mm --on-table 1") != std::string::npos);
 }
 
 }  // namespace partscribe
