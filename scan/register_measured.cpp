@@ -29,7 +29,10 @@ double off_surface(const ViewSurface& surface, std::size_t i) {
 
 /// What a place is worth that a view sees under this cosine. Of many views noise averages out, and what is wrong for whole slanted faces
 /// stays; of two noise is most of the error, and slanted faces are needed against it.
-double worth_of(double cosine, std::size_t views) { return std::pow(std::max(cosine, 1e-3), views > 2 ? 2 : 1); }
+double worth_of(double cosine, std::size_t views) {
+  const double c = std::max(cosine, 1e-3);
+  return views > 2 ? c * c : c;
+}
 
 /// A measured place against that of its partner in another view.
 struct Match {
