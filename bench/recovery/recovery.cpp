@@ -1,8 +1,10 @@
 /// How often each kind of part is recovered from hard scans, and how near its numbers come to the best possible.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,28 @@ Conditions conditions_of(const std::string& setting) {
   return setting == "standard" || setting == "degenerate" ? standard_conditions() : setting == "facets" ? facet_conditions() : hardest_conditions();
 }
 
+/// How far numbers are off, in units of the error that half of all have if they are as small as can be: ours, and those of the best fit to the
+/// same points.
+class Errors {
+ public:
+  void add(double ours, std::optional<double> best) {
+    ours_.push_back(ours);
+    if (!best) return;
+    const double cut = std::min(ours, most), best_cut = std::min(*best, most);
+    best_.push_back(*best), square_ += cut * cut, best_square_ += best_cut * best_cut;
+  }
+  /// The medians of both, and the root mean square of ours over that of the best fit: chance is the same in both, so that this is known far
+  /// better than either.
+  std::string cells() const {
+    return middle(ours_) + " | " + middle(best_) + " | " + (best_square_ > 0 ? print_number(snapped(std::sqrt(square_ / best_square_), 0.01)) : "-");
+  }
+
+ private:
+  static constexpr double most = 6;  // what is farther off is right by its own sigma alone
+  std::vector<double> ours_, best_;
+  double square_ = 0, best_square_ = 0;
+};
+
 /// What the program says of a model that it has built: the verdict on its script, run against the scan.
 Outcome verdict_on(const Score& score, const Case& c, Context& context) {
   const TemporaryDirectory folder;
@@ -55,7 +79,8 @@ Outcome verdict_on(const Score& score, const Case& c, Context& context) {
 std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose,
                 const std::string& file) {
   std::map<Answer, std::size_t> answers;
-  std::vector<double> ratios, ratios_on_rays, best, best_on_rays, seconds;
+  Errors on_rays, without_rays;
+  std::vector<double> seconds;
   // A body of another kind that lies as near to all that was seen as a fit of the true kind would: nobody could tell.
   constexpr double as_near_as_right = 1.5;
   std::size_t wrong_and_verified = 0, nobody_could = 0;
@@ -70,13 +95,11 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
     const bool believed = score.answer == Answer::wrong && verdict_on(score, c, context) == Outcome::verified;
     wrong_and_verified += believed;
     seconds.push_back(score.seconds);
-    const bool on_rays = !c.scan.cloud.rays.empty();
     if (score.answer == Answer::right && !score.numbers.empty()) {
       const auto fitted = best_numbers(c);
-      for (const Score::Number& n : score.numbers) {
-        (on_rays ? ratios_on_rays : ratios).push_back(n.ratio);
-        if (!fitted.empty()) (on_rays ? best_on_rays : best).push_back(std::abs(fitted[n.parameter] - c.truth.parameters[n.parameter].value) / n.typical);
-      }
+      Errors& errors = c.scan.cloud.rays.empty() ? without_rays : on_rays;
+      for (const Score::Number& n : score.numbers)
+        errors.add(n.ratio, fitted.empty() ? std::nullopt : std::optional(std::abs(fitted[n.parameter] - c.truth.parameters[n.parameter].value) / n.typical));
     }
     if (verbose && (score.answer != Answer::right || runs == 1))
       std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",
@@ -87,9 +110,9 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
   }
   char text[300];
   const auto share = [&](Answer a) { return 100.0 * double(answers[a]) / double(runs); };
-  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %.1f | %s | %s | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
+  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %.1f | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
                 share(Answer::right), share(Answer::cannot_tell), 100.0 * double(nobody_could) / double(runs), share(Answer::wrong),
-                100.0 * double(wrong_and_verified) / double(runs), middle(ratios_on_rays).c_str(), middle(best_on_rays).c_str(), middle(ratios).c_str(), middle(best).c_str(), median(seconds));
+                100.0 * double(wrong_and_verified) / double(runs), on_rays.cells().c_str(), without_rays.cells().c_str(), median(seconds));
   return text;
 }
 
@@ -116,7 +139,7 @@ int main(int argc, char** argv) {
         std::find(degenerate_kinds().begin(), degenerate_kinds().end(), kind) == degenerate_kinds().end())
       return std::fputs(usage, stderr), 2;
   if (runs == 0) return std::fputs(usage, stderr), 2;
-  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | nobody could %% | wrong %% | wrong and verified %% | error / bound, rays known | the best fit's | rays unknown | the best fit's | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | nobody could %% | wrong %% | wrong and verified %% | error / bound, rays known | the best fit's | ours / its, rms | rays unknown | the best fit's | ours / its, rms | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
               static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
     for (const auto& kind : wanted.empty() ? (setting == "degenerate" ? degenerate_kinds() : kinds()) : wanted) {
