@@ -339,9 +339,9 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
 /// strays beside it, saw the data end: those few would move it across points of other faces.
 void make_exact(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
   Candidate held = candidate;
-  refine_with_strays_near(candidate, input, options, context);
+  const RefineReport report = refine_with_strays_near(candidate, input, options, context);
   for (const Parameter& p : candidate.parameters) {
-    const bool unlimited = p.sigma > std::max(3 * input.tolerance, 0.05 * std::abs(p.value));
+    const bool unlimited = std::find(report.unlimited.begin(), report.unlimited.end(), p.name) != report.unlimited.end();
     const bool is_held = std::any_of(held.held.begin(), held.held.end(), [&](const HeldParameter& h) { return h.name == p.name; });
     if (p.quantity == Quantity::length && p.points < hardly_any_points && unlimited && !is_held) held.held.push_back({p.name, p.sigma});
   }

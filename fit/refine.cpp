@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "core/statistics.h"
 #include "fit/all_points.h"
 #include "fit/normal_equations.h"
+#include "fit/open_ends.h"
 #include "fit/uncertainty.h"
 #include "fit/unknowns.h"
 
@@ -142,37 +142,6 @@ std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& u
   return result;
 }
 
-/// mm or rad: how far a number may go before the points object, as a standard deviation: a quarter of the range within which the
-/// loss grows by less than two sigmas' worth. A Gaussian has its own sigma; a number that no point speaks about, such as the place
-/// of a step between the last points of two walls, has no curvature of the loss to read a sigma from, but it has this.
-double unopposed(const Candidate& candidate, std::size_t parameter, const Unknowns& unknowns, const std::vector<Vec3>& points,
-                 double noise, Context& context) {
-  constexpr double objection = 2;  // nats
-  constexpr int doublings = 40, halvings = 6;
-  const Welsch kernel{3};
-  const double start = candidate.parameters[parameter].value;
-  const auto cost_at = [&](double value) {
-    Candidate moved = candidate;
-    moved.parameters[parameter].value = value;
-    if (!unknowns.sensible(moved)) return std::numeric_limits<double>::infinity();
-    double sum = 0;
-    for (const double d : unknowns.distances(moved, points, context.threads).value) sum += kernel.loss(d / noise);
-    return sum;
-  };
-  const double most = cost_at(start) + objection;
-  double range = 0;
-  for (const double way : {-1.0, 1.0}) {
-    double free = 0, step = 0.1 * noise;
-    for (int k = 0; k < doublings && step < unknowns.size() && cost_at(start + way * step) < most; ++k) free = step, step *= 2;
-    for (int k = 0; k < halvings; ++k) {
-      const double middle = 0.5 * (free + step);
-      (cost_at(start + way * middle) < most ? free : step) = middle;
-    }
-    range += free;
-  }
-  return range / 4;
-}
-
 /// How many points speak about each parameter.
 void count_points(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns, double points_per_independent) {
   const auto& free = unknowns.free_parameters();
@@ -239,12 +208,16 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, least, all.kernel, context);
   if (u.correction.size() > 0)
     if (Candidate next = unknowns.stepped(candidate, u.correction); unknowns.sensible(next)) candidate = std::move(next);
+  const std::vector<OpenEnd> ends = settle_open_ends(candidate, all, unknowns, points, noise, input.thin_spacing, context);
   report.rms = u.rms;
   report.points_per_independent = u.points_per_independent;
   const auto& free = unknowns.free_parameters();
-  const std::vector<double> strays =
+  std::vector<double> strays =
       input.stray_share > 0 ? sway_of_strays(candidate, unknowns, points, input.set_aside.points, noise, context)
                             : std::vector<double>(free.size(), 0);
+  for (std::size_t k = 0; k < free.size(); ++k)  // nothing holds an open end there
+    for (const OpenEnd& end : ends)
+      if (end.parameter == free[k] && end.unlimited) strays[k] = std::min(strays[k], end.reach);
   for (std::size_t k = 0; k < free.size(); ++k) {
     auto& p = candidate.parameters[free[k]];
     p.fitted = p.value;
@@ -257,10 +230,11 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     for (auto& p : candidate.parameters)
       if (p.name == h.name) p.sigma = p.sigma_systematic = std::max(h.sigma, u.floor);
   count_points(candidate, all, unknowns, u.points_per_independent);
-  for (const std::size_t k : free) {
-    auto& p = candidate.parameters[k];
-    if (p.points >= hardly_any_points) continue;
-    p.sigma_systematic = std::max(p.sigma_systematic, unopposed(candidate, k, unknowns, points, noise, context));
+  for (const OpenEnd& end : ends) {
+    auto& p = candidate.parameters[end.parameter];
+    if (end.unlimited) report.unlimited.push_back(p.name);
+    else if (p.points >= hardly_any_points) continue;  // a Gaussian, which has its own sigma
+    p.sigma_systematic = std::max(p.sigma_systematic, end.sigma);
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
   return report;

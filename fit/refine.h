@@ -23,6 +23,7 @@ struct RefineReport {
   int iterations = 0;
   bool converged = false;
   double points_per_independent = 1;  ///< above 1 where neighbouring points err together
+  std::vector<std::string> unlimited; ///< lengths that may grow as they like: the data end there
 };
 
 constexpr std::size_t hardly_any_points = 10;  ///< fewer fix no number: strays or noise alone may be they
@@ -30,8 +31,8 @@ constexpr std::size_t hardly_any_points = 10;  ///< fewer fix no number: strays 
 /// Levenberg-Marquardt on Welsch-weighted signed distances of thinned points (reference equations: orthogonal distance
 /// regression, Forbes 1989, Ahn 2004), then Gauss-Newton on all points (all_points.h). Directions that the data leave
 /// free (symmetries) are cut out of the normal matrix. Fills Parameter value, fitted, points and sigma: the noise part,
-/// and a systematic part from what the views disagree about, facets, filters and a floor (uncertainty.h), or, of a number that
-/// fewer than hardly_any_points speak about, how far it may go before the points object.
+/// and a systematic part from what the views disagree about, facets, filters and a floor (uncertainty.h), or, where
+/// the data end, how well they tell the place (open_ends.h).
 RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context);
 
 /// A model with just this candidate in it, for distances; in the part's own frame.

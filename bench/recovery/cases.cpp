@@ -223,6 +223,12 @@ const std::vector<std::string>& degenerate_kinds() {
 
 Conditions standard_conditions() { return {}; }
 
+Conditions clean_conditions() {
+  Conditions c;
+  c.least_outliers = c.most_outliers = 0;
+  return c;
+}
+
 Conditions hardest_conditions() {
   Conditions c;
   c.least_noise = c.most_noise = 0.01;

@@ -21,8 +21,9 @@ struct Conditions {
 };
 
 /// "standard": up to 10 % outliers, one third unseen. "hardest": 30 %, two thirds, noise 1 %. "facets": the mesh of a
-/// printed part, 20 to 50 facets around, of every second one a third of the surface is missing.
+/// printed part, 20 to 50 facets around, of every second one a third of the surface is missing. "clean": standard without outliers.
 Conditions standard_conditions();
+Conditions clean_conditions();
 Conditions hardest_conditions();
 Conditions facet_conditions();
 

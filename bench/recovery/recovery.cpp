@@ -22,7 +22,7 @@ using namespace partscribe::recovery;
 namespace {
 
 const char* usage =
-    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|hardest|facets|degenerate] [--verbose] [--save FILE.xyz]\n";
+    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|clean|hardest|facets|degenerate] [--verbose] [--save FILE.xyz]\n";
 
 void save(const Case& c, const std::string& file) {
   if (std::FILE* out = std::fopen(file.c_str(), "w")) {
@@ -36,6 +36,7 @@ std::string middle(const std::vector<double>& ratios) {
 }
 
 Conditions conditions_of(const std::string& setting) {
+  if (setting == "clean") return clean_conditions();
   return setting == "standard" || setting == "degenerate" ? standard_conditions() : setting == "facets" ? facet_conditions() : hardest_conditions();
 }
 
@@ -83,7 +84,7 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
   std::vector<double> seconds;
   // A body of another kind that lies as near to all that was seen as a fit of the true kind would: nobody could tell.
   constexpr double as_near_as_right = 1.5;
-  std::size_t wrong_and_verified = 0, nobody_could = 0;
+  std::size_t wrong_and_verified = 0, nobody_could = 0, open = 0, open_held = 0;
   for (std::uint64_t seed = first; seed < first + runs; ++seed) {
     const Case c = make_case(kind, conditions_of(setting), seed);
     if (!file.empty()) save(c, file);
@@ -95,6 +96,8 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
     const bool believed = score.answer == Answer::wrong && verdict_on(score, c, context) == Outcome::verified;
     wrong_and_verified += believed;
     seconds.push_back(score.seconds);
+    constexpr double two_sigmas = 2;
+    open += score.open.size(), open_held += std::size_t(std::count_if(score.open.begin(), score.open.end(), [](double u) { return u < two_sigmas; }));
     if (score.answer == Answer::right && !score.numbers.empty()) {
       const auto fitted = best_numbers(c);
       Errors& errors = c.scan.cloud.rays.empty() ? without_rays : on_rays;
@@ -110,9 +113,9 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
   }
   char text[300];
   const auto share = [&](Answer a) { return 100.0 * double(answers[a]) / double(runs); };
-  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %.1f | %s | %s | %.2f |", kind.c_str(), setting.c_str(),
+  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %.1f | %s | %s | %zu of %zu | %.2f |", kind.c_str(), setting.c_str(),
                 share(Answer::right), share(Answer::cannot_tell), 100.0 * double(nobody_could) / double(runs), share(Answer::wrong),
-                100.0 * double(wrong_and_verified) / double(runs), on_rays.cells().c_str(), without_rays.cells().c_str(), median(seconds));
+                100.0 * double(wrong_and_verified) / double(runs), on_rays.cells().c_str(), without_rays.cells().c_str(), open_held, open, median(seconds));
   return text;
 }
 
@@ -139,7 +142,7 @@ int main(int argc, char** argv) {
         std::find(degenerate_kinds().begin(), degenerate_kinds().end(), kind) == degenerate_kinds().end())
       return std::fputs(usage, stderr), 2;
   if (runs == 0) return std::fputs(usage, stderr), 2;
-  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | nobody could %% | wrong %% | wrong and verified %% | error / bound, rays known | the best fit's | ours / its, rms | rays unknown | the best fit's | ours / its, rms | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | nobody could %% | wrong %% | wrong and verified %% | error / bound, rays known | the best fit's | ours / its, rms | rays unknown | the best fit's | ours / its, rms | open numbers within 2 sigmas | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
               static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
     for (const auto& kind : wanted.empty() ? (setting == "degenerate" ? degenerate_kinds() : kinds()) : wanted) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <ctime>
 
 #include "core/number.h"
@@ -231,17 +232,22 @@ Score recovered(const Case& c, Context& context) {
     for (const auto& way : found) {
       double most = 0;
       std::vector<Score::Number> of_way;
+      std::vector<double> open;
       for (std::size_t k = 0; k < wanted.size(); ++k) {
-        if (bounds[k] > 0.1 * c.size) continue;
         const double error = std::abs(way[k] - wanted[k]);
         double sigma = 0;  // its own: of the parameter with this value
         for (const auto& p : model.parameters)
           if (p.fitted == way[k]) sigma = p.sigma;
+        if (bounds[k] > 0.1 * c.size) {
+          open.push_back(error / std::max(sigma, 1e-9));
+          continue;
+        }
         most = std::max(most, std::min(error / std::max(4 * sigma, 1e-9), error / (6 * bounds[k])));
         const double typical = 0.6745 * bounds[k];
         of_way.push_back({k, typical, error / typical});
       }
-      if (most < best) best = most, score.numbers = of_way;
+      const bool nearer = std::accumulate(open.begin(), open.end(), 0.0) < std::accumulate(score.open.begin(), score.open.end(), 0.0);
+      if (most < best || (most == best && nearer)) best = most, score.numbers = of_way, score.open = open;
     }
     // Nearly equal exponents: another axis in the middle writes the same surface within the noise.
     if (best > 1 && c.kind == "superellipsoid" && score.surface_error < 2) best = -1, score.numbers.clear();

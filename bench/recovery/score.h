@@ -31,6 +31,7 @@ struct Score {
     double ratio = 0;            ///< |error| / typical
   };
   std::vector<Number> numbers;
+  std::vector<double> open;      ///< |error| / its own sigma, of numbers that the scanned places leave open
   double seconds = 0;            ///< processor time
   std::optional<CheckedModel> model;
   std::vector<std::uint8_t> rejected;  ///< points of the scan that were set aside

@@ -93,31 +93,75 @@ TEST_CASE("refine: a cylinder comes home from a start that is well off") {
   CHECK(std::abs(c.parameters[1].value - 25) < 3 * c.parameters[1].sigma);
 }
 
-TEST_CASE("refine: a length that no point speaks about is as unsure as the data leave it") {
-  const auto sigma_of_height = [](double seen_from, double seen_to, bool end) {
-    Scan scan;
-    Random random(4);
-    for (int i = 0; i < 4000; ++i) {
-      const double a = random.uniform(0, 2 * pi), r = end && i % 4 == 0 ? 8 * std::sqrt(random.uniform()) : 8 + 0.02 * random.normal();
-      const double z = end && i % 4 == 0 ? 25 + 0.02 * random.normal() : random.uniform(seen_from, seen_to);
-      scan.cloud.points.emplace_back(r * std::cos(a), r * std::sin(a), z);
-    }
-    for (int i = 0; i < 1000; ++i) {  // the other end, so that the rod cannot slide
-      const double a = random.uniform(0, 2 * pi), r = 8 * std::sqrt(random.uniform());
-      scan.cloud.points.emplace_back(r * std::cos(a), r * std::sin(a), 0.02 * random.normal());
-    }
-    const FitInput input = input_of(scan, 0.1);
+/// A wall from `seen_from` to `seen_to` about z, narrowing by `slope`, 200 points a millimetre, and the face at its foot.
+Scan open_wall(double seen_from, double seen_to, double slope, bool end) {
+  Scan scan;
+  Random random(4);
+  const auto add = [&](double r, double z) {
+    const double a = random.uniform(0, 2 * pi);
+    scan.cloud.points.emplace_back(r * std::cos(a), r * std::sin(a), z);
+  };
+  for (int i = 0; i < 4000; ++i) {
+    const double z = random.uniform(seen_from, seen_to);
+    if (end && i % 4 == 0) add((8 - slope * 25) * std::sqrt(random.uniform()), 25 + 0.02 * random.normal());
+    else add(8 - slope * z + 0.02 * random.normal(), z);
+  }
+  for (int i = 0; i < 1000; ++i) add(8 * std::sqrt(random.uniform()), 0.02 * random.normal());  // the foot, so that it cannot slide
+  return scan;
+}
+
+TEST_CASE("refine: a length that no point speaks about ends where the data end, as surely as its wall's last points tell") {
+  const auto height_of = [](Scan scan) {
     Candidate rod = cylinder_start(8, 25, Pose());
     Context context;
-    refine(rod, input, {}, context);
+    refine(rod, input_of(scan, 0.1), {}, context);
     CHECK(rod.parameters[0].sigma < 0.01);
-    return rod.parameters[1].sigma;
+    return rod.parameters[1];
   };
-  CHECK(sigma_of_height(1, 24, true) < 0.01);
-  // Its wall ends at 20, the rod somewhere beyond.
-  const double sigma = sigma_of_height(1, 20, false);
-  CHECK(sigma > 2);
-  CHECK(sigma < 25);
+  const Parameter seen = height_of(open_wall(1, 24, 0, true));
+  CHECK(seen.fitted == Approx(25).margin(0.01));
+  CHECK(seen.sigma < 0.01);
+  // Its wall ends at 20, the rod there or somewhere beyond. The start, 5 mm of empty wall farther, is unlikely.
+  const Parameter open = height_of(open_wall(1, 20, 0, false));
+  CHECK(open.fitted == Approx(20).margin(0.1));
+  CHECK(open.sigma > 0.1);
+  CHECK(open.sigma < 1);
+  // Where the wall has four points a millimetre, its end is known less well.
+  Scan sparse = open_wall(1, 20, 0, false);
+  auto& points = sparse.cloud.points;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (i % 50 == 0 || i >= 4000) points[kept++] = points[i];
+  points.resize(kept);
+  const Parameter sparsely = height_of(std::move(sparse));
+  CHECK(sparsely.fitted == Approx(20).margin(1));
+  CHECK(sparsely.sigma > open.sigma);
+  CHECK(sparsely.sigma < 3);
+}
+
+TEST_CASE("refine: numbers that only together are open know it, though many points speak about each") {
+  // Of a cone without its upper face height and upper radius change together. A start 2 mm short comes out to where the wall ends.
+  for (const double start : {18.0, 20.0}) {
+    Scan scan = open_wall(1, 20, 0.2, false);
+    Candidate cone;
+    cone.object_name = "cone";
+    cone.shape = Cone{Expr::of("bottom_radius"), Expr::of("top_radius"), Expr::of("height")};
+    for (const auto& [name, value] : {std::pair{"bottom_radius", 8.0}, {"top_radius", 8 - 0.2 * start}, {"height", start}}) {
+      Parameter p;
+      p.name = name, p.value = value;
+      cone.parameters.push_back(p);
+    }
+    Context context;
+    refine(cone, input_of(scan, 0.1), {}, context);
+    CAPTURE(start);
+    CHECK(cone.parameters[0].fitted == Approx(8).margin(0.01));
+    CHECK(cone.parameters[2].fitted == Approx(20).margin(0.1));
+    CHECK(cone.parameters[2].sigma > 0.1);
+    CHECK(cone.parameters[2].sigma < 1);
+    CHECK(cone.parameters[1].fitted == Approx(8 - 0.2 * cone.parameters[2].fitted).margin(0.01));
+    CHECK(cone.parameters[1].sigma > 0.1 * cone.parameters[2].sigma);
+    CHECK(cone.parameters[1].sigma < 0.5 * cone.parameters[2].sigma);
+  }
 }
 
 TEST_CASE("refine: derivatives asked face by face are those of every point") {
