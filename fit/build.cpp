@@ -337,27 +337,27 @@ void consider_makers(Search& search, bool last_resort, const FitInput& input, co
 
 /// Refined with all points. A length that then turns out to have hardly any, and no limit, stays where the search, which met no
 /// strays beside it, saw the data end: those few would move it across points of other faces.
-void make_exact(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
+RefineReport make_exact(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
   Candidate held = candidate;
-  const RefineReport report = refine_with_strays_near(candidate, input, options, context);
+  RefineReport report = refine_with_strays_near(candidate, input, options, context);
   for (const Parameter& p : candidate.parameters) {
     const bool unlimited = std::find(report.unlimited.begin(), report.unlimited.end(), p.name) != report.unlimited.end();
     const bool is_held = std::any_of(held.held.begin(), held.held.end(), [&](const HeldParameter& h) { return h.name == p.name; });
     if (p.quantity == Quantity::length && p.points < hardly_any_points && unlimited && !is_held) held.held.push_back({p.name, p.sigma});
   }
-  if (held.held.size() == candidate.held.size() || context.cancelled) return;
+  if (held.held.size() == candidate.held.size() || context.cancelled) return report;
   candidate = std::move(held);
-  refine_with_strays_near(candidate, input, options, context);
+  return refine_with_strays_near(candidate, input, options, context);
 }
 
-/// Says of lengths that hardly a point speaks about where they come from.
-void name_unseen(Candidate& candidate, const FitInput& input) {
+/// Says of lengths that are open, or that hardly a point speaks about, where they come from.
+void name_unseen(Candidate& candidate, const std::vector<std::string>& open, const FitInput& input) {
   constexpr double on_any_face = 0.05;  // share of the strays
   const double strays = input.stray_share * double(input.cloud.size());
   for (auto& p : candidate.parameters) {
     const double points = double(p.points);
     if (p.quantity != Quantity::length || p.note.find("not scanned") != std::string::npos) continue;
-    if (points < hardly_any_points) p.note += "; its face was not scanned, the data end there";
+    if (points < hardly_any_points || std::find(open.begin(), open.end(), p.name) != open.end()) p.note += "; its face was not scanned, the data end there";
     else if (points < hardly_any_points + on_any_face * strays) p.note += "; its face was not scanned or hardly, " + print_number(points) + " points may be strays";
   }
 }
@@ -445,19 +445,19 @@ void choose(Search& search, const FitInput& input, const BuildOptions& options, 
     full.points = is_slow(exact) ? 2000 : 30000;
     full.near = among_strays(input);
     full.welsch = kernel_for(exact, narrow_last, input);
-    make_exact(exact, input, full, context);
+    RefineReport report = make_exact(exact, input, full, context);
     if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
       const auto first = search.judged.begin() + static_cast<std::ptrdiff_t>(i), other = search.judged.begin() + static_cast<std::ptrdiff_t>(simpler);
       std::rotate(first, other, other + 1);
       exact = search.judged[i].candidate;
       full.welsch = kernel_for(exact, narrow_last, input);
-      make_exact(exact, input, full, context);
+      report = make_exact(exact, input, full, context);
     }
     if (const std::string unknown = numbers_unknown(exact, input); !unknown.empty()) {
       refuse(search, i, unknown, input);
       continue;
     }
-    name_unseen(exact, input);
+    name_unseen(exact, report.unlimited, input);
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;
       Candidate tidy = exact;
