@@ -14,8 +14,7 @@ constexpr double objection = 2;  // nats: two sigmas
 const Welsch kernel{3};
 
 /// Orthonormal columns: the unknowns about which hardly a point speaks.
-Matrix hardly_fixed(const AllPoints& all, int threads) {
-  constexpr double few = 0.01;  // share of the points: noise throws so many of a wall's beyond its end
+Matrix hardly_fixed(const AllPoints& all, double few, int threads) {
   std::vector<double> weight(all.nodes.size(), 0);
   for (std::size_t k = 0; k < all.nodes.size(); ++k)
     for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i)
@@ -101,11 +100,13 @@ End end_along(const Way& way, double size) {
 }  // namespace
 
 std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns, const std::vector<Vec3>& points,
-                                      double noise, double spacing, Context& context) {
+                                      const FitInput& input, double noise, Context& context) {
   constexpr double mostly = 0.01;  // square of what is left of a number
   constexpr int rounds = 4;
   std::vector<OpenEnd> result;
-  const Matrix loose = hardly_fixed(all, context.threads);
+  // Noise throws so many of a wall's points beyond its end, as a share of all. There is none on a mesh; beside strays they may be these.
+  const double thrown = among_strays(input) || (input.scan && !input.scan->mesh.empty()) ? 0 : 0.01;
+  const Matrix loose = hardly_fixed(all, thrown, context.threads);
   const double points_each = double(all.points.size()) / double(points.size());
   for (std::size_t k = 0; k < unknowns.free_parameters().size(); ++k) {
     const std::size_t parameter = unknowns.free_parameters()[k];
@@ -117,9 +118,10 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
       const Candidate start = candidate;
       const Way way(start, unknowns, direction, points, noise, points_each, context);
       end = end_along(way, unknowns.size());
+      if (among_strays(input)) end.way = 0;  // it would go on to them
       if (end.way != 0) candidate = way.at(end.way);
     }
-    if (end.unlimited) end.sigma = std::max(end.sigma, 0.5 * spacing / direction.cwiseAbs().maxCoeff());
+    if (end.unlimited) end.sigma = std::max(end.sigma, 0.5 * input.thin_spacing / direction.cwiseAbs().maxCoeff());
     result.push_back({parameter, end.sigma, end.reach, end.unlimited});
   }
   return result;

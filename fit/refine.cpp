@@ -208,7 +208,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, least, all.kernel, context);
   if (u.correction.size() > 0)
     if (Candidate next = unknowns.stepped(candidate, u.correction); unknowns.sensible(next)) candidate = std::move(next);
-  const std::vector<OpenEnd> ends = settle_open_ends(candidate, all, unknowns, points, noise, input.thin_spacing, context);
+  const std::vector<OpenEnd> ends = settle_open_ends(candidate, all, unknowns, points, input, noise, context);
   report.rms = u.rms;
   report.points_per_independent = u.points_per_independent;
   const auto& free = unknowns.free_parameters();
