@@ -2,8 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "fit/refine.h"
 
@@ -69,21 +70,17 @@ class Way {
   Context& context_;
 };
 
-/// The end of one length: where it costs least, and how well that is known.
-struct End {
-  double way = 0, sigma = 0, reach = 0;
-  bool unlimited = false;
-};
-
-End end_along(const Way& way, double size) {
+/// How far along the way the cost is least, and the end there.
+std::pair<double, OpenEnd> end_along(const Way& way, std::size_t parameter, double size) {
   constexpr double each = 9;  // nats at most for a point that is left outside
   constexpr int per_point = 2, outward = 30 * per_point, inward = int(hardly_any_points) * per_point;  // steps
   constexpr double lopsided = 3;
   const double here = way.cost(0), ten_points = here + each * double(hardly_any_points);
   const double up = way.until(1, ten_points), down = way.until(-1, ten_points);
   const double out = up > down ? 1 : -1, last = std::min(up, down);
-  if (last > size) return {0, size / 4, size, true};
-  if (std::max(up, down) < std::min(size, lopsided * last)) return {0, (way.until(1, here + objection) + way.until(-1, here + objection)) / 4, last, false};
+  if (last > size) return {0, {parameter, size / 4, size, true}};
+  if (std::max(up, down) < std::min(size, lopsided * last))
+    return {0, {parameter, (way.until(1, here + objection) + way.until(-1, here + objection)) / 4, last, false}};
   const double step = last / inward;
   std::vector<double> costs;
   for (int k = -inward; k <= outward; ++k) costs.push_back(way.cost(out * k * step) + double(k) / per_point);
@@ -94,7 +91,7 @@ End end_along(const Way& way, double size) {
   int first = best, beyond = best;
   for (int k = -inward; k <= outward; ++k)
     if (cost_at(k) < cost_at(best) + nearly_all) first = std::min(first, k), beyond = std::max(beyond, k);
-  return {out * best * step, (beyond - first) * step / 3, last, true};
+  return {out * best * step, {parameter, (beyond - first) * step / 3, last, true}};
 }
 
 }  // namespace
@@ -102,7 +99,7 @@ End end_along(const Way& way, double size) {
 std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns, const std::vector<Vec3>& points,
                                       const FitInput& input, double noise, Context& context) {
   constexpr double mostly = 0.01;  // square of what is left of a number
-  constexpr int rounds = 4;
+  const int rounds = among_strays(input) ? 1 : 4;
   std::vector<OpenEnd> result;
   // Noise throws so many of a wall's points beyond its end, as a share of all. There is none on a mesh; beside strays they may be these.
   const double thrown = among_strays(input) || (input.scan && !input.scan->mesh.empty()) ? 0 : 0.01;
@@ -113,16 +110,16 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
     const Vector own = loose.row(static_cast<Eigen::Index>(k)).transpose();
     if (candidate.parameters[parameter].quantity != Quantity::length || own.squaredNorm() < mostly) continue;
     const Vector direction = loose * own / own.squaredNorm();  // the number itself by 1
-    End end;
-    for (int round = 0; round < rounds && (round == 0 || end.way != 0); ++round) {  // from the end itself its last points are better known
+    OpenEnd end;
+    double moved = 0;
+    for (int round = 0; round < rounds && (round == 0 || moved != 0); ++round) {  // from the end itself its last points are better known
       const Candidate start = candidate;
       const Way way(start, unknowns, direction, points, noise, points_each, context);
-      end = end_along(way, unknowns.size());
-      if (among_strays(input)) end.way = 0;  // it would go on to them
-      if (end.way != 0) candidate = way.at(end.way);
+      std::tie(moved, end) = end_along(way, parameter, unknowns.size());
+      if (moved != 0 && !among_strays(input)) candidate = way.at(moved);  // among strays it would go on to them
     }
     if (end.unlimited) end.sigma = std::max(end.sigma, 0.5 * input.thin_spacing / direction.cwiseAbs().maxCoeff());
-    result.push_back({parameter, end.sigma, end.reach, end.unlimited});
+    result.push_back(end);
   }
   return result;
 }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <ctime>
+#include <numeric>
 
 #include "core/number.h"
 #include "fit/build.h"

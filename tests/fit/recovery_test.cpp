@@ -155,7 +155,7 @@ TEST_CASE("recovery: the end of a block that nobody saw stays where the data end
   for (const Vec3& p : c.exact) farthest = std::max(farthest, std::abs(surface(p).distance));
   CHECK(farthest < 0.25);
   const auto end = std::max_element(model.parameters.begin(), model.parameters.end(), [](const Parameter& a, const Parameter& b) { return a.sigma < b.sigma; });
-  CHECK(end->fitted == Approx(c.truth.parameters[0].value).margin(0.3));
+  CHECK(end->fitted == Approx(c.truth.parameters[0].value).margin(0.05));
   CHECK(end->sigma > 0.5 * std::abs(end->fitted - c.truth.parameters[0].value));
   CHECK(end->sigma < 3);
   CHECK(end->note.find("not scanned") != std::string::npos);
