@@ -42,6 +42,7 @@ struct BuildArguments {
 /// What build says at the end.
 void print_result(const Model& model, const Verdict& verdict, const Path& folder, Session& session) {
   session.print("\nFound: " + procedure_text(model) + ".\n");
+  if (const auto nearest = nearest_procedure_line(model); !nearest.empty()) session.print(nearest + "\n");
   if (const auto dimensions = dimension_table(model); !dimensions.empty()) session.print("\n" + dimensions);
   for (const auto& u : model.unexplained)
     session.print("Unexplained: " + u.reason + " (" + readable(u.area) + " mm2, " + std::to_string(u.points) +
@@ -69,6 +70,21 @@ std::string scene_hint(const Path& input, const std::string& units, const Scan& 
   return (things == 1 ? "Something stands" : std::to_string(things) + " things stand") +
          " on a plane in this scan. If that is a table, partscribe scan " + input.string() + (units.empty() ? "" : " --units " + units) +
          " --on-table 1 cuts the largest out for build.\n";
+}
+
+/// The tolerance that may let what is not verified now, if all its faults are known by how far they are off, and none by more than a few times
+/// the tolerance. Else empty.
+std::string wider_hint(const Verdict& verdict) {
+  constexpr double few = 3;
+  double most = 0;
+  for (const auto& a : verdict.artifacts)
+    for (const auto& f : a.findings) {
+      if (f.kind == Finding::Kind::not_scanned) continue;
+      if (!(f.deviation > 0) || f.deviation > few * verdict.tolerance) return {};
+      most = std::max(most, f.deviation);
+    }
+  if (most <= verdict.tolerance) return {};
+  return "Nothing is off by more than " + readable(most) + " mm; try --tolerance " + print_number(tolerance_that_lets(most)) + ".\n";
 }
 
 Result<int> run(const BuildArguments& arguments, Session& session) {
@@ -135,8 +151,10 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   session.finish_stage();
 
   print_result(**model, *verdict, folder, session);
-  if (verdict->verdict == Outcome::out_of_tolerance)
+  if (verdict->verdict == Outcome::out_of_tolerance) {
+    session.print(wider_hint(*verdict));
     session.print(scene_hint(arguments.scans.front(), session.options.units, *scan, session.context.threads));
+  }
   session.print_json(json);
   return exit_code_of(verdict->verdict);
 }

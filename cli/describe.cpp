@@ -1,6 +1,7 @@
 #include "cli/describe.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "codegen/describe.h"
@@ -26,6 +27,22 @@ std::string noun_of(const Shape& shape) {
   if (kind == "difference") return "a body with cuts";
   if (kind == "intersection") return "an intersection";
   return "a " + std::string(kind);
+}
+
+/// Procedures as a person would prefer them: the fewer numbers one has to read, the smaller.
+int plainness(const std::string& procedure) {
+  constexpr std::array plain_first = {"sphere", "box", "cylinder", "cone", "torus", "wedge", "fillet", "ellipsoid", "surface of revolution", "extrusion"};
+  const auto at = std::find(plain_first.begin(), plain_first.end(), procedure);
+  return static_cast<int>(at - plain_first.begin());
+}
+
+/// mm, of the box around a triangulation; 0 for other shapes.
+double size_of(const Model& model) {
+  const auto* surface = model.objects.empty() ? nullptr : std::get_if<TriSurface>(&model.objects.back().shape);
+  Box3 box;
+  if (surface)
+    for (const auto& v : surface->vertices) box.add(Vec3(v[0], v[1], v[2]));
+  return box.empty() ? 0 : box.diagonal();
 }
 
 double shown(double value, Quantity quantity) { return quantity == Quantity::angle ? degrees(value) : value; }
@@ -118,6 +135,30 @@ std::vector<std::string> rival_lines(const Model& model) {
                     ", off by up to " + readable(rival.deviation) + " mm, description length " +
                     readable(rival.description_length) + (rival.reason.empty() ? "" : "; " + rival.reason));
   return lines;
+}
+
+std::string nearest_procedure_line(const Model& model) {
+  constexpr double near = 0.03, as_near = 1.1;  // of the size; times the least deviation
+  if (!model.fallback) return {};
+  const double reach = near * size_of(model);
+  double least = reach;
+  const auto in_question = [&](const Rival& r) { return !r.meets_tolerance && r.deviation > model.tolerance; };
+  for (const auto& r : model.rivals)
+    if (in_question(r)) least = std::min(least, r.deviation);
+  const Rival* nearest = nullptr;
+  for (const auto& r : model.rivals) {
+    if (!in_question(r) || r.deviation > std::min(reach, as_near * least)) continue;
+    if (!nearest || std::pair(plainness(r.procedure), r.deviation) < std::pair(plainness(nearest->procedure), nearest->deviation)) nearest = &r;
+  }
+  if (!nearest) return {};
+  const bool vowel = std::string("aeiou").find(nearest->procedure[0]) != std::string::npos;
+  return "Nearest procedure: " + std::string(vowel ? "an " : "a ") + nearest->procedure + ", off by up to " + readable(nearest->deviation) +
+         " mm; try --tolerance " + print_number(tolerance_that_lets(nearest->deviation)) + ".";
+}
+
+double tolerance_that_lets(double deviation) {
+  const double enough = 1.02 * deviation, step = power_of_ten_below(enough) / 10;
+  return snapped(std::ceil(enough / step) * step, step);
 }
 
 std::string hypothesis_line(const Model& model) {

@@ -36,6 +36,13 @@ std::string dimension_table(const Model& model);
 /// What was considered instead and why it lost, one line each.
 std::vector<std::string> rival_lines(const Model& model);
 
+/// Of a model that is a triangulation because nothing else met the tolerance: what came near, how near, and the tolerance that lets it, in one line.
+/// Empty if nothing lies within three hundredths of the part's size.
+std::string nearest_procedure_line(const Model& model);
+
+/// `deviation` and a little, mm, rounded up to two digits: the tolerance to ask for where something is that far off.
+double tolerance_that_lets(double deviation);
+
 /// The superellipsoid that was recovered first, in one line; empty if the model has none.
 std::string hypothesis_line(const Model& model);
 

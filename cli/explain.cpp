@@ -52,6 +52,7 @@ std::string explanation(const Model& model) {
   text += "\nRivals\n";
   for (const auto& line : rivals) text += "  " + line + "\n";
   if (rivals.empty()) text += "  none were recorded\n";
+  if (const auto nearest = nearest_procedure_line(model); !nearest.empty()) text += "\n" + nearest + "\n";
   return text;
 }
 

@@ -97,9 +97,12 @@ std::string report_page(const ReportInput& input) {
   data["outcome"] = escaped(title_of(verdict.verdict));
   data["outcome_class"] = name_of(verdict.verdict);
   data["sentence"] = typeset(verdict_sentence(verdict));
-  data["fallback"] = input.model && input.model->fallback
-                         ? "The model is a triangulation, because no procedure with named dimensions met the tolerance."
-                         : "";
+  std::string fallback;
+  if (input.model && input.model->fallback) {
+    fallback = "The model is a triangulation, because no procedure with named dimensions met the tolerance.";
+    if (const auto nearest = nearest_procedure_line(*input.model); !nearest.empty()) fallback += " " + nearest;
+  }
+  data["fallback"] = escaped(fallback);
   data["style"] = pack->files.at("report.css");
   data["policy"] = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src '" + policy_hash(scheme) +
                    "' '" + policy_hash(program) + "'; base-uri 'none'; form-action 'none'";

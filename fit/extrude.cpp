@@ -215,6 +215,12 @@ void turn(ProfileSegment& s, double angle) {
   for (auto& c : s.curve.control) c = r * c;
 }
 
+/// What the length of the extrusion is to a body with a plainer name.
+void call_height(Candidate& candidate, const char* note) {
+  for (auto& p : candidate.parameters)
+    if (p.name == "height") p.note = note;
+}
+
 /// Box or wedge, if that is what the outline is.
 void simplify(Candidate& candidate) {
   const auto* extrude = std::get_if<Extrude>(&candidate.shape);
@@ -230,6 +236,7 @@ void simplify(Candidate& candidate) {
     candidate.parameters = kept;
     candidate.shape = Cylinder{Expr::of("radius"), Expr::of("height")};
     candidate.procedure = "cylinder", candidate.object_name = "rod";
+    call_height(candidate, "length of the cylinder");
     return;
   }
   if (elements.size() != 4) return;
@@ -247,6 +254,7 @@ void simplify(Candidate& candidate) {
       p[3].x == Expr(0)) {
     candidate.shape = Box{p[1].x, p[2].y, Expr::of("height")};
     candidate.procedure = "box", candidate.object_name = "block";
+    call_height(candidate, "size along z");
   }
 }
 

@@ -145,6 +145,57 @@ std::string finding_lines(const ArtifactVerdict& a) {
   return "\n" + a.file + ", " + title + "\n" + text;
 }
 
+/// The first artifact that describes the same surface as artifact `i` and is judged alike: `i` itself if none does.
+std::size_t first_like(const Verdict& verdict, std::size_t i) {
+  const double same = 1e-3 * verdict.tolerance, alike = 1e-2 * verdict.tolerance;  // mm: between surfaces; between what is found of them
+  const auto& a = verdict.artifacts[i];
+  for (std::size_t k = 0; k < i; ++k) {
+    const auto& b = verdict.artifacts[k];
+    if (a.file == b.file || a.verdict != b.verdict || a.alignment.has_value() != b.alignment.has_value()) continue;
+    if (std::abs(a.data_to_model.local_max - b.data_to_model.local_max) > alike) continue;
+    for (const auto& p : verdict.between_backends)
+      if (p.agree && p.first == b.file && p.second == a.file && p.distance <= same) return k;
+  }
+  return i;
+}
+
+/// "a, b and c".
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return text;
+}
+
+/// Which artifacts have the faults of another one, because they have its surface.
+std::string same_surface_lines(const Verdict& verdict) {
+  std::string text;
+  for (std::size_t i = 0; i < verdict.artifacts.size(); ++i) {
+    std::vector<std::string> like;
+    for (std::size_t k = i + 1; k < verdict.artifacts.size(); ++k)
+      if (first_like(verdict, k) == i) like.push_back(verdict.artifacts[k].file);
+    if (!like.empty() && verdict.artifacts[i].verdict != Outcome::verified)
+      text += wrapped("  The same is wrong with " + listed(like) + ".", 4);
+  }
+  return text;
+}
+
+/// How far the artifacts are from each other: one line for all where they agree, else each pair that differs.
+std::string agreement_lines(const Verdict& verdict) {
+  const auto& pairs = verdict.between_backends;
+  if (pairs.empty()) return {};
+  std::string text = "\n";
+  double farthest = 0;
+  std::size_t agree = 0;
+  for (const auto& p : pairs) {
+    if (p.agree) farthest = std::max(farthest, p.distance), ++agree;
+    else text += p.first + " and " + p.second + " DIFFER: " + fixed(p.distance, 0.0001) + " mm apart\n";
+  }
+  if (agree == 0) return text;
+  const std::string apart = fixed(farthest, 0.0001) + " mm apart\n";
+  if (pairs.size() == 1) return text + pairs[0].first + " and " + pairs[0].second + " agree: " + apart;
+  return text + (agree == pairs.size() ? "All files agree with each other: at most " : "The other pairs of files agree: at most ") + apart;
+}
+
 /// The inspection rows of the features that are out of tolerance.
 std::string failing_dimensions(const ArtifactVerdict& a) {
   std::string text;
@@ -329,25 +380,28 @@ std::string verdict_table(const Verdict& verdict) {
             column(percent(a.model_to_data.contradicted, a.model_to_data.area), 9, true) + "\n";
   }
   for (const auto& a : verdict.artifacts) text += alignment_lines(a);
-  for (const auto& a : verdict.artifacts) text += finding_lines(a) + failing_dimensions(a);
+  // One surface in several files is told once.
+  std::vector<const ArtifactVerdict*> told;
+  for (std::size_t i = 0; i < verdict.artifacts.size(); ++i)
+    if (first_like(verdict, i) == i) told.push_back(&verdict.artifacts[i]);
+  for (const auto* a : told) text += finding_lines(*a) + failing_dimensions(*a);
   // All artifacts have the same faces: the first shows every one, the others those that are not as they should be.
   bool first = true;
-  for (const auto& a : verdict.artifacts) {
+  for (const auto* a : told) {
     std::string faces;
-    for (const auto& o : a.objects)
-      if ((first && a.objects.size() <= most_rows) || o.verdict != Outcome::verified)
+    for (const auto& o : a->objects)
+      if ((first && a->objects.size() <= most_rows) || o.verdict != Outcome::verified)
         faces += "  " + column(column(o.name, 43), 44) + column(name_of(o.verdict), 17) + column(fixed(o.max, 0.0001), 10, true) +
                  column(fixed(o.rms, 0.0001), 9, true) + column(percent(o.covered, 1), 9, true) +
                  column(std::to_string(o.points), 9, true) + "\n";
     if (!faces.empty())
-      text += "\n" + column(a.file + ", feature by feature", 46) + column("verdict", 17) + column("local max", 10, true) +
+      text += "\n" + column(a->file + ", feature by feature", 46) + column("verdict", 17) + column("local max", 10, true) +
               column("rms", 9, true) + column("scanned", 9, true) + column("points", 9, true) + "\n" + faces;
-    if (!a.objects.empty()) first = false;
-    for (const auto& reason : a.reasons) text += wrapped("  " + a.file + ": " + reason, 4);
+    if (!a->objects.empty()) first = false;
+    for (const auto& reason : a->reasons) text += wrapped("  " + a->file + ": " + reason, 4);
   }
-  if (!verdict.between_backends.empty()) text += "\n";
-  for (const auto& p : verdict.between_backends)
-    text += p.first + " and " + p.second + (p.agree ? " agree: " : " DIFFER: ") + fixed(p.distance, 0.0001) + " mm apart\n";
+  text += same_surface_lines(verdict);
+  text += agreement_lines(verdict);
   for (const auto& a : verdict.artifacts) text += opinion_lines(a);
   text += "\nThe scan's local noise is " + fixed(verdict.noise, 0.0001) + " mm; it can decide tolerances from " +
           fixed(verdict.smallest_honest_tolerance, 0.0001) + " mm.\n";

@@ -100,6 +100,41 @@ std::vector<std::string> all_between(const std::string& text, const std::string&
 
 }  // namespace
 
+/// What is left of a block of 30 x 40 x 120 mm (a diagonal of 130) where nothing met 0.1 mm.
+Model triangulated_block() {
+  Model model;
+  model.name = "block";
+  model.tolerance = 0.1;
+  TriSurface surface;
+  for (const double x : {0.0, 30.0})
+    for (const double y : {0.0, 40.0})
+      for (const double z : {0.0, 120.0}) surface.vertices.push_back({x, y, z});
+  Object object;
+  object.name = "body";
+  object.shape = surface;
+  model.objects = {object};
+  model.fallback = true;
+  return model;
+}
+
+TEST_CASE("describe: a triangulation names the plainest procedure that came near, and the tolerance that lets it") {
+  Model model = triangulated_block();
+  CHECK(nearest_procedure_line(model).empty());
+  model.rivals = {{"extrusion", false, 1.62, 900, "deviates by 1.62 mm at (1, 2, 3)"},
+                  {"box", false, 1.646, 950, "deviates by 1.65 mm at (1, 2, 3)"},
+                  {"sphere", false, 30, 990, "deviates by 30 mm at (1, 2, 3)"},
+                  {"extrusion", false, 3, 0, "makes no sense: the sketch crosses itself"}};
+  const auto line = nearest_procedure_line(model);
+  CHECK(line == "Nearest procedure: a box, off by up to 1.65 mm; try --tolerance 1.7.");
+  model.rivals[1].deviation = 1.9;  // no longer as near as the extrusion
+  CHECK(nearest_procedure_line(model) == "Nearest procedure: an extrusion, off by up to 1.62 mm; try --tolerance 1.7.");
+  model.rivals = {{"sphere", false, 4.1, 990, "deviates by 4.1 mm at (1, 2, 3)"}};  // farther than three hundredths of the size
+  CHECK(nearest_procedure_line(model).empty());
+  model.rivals = {{"box", false, 1.65, 950, "deviates by 1.65 mm at (1, 2, 3)"}};
+  model.fallback = false;  // a triangulation that was asked for
+  CHECK(nearest_procedure_line(model).empty());
+}
+
 TEST_CASE("describe: a value carries as many digits as its uncertainty allows") {
   CHECK(with_sigma(10.99731, 0.0042) == "10.9973 ± 0.0042");
   CHECK(with_sigma(123.456, 1.7) == "123.5 ± 1.7");

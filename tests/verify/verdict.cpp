@@ -263,6 +263,34 @@ TEST_CASE("verdict: two artifacts of one part must agree within a fifth of the t
   CHECK(verdict_table(*apart).find("NOT VERIFIED: a.stl and b.stl differ by 0.04 mm") != std::string::npos);
 }
 
+TEST_CASE("verdict: what is wrong with one surface in several files is told once, and of whom") {
+  const auto scan = scanned(holed_plate(40, 10, 6, 5, -8), 30000, sigma);
+  const auto text = [&](const std::vector<double>& radii) {
+    const TemporaryDirectory folder;
+    std::vector<Path> files;
+    for (const double radius : radii) {
+      files.push_back(folder.path() / (std::string(1, char('a' + files.size())) + ".stl"));
+      REQUIRE(write_file(files.back(), write_stl(holed_plate(40, 10, 6, radius, -8))).ok());
+    }
+    Context context;
+    const auto verdict = verify(files, scan, {}, at(T), context);
+    REQUIRE(verdict.ok());
+    CHECK(verdict->verdict == Outcome::out_of_tolerance);
+    return verdict_table(*verdict);
+  };
+  const auto has = [](const std::string& all, const std::string& part) { return all.find(part) != std::string::npos; };
+  const auto alike = text({5.3, 5.3, 5.3});
+  CHECK(has(alike, "a.stl, what is wrong"));
+  CHECK_FALSE(has(alike, "b.stl, what is wrong"));
+  CHECK(has(alike, "The same is wrong with b.stl and c.stl."));
+  CHECK(has(alike, "All files agree with each other: at most 0 mm apart"));
+  const auto apart = text({5.3, 5.3, 5.4});
+  CHECK(has(apart, "The same is wrong with b.stl."));
+  CHECK(has(apart, "c.stl, what is wrong"));
+  CHECK(has(apart, "a.stl and c.stl DIFFER"));
+  CHECK(has(apart, "b.stl and c.stl DIFFER"));
+}
+
 TEST_CASE("verdict: bad requests say what is wrong") {
   Context context;
   const auto scan = scanned(sphere(20), 1000, 0);
