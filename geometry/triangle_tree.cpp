@@ -73,7 +73,8 @@ struct Range {
 
 class Builder {
  public:
-  Builder(const TriangleMesh& mesh, int threads) : mesh_(mesh), threads_(threads) {}
+  Builder(const TriangleMesh& mesh, int threads, Instructions instructions)
+      : mesh_(mesh), threads_(threads), leaf_size_(leaf_size(mesh.triangles.size(), instructions)) {}
 
   TriangleTree build() {
     const std::size_t count = mesh_.triangles.size();
@@ -87,7 +88,7 @@ class Builder {
     grow(all, top, task_size);
     // More than most meshes need; what is not written to costs nothing.
     tree_.nodes.reserve(top.nodes.size() + count / 16);
-    tree_.leaves.reserve(count + spare);
+    tree_.leaves.reserve((leaf_size_ < TriangleTree::width ? 3 * count / 2 : count) + spare);
     append(top);
     auto hang = [&](const Task& task, const Part& part) {
       tree_.nodes[task.node].child[task.lane] = static_cast<std::uint32_t>(tree_.nodes.size());
@@ -118,6 +119,13 @@ class Builder {
  private:
   static constexpr std::size_t spare = 8;  // behind the last leaf: whole vectors are loaded
 
+  /// Most triangles of a leaf. Where a vector holds fewer than eight numbers a leaf of eight takes two passes: a second one that is not near is
+  /// spared by a box of its own, which pays as long as the tree lies in the cache.
+  static std::size_t leaf_size(std::size_t triangles, Instructions instructions) {
+    constexpr std::size_t in_cache = 200000;
+    return instructions == Instructions::avx512 || triangles > in_cache ? TriangleTree::width : TriangleTree::width / 2;
+  }
+
   struct Part {
     std::vector<TriangleTree::Node> nodes;
     std::vector<TriangleTree::Leaf> leaves;
@@ -130,6 +138,7 @@ class Builder {
 
   const TriangleMesh& mesh_;
   int threads_;
+  std::size_t leaf_size_;
   TriangleTree tree_;
   std::vector<Item> items_;
   std::vector<Task> tasks_;
@@ -188,7 +197,7 @@ class Builder {
       int widest = -1;
       float most = -1;
       for (int i = 0; i < children; ++i) {
-        const std::size_t leaves = (child[i].size() + TriangleTree::width - 1) / TriangleTree::width;
+        const std::size_t leaves = (child[i].size() + leaf_size_ - 1) / leaf_size_;
         const float worth = child[i].box.half_area() * (leaves <= 2 ? 4.0f : leaves == 3 ? 2.0f : 1.0f);
         if (leaves > 1 && worth > most) widest = i, most = worth;
       }
@@ -208,7 +217,7 @@ class Builder {
       }
     for (int lane = 0; lane < children; ++lane) {
       const Range& part = child[lane];
-      if (part.size() <= TriangleTree::width) {
+      if (part.size() <= leaf_size_) {
         node.child[lane] = make_leaf(part, into.leaves);
       } else if (part.size() < task_size) {
         tasks_.push_back({part, index, lane});
@@ -364,6 +373,8 @@ std::size_t TriangleTree::bytes() const {
   return nodes.size() * sizeof(Node) + leaves.size() * sizeof(Leaf);
 }
 
-TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads) { return Builder(mesh, threads).build(); }
+TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads, Instructions instructions) {
+  return Builder(mesh, threads, instructions).build();
+}
 
 }  // namespace partscribe

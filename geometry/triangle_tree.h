@@ -64,8 +64,8 @@ struct TriangleTree {
   std::size_t bytes() const;  ///< in use
 };
 
-/// The same tree for any number of threads.
-TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads);
+/// The same tree for any number of threads; of a form that suits `instructions`, and searches by others as well.
+TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads, Instructions instructions = widest_instructions());
 
 /// Improves `best` by every triangle that is nearer, or as near and of lower index in the mesh. The answer depends
 /// on the mesh and the query alone: not on the tree, on what `best` held, or on the machine's instructions.

@@ -152,7 +152,8 @@ std::vector<Trial> trials() {
 TEST_CASE("triangle tree: every search gives the answer of all triangles in turn, to the bit, on every instruction set") {
   for (const auto& trial : trials()) {
     INFO(trial.name);
-    const TriangleTree tree = build_triangle_tree(trial.mesh, 1), by_three = build_triangle_tree(trial.mesh, 3);
+    // The second in another form: by threads, and with leaves that suit other instructions.
+    const TriangleTree tree = build_triangle_tree(trial.mesh, 1, Instructions::avx512), by_three = build_triangle_tree(trial.mesh, 3, Instructions::avx2);
     std::vector<NearestSlot> truth;
     for (const auto& q : trial.queries) truth.push_back(tried_in_turn(trial.mesh, q));
     std::vector<Vec3> points(truth.size());
@@ -204,9 +205,11 @@ TEST_CASE("triangle tree: all triangles within a distance are found and no other
 }
 
 TEST_CASE("triangle tree: a leaf keeps each vertex once") {
-  const auto bytes_of = [](const TriangleMesh& mesh) { return static_cast<double>(build_triangle_tree(mesh, 1).bytes()) / static_cast<double>(mesh.triangles.size()); };
+  const auto bytes_of = [](const TriangleMesh& mesh, Instructions instructions) { return static_cast<double>(build_triangle_tree(mesh, 1, instructions).bytes()) / static_cast<double>(mesh.triangles.size()); };
   for (const auto& trial : trials()) {
-    if (trial.name == "a surface" || trial.name == "unwelded") CHECK(bytes_of(trial.mesh) < 70);
+    if (trial.name != "a surface" && trial.name != "unwelded") continue;
+    CHECK(bytes_of(trial.mesh, Instructions::avx512) < 70);
+    CHECK(bytes_of(trial.mesh, Instructions::avx2) < 100);  // half as many triangles share a head
   }
 }
 
