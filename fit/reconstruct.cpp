@@ -596,11 +596,9 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   double cell = options.cell;
   if (cell <= 0) {
     cell = std::max({2.5 * sampling.spacing, 3 * sampling.sigma, box.diagonal() / 220});
-    // A wall shows if a node lies inside it. Without rays turned normals may be wrong, and look like walls.
-    if (has_rays(cloud)) {
-      const double wall = thinnest_walls(averaged(cloud, 0.5 * cell), 2 * cell, context);
-      cell = std::max(std::min(cell, wall / 1.8), std::max(1.2 * sampling.spacing, 3 * sampling.sigma));
-    }
+    // A wall shows if a node lies inside it.
+    const double wall = thinnest_walls(averaged(cloud, 0.5 * cell), 2 * cell, context);
+    cell = std::max(std::min(cell, wall / 1.8), std::max(1.2 * sampling.spacing, 3 * sampling.sigma));
   }
   auto nodes = [&](double h) { return (box.size() / h + Vec3::Constant(10)).prod(); };
   while (nodes(cell) > static_cast<double>(options.max_nodes)) cell *= 1.1;

@@ -123,6 +123,42 @@ TEST_CASE("triangulate: a noisy block with a step becomes a small closed solid w
   }
 }
 
+TEST_CASE("triangulate: a block with holes beside thin walls is one solid, though nobody knows from where it was seen") {
+  Context context;
+  context.threads = 2;
+  Random random(41);
+  Scan scan;
+  const Vec3 half(20, 12, 6);
+  const std::vector<Vec2> holes = {{-13, -8.2}, {0, 8.2}, {13, -8.2}};  // of radius 3, 0.8 mm from the side
+  const auto in_hole = [&](const Vec3& p) {
+    return std::any_of(holes.begin(), holes.end(), [&](const Vec2& h) { return (p.head<2>() - h).norm() < 3; });
+  };
+  while (scan.cloud.size() < 80000) {
+    Vec3 p, n = Vec3::Zero();
+    if (random.uniform() < 0.2) {
+      const Vec2& h = holes[random.below(holes.size())];
+      const double angle = random.uniform(0, 2 * pi);
+      n = Vec3(-std::cos(angle), -std::sin(angle), 0);
+      p = Vec3(h.x(), h.y(), random.uniform(-6, 6)) - 3 * n;
+    } else {
+      for (int k = 0; k < 3; ++k) p[k] = random.uniform(-half[k], half[k]);
+      const double choice = random.uniform() * (40 * 24 + 40 * 12 + 24 * 12);
+      const int axis = choice < 960 ? 2 : choice < 1440 ? 1 : 0;
+      n[axis] = random.uniform() < 0.5 ? -1 : 1;
+      p[axis] = half[axis] * n[axis];
+      if (axis == 2 && in_hole(p)) continue;
+    }
+    scan.cloud.points.push_back(p + 0.02 * random.normal() * n);
+  }
+  const TriangleMesh mesh = mesh_of(triangulated(scan, 0.15, context));
+  CHECK(topology(mesh).closed());
+  CHECK(topology(mesh).components == 1);
+  CHECK(volume(mesh) == Approx(8 * 20 * 12 * 6 - 3 * pi * 9 * 12).epsilon(0.004));
+  CHECK(local_max(scan.cloud, mesh) < 0.15);
+  const auto vertices = static_cast<long>(mesh.vertices.size()), triangles = static_cast<long>(mesh.triangles.size());
+  CHECK(vertices - triangles / 2 == 2 - 2 * 3);  // three holes [Euler]
+}
+
 TEST_CASE("triangulate: a ball with an unseen cap is closed, its free half stays round") {
   Context context;
   Random random(8);
