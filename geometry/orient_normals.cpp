@@ -14,14 +14,34 @@
 namespace partscribe {
 namespace {
 
+/// What all but a hundredth of the points span along each axis, and a tenth more.
+Box3 bulk_of(const std::vector<Vec3>& points) {
+  constexpr double share = 0.005, more = 0.05;
+  Box3 box;
+  box.low = box.high = points.front();
+  std::vector<double> along(points.size());
+  const auto few = static_cast<std::ptrdiff_t>(share * static_cast<double>(points.size()));
+  for (int k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < points.size(); ++i) along[i] = points[i][k];
+    std::nth_element(along.begin(), along.begin() + few, along.end());
+    box.low[k] = along[static_cast<std::size_t>(few)];
+    std::nth_element(along.begin(), along.end() - 1 - few, along.end());
+    box.high[k] = *(along.end() - 1 - few);
+  }
+  const Vec3 margin = more * box.size();
+  return {box.low - margin, box.high + margin};
+}
+
 /// Which cells of a grid hold points: what stands in the way of a straight line. A single one is a stray, of a surface a cell holds some four.
 class Cells {
  public:
+  /// Points outside of `box` stand in nobody's way.
   Cells(const std::vector<Vec3>& points, const Box3& box, double edge) : edge_(edge) {
     low_ = box.low - Vec3::Constant(edge);
     for (int k = 0; k < 3; ++k) n_[k] = static_cast<int>(box.size()[k] / edge) + 3;
     held_.assign(static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) * static_cast<std::size_t>(n_[2]), 0);
-    for (const Vec3& p : points) held_[*cell_of(p)] += held_[*cell_of(p)] < few;
+    for (const Vec3& p : points)
+      if (const auto cell = cell_of(p)) held_[*cell] += held_[*cell] < few;
   }
 
   double edge() const { return edge_; }
@@ -68,8 +88,8 @@ std::vector<Vec3> all_around(int count) {
 std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, const KdTree& tree, double spacing, int threads) {
   constexpr double least_cosine = 0.3;
   constexpr double away = 2, over = 0.4;  // of the cells' edge: beyond the own ones; above the own surface
-  Box3 box;
-  for (const Vec3& p : points) box.add(p);
+  constexpr std::size_t around = 64;      // points that are looked at for what stands before one: some 54 of an even surface are as near
+  const Box3 box = bulk_of(points);
   const Cells cells(points, box, std::max({1.5 * spacing, box.diagonal() / 400, std::numeric_limits<double>::min()}));
   const auto directions = all_around(128);
   std::vector<float> result(points.size(), 0);
@@ -78,8 +98,9 @@ std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 n = normals[i].normalized();
       bool closed[2] = {false, false};
-      tree.within(points[i], away * cells.edge(), near);
+      tree.nearest(points[i], around, near);
       for (const Neighbour& m : near) {
+        if (m.sq_distance > away * away * cells.edge() * cells.edge()) break;
         const double height = n.dot(points[m.index] - points[i]);
         if (std::abs(height) > over * cells.edge() && 2 * height * height > m.sq_distance) closed[height < 0] = true;
       }

@@ -71,6 +71,9 @@ TEST_CASE("orient normals: walls of deep holes face into the holes, walls beside
     truth.push_back(n);
   }
   estimate_normals(cloud, {}, context);
+  // A stray a kilometre away.
+  cloud.points.emplace_back(1e6, 2e5, 0), cloud.normals.emplace_back(1, 0, 0), cloud.rejected.push_back(0);
+  truth.emplace_back(0, 0, 0);
   orient_normals(cloud, 12, context);
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) wrong += cloud.normals[i].dot(truth[i]) < -0.3;
