@@ -41,8 +41,7 @@ struct BuildArguments {
 
 /// What build says at the end.
 void print_result(const Model& model, const Verdict& verdict, const Path& folder, Session& session) {
-  session.print("\nFound: " + procedure_text(model) + ".\n");
-  if (const auto nearest = nearest_procedure_line(model); !nearest.empty()) session.print(nearest + "\n");
+  session.print("\n" + found_lines(model));
   if (const auto dimensions = dimension_table(model); !dimensions.empty()) session.print("\n" + dimensions);
   for (const auto& u : model.unexplained)
     session.print("Unexplained: " + u.reason + " (" + readable(u.area) + " mm2, " + std::to_string(u.points) +

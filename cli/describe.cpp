@@ -161,6 +161,11 @@ double tolerance_that_lets(double deviation) {
   return snapped(std::ceil(enough / step) * step, step);
 }
 
+std::string found_lines(const Model& model) {
+  const auto nearest = nearest_procedure_line(model);
+  return "Found: " + procedure_text(model) + ".\n" + (nearest.empty() ? "" : nearest + "\n");
+}
+
 std::string hypothesis_line(const Model& model) {
   if (!model.hypothesis) return {};
   const auto& h = *model.hypothesis;

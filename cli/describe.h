@@ -11,6 +11,9 @@ namespace partscribe {
 /// "a surface of revolution", "4 steps: ...", "a triangulation of 724 triangles, because no procedure met 0.1 mm".
 std::string procedure_text(const Model& model);
 
+/// "Found: a box." and, of a triangulation that is the fallback, what came near: a line each.
+std::string found_lines(const Model& model);
+
 /// One parameter as a person reads it; lengths in mm, angles in degrees.
 struct Dimension {
   std::string name, value, unit;

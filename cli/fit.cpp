@@ -41,9 +41,7 @@ Result<int> run(const Options& given, Session& session) {
   const std::string text = write_model_json(**model);
   if (auto ok = write_file(folder / "model.json", text); !ok) return ok.error();
   session.finish_stage();
-  session.print("\nFound: " + procedure_text(**model) + ".\n");
-  if (const auto nearest = nearest_procedure_line(**model); !nearest.empty()) session.print(nearest + "\n");
-  session.print("\n" + dimension_table(**model) + "\nModel in " +
+  session.print("\n" + found_lines(**model) + "\n" + dimension_table(**model) + "\nModel in " +
                 (folder / "model.json").string() + "; next: partscribe emit " + (folder / "model.json").string() +
                 "\n" + seconds_line(session) + "\n");
   session.print_json(summary_json("fit", {folder / "model.json"}, scan->warnings));

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/number.h"
+#include "geometry/bulk_box.h"
 #include "geometry/kd_tree.h"
 #include "geometry/normals.h"
 #include "model/json.h"
@@ -45,22 +46,6 @@ double sampled_noise(const PointCloud& cloud, int threads) {
   Context silent;  // too short a piece of work to be told about
   silent.threads = threads;
   return estimate_normals(sample, {}, silent).sigma;
-}
-
-/// Diagonal of the box that holds all but the outermost half per cent on each side: stray points have no say.
-double robust_diagonal(const PointCloud& cloud) {
-  if (cloud.empty()) return 0;
-  Vec3 size;
-  std::vector<double> values(cloud.size());
-  const std::size_t low = cloud.size() / 200, high = cloud.size() - 1 - low;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < cloud.size(); ++i) values[i] = cloud.points[i][axis];
-    std::nth_element(values.begin(), values.begin() + low, values.end());
-    const double least = values[low];
-    std::nth_element(values.begin(), values.begin() + high, values.end());
-    size[axis] = values[high] - least;
-  }
-  return size.norm();
 }
 
 /// The least round number that is not below `value`.
@@ -156,7 +141,7 @@ ChosenTolerance tolerance_for(const Scan& scan, Session& session) {
     return chosen;
   }
   chosen.noise = sampled_noise(scan.cloud, session.context.threads);
-  const double diagonal = robust_diagonal(scan.cloud);
+  const double diagonal = bulk_box(scan.cloud.points, 0.005).diagonal();
   const double from_noise = 5 * chosen.noise, from_size = diagonal / 1000;
   chosen.tolerance = rounded_up(std::max({from_noise, from_size, 1e-6}));
   chosen.reason =

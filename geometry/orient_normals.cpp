@@ -8,29 +8,12 @@
 #include "core/disjoint_sets.h"
 #include "core/number.h"
 #include "core/parallel.h"
+#include "geometry/bulk_box.h"
 #include "geometry/kd_tree.h"
 #include "geometry/thin.h"
 
 namespace partscribe {
 namespace {
-
-/// What all but a hundredth of the points span along each axis, and a tenth more.
-Box3 bulk_of(const std::vector<Vec3>& points) {
-  constexpr double share = 0.005, more = 0.05;
-  Box3 box;
-  box.low = box.high = points.front();
-  std::vector<double> along(points.size());
-  const auto few = static_cast<std::ptrdiff_t>(share * static_cast<double>(points.size()));
-  for (int k = 0; k < 3; ++k) {
-    for (std::size_t i = 0; i < points.size(); ++i) along[i] = points[i][k];
-    std::nth_element(along.begin(), along.begin() + few, along.end());
-    box.low[k] = along[static_cast<std::size_t>(few)];
-    std::nth_element(along.begin(), along.end() - 1 - few, along.end());
-    box.high[k] = *(along.end() - 1 - few);
-  }
-  const Vec3 margin = more * box.size();
-  return {box.low - margin, box.high + margin};
-}
 
 /// Which cells of a grid hold points: what stands in the way of a straight line. A single one is a stray, of a surface a cell holds some four.
 class Cells {
@@ -88,8 +71,11 @@ std::vector<Vec3> all_around(int count) {
 std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, const KdTree& tree, double spacing, int threads) {
   constexpr double least_cosine = 0.3;
   constexpr double away = 2, over = 0.4;  // of the cells' edge: beyond the own ones; above the own surface
+  constexpr double left_out = 0.005, more = 0.05;  // of the points; of the box of the others, on either side
   constexpr std::size_t around = 64;      // points that are looked at for what stands before one: some 54 of an even surface are as near
-  const Box3 box = bulk_of(points);
+  Box3 box = bulk_box(points, left_out);
+  const Vec3 margin = more * box.size();
+  box.low -= margin, box.high += margin;
   const Cells cells(points, box, std::max({1.5 * spacing, box.diagonal() / 400, std::numeric_limits<double>::min()}));
   const auto directions = all_around(128);
   std::vector<float> result(points.size(), 0);

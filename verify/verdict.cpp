@@ -6,6 +6,7 @@
 #include "core/number.h"
 #include "verify/align.h"
 #include "verify/verify.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -159,22 +160,15 @@ std::size_t first_like(const Verdict& verdict, std::size_t i) {
   return i;
 }
 
-/// "a, b and c".
-std::string listed(const std::vector<std::string>& names) {
+/// Which artifacts have the faults of another one, because they have its surface; `like`: of each artifact the first one that has it.
+std::string same_surface_lines(const Verdict& verdict, const std::vector<std::size_t>& like) {
   std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-  return text;
-}
-
-/// Which artifacts have the faults of another one, because they have its surface.
-std::string same_surface_lines(const Verdict& verdict) {
-  std::string text;
-  for (std::size_t i = 0; i < verdict.artifacts.size(); ++i) {
-    std::vector<std::string> like;
-    for (std::size_t k = i + 1; k < verdict.artifacts.size(); ++k)
-      if (first_like(verdict, k) == i) like.push_back(verdict.artifacts[k].file);
-    if (!like.empty() && verdict.artifacts[i].verdict != Outcome::verified)
-      text += wrapped("  The same is wrong with " + listed(like) + ".", 4);
+  for (std::size_t i = 0; i < like.size(); ++i) {
+    std::vector<std::string> others;
+    for (std::size_t k = i + 1; k < like.size(); ++k)
+      if (like[k] == i) others.push_back(verdict.artifacts[k].file);
+    if (!others.empty() && verdict.artifacts[i].verdict != Outcome::verified)
+      text += wrapped("  The same is wrong with " + listed(others) + ".", 4);
   }
   return text;
 }
@@ -381,9 +375,12 @@ std::string verdict_table(const Verdict& verdict) {
   }
   for (const auto& a : verdict.artifacts) text += alignment_lines(a);
   // One surface in several files is told once.
+  std::vector<std::size_t> like;
   std::vector<const ArtifactVerdict*> told;
-  for (std::size_t i = 0; i < verdict.artifacts.size(); ++i)
-    if (first_like(verdict, i) == i) told.push_back(&verdict.artifacts[i]);
+  for (std::size_t i = 0; i < verdict.artifacts.size(); ++i) {
+    like.push_back(first_like(verdict, i));
+    if (like[i] == i) told.push_back(&verdict.artifacts[i]);
+  }
   for (const auto* a : told) text += finding_lines(*a) + failing_dimensions(*a);
   // All artifacts have the same faces: the first shows every one, the others those that are not as they should be.
   bool first = true;
@@ -400,7 +397,7 @@ std::string verdict_table(const Verdict& verdict) {
     if (!a->objects.empty()) first = false;
     for (const auto& reason : a->reasons) text += wrapped("  " + a->file + ": " + reason, 4);
   }
-  text += same_surface_lines(verdict);
+  text += same_surface_lines(verdict, like);
   text += agreement_lines(verdict);
   for (const auto& a : verdict.artifacts) text += opinion_lines(a);
   text += "\nThe scan's local noise is " + fixed(verdict.noise, 0.0001) + " mm; it can decide tolerances from " +

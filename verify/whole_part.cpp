@@ -13,6 +13,7 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "verify/samples.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -232,9 +233,7 @@ std::string described(const Similarity& to, const Vec3& center) {
     const Vec3 moved = larger > 1 + 1e-9 && to.shift.norm() < 1e-9 ? Vec3(Vec3::Zero()) : Vec3(to * center - center);
     if (larger < 1.5 && moved.norm() > 1e-9) faults.push_back("moved by " + shown(moved) + " mm");
   }
-  std::string text;
-  for (std::size_t i = 0; i < faults.size(); ++i) text += (i == 0 ? "" : i + 1 < faults.size() ? ", " : " and ") + faults[i];
-  return text;
+  return listed(faults);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "geometry/vec.h"
 
@@ -23,6 +24,9 @@ class Words {
 
 /// "+x" within 10 degrees of an axis, else the two or three components: "(0.6, 0.8, 0)".
 std::string direction_text(const Vec3& direction);
+
+/// "a, b and c".
+std::string listed(const std::vector<std::string>& names);
 
 /// "1 point", "14 points".
 std::string counted(std::size_t count, const std::string& what);

@@ -98,8 +98,6 @@ std::vector<std::string> all_between(const std::string& text, const std::string&
   return found;
 }
 
-}  // namespace
-
 /// What is left of a block of 30 x 40 x 120 mm (a diagonal of 130) where nothing met 0.1 mm.
 Model triangulated_block() {
   Model model;
@@ -116,6 +114,8 @@ Model triangulated_block() {
   model.fallback = true;
   return model;
 }
+
+}  // namespace
 
 TEST_CASE("describe: a triangulation names the plainest procedure that came near, and the tolerance that lets it") {
   Model model = triangulated_block();

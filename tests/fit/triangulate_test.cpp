@@ -17,6 +17,7 @@
 #include "geometry/mesh_distance.h"
 #include "geometry/read_geometry.h"
 #include "geometry/self_intersection.h"
+#include "tests/drilled_block.h"
 
 using namespace partscribe;
 
@@ -128,27 +129,10 @@ TEST_CASE("triangulate: a block with holes beside thin walls is one solid, thoug
   context.threads = 2;
   Random random(41);
   Scan scan;
-  const Vec3 half(20, 12, 6);
-  const std::vector<Vec2> holes = {{-13, -8.2}, {0, 8.2}, {13, -8.2}};  // of radius 3, 0.8 mm from the side
-  const auto in_hole = [&](const Vec3& p) {
-    return std::any_of(holes.begin(), holes.end(), [&](const Vec2& h) { return (p.head<2>() - h).norm() < 3; });
-  };
+  const test::DrilledBlock block{{20, 12, 6}, {{-13, -8.2}, {0, 8.2}, {13, -8.2}}, 3};  // 0.8 mm from the side
   while (scan.cloud.size() < 80000) {
-    Vec3 p, n = Vec3::Zero();
-    if (random.uniform() < 0.2) {
-      const Vec2& h = holes[random.below(holes.size())];
-      const double angle = random.uniform(0, 2 * pi);
-      n = Vec3(-std::cos(angle), -std::sin(angle), 0);
-      p = Vec3(h.x(), h.y(), random.uniform(-6, 6)) - 3 * n;
-    } else {
-      for (int k = 0; k < 3; ++k) p[k] = random.uniform(-half[k], half[k]);
-      const double choice = random.uniform() * (40 * 24 + 40 * 12 + 24 * 12);
-      const int axis = choice < 960 ? 2 : choice < 1440 ? 1 : 0;
-      n[axis] = random.uniform() < 0.5 ? -1 : 1;
-      p[axis] = half[axis] * n[axis];
-      if (axis == 2 && in_hole(p)) continue;
-    }
-    scan.cloud.points.push_back(p + 0.02 * random.normal() * n);
+    const auto place = block.draw(random);
+    scan.cloud.points.push_back(place.point + 0.02 * random.normal() * place.normal);
   }
   const TriangleMesh mesh = mesh_of(triangulated(scan, 0.15, context));
   CHECK(topology(mesh).closed());

@@ -7,6 +7,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "geometry/normals.h"
+#include "tests/drilled_block.h"
 
 using namespace partscribe;
 
@@ -41,34 +42,20 @@ TEST_CASE("orient normals: walls of deep holes face into the holes, walls beside
   Random random(77);
   PointCloud cloud;
   std::vector<Vec3> truth;
-  const Vec3 half(30, 20, 10);
-  const double radius = 4;
-  const std::vector<Vec2> holes = {{-22, -15.4}, {-8, 15.4}, {8, -15.4}, {22, 15.4}};  // 0.6 mm of wall beside each
-  const auto in_hole = [&](const Vec3& p) {
-    return std::any_of(holes.begin(), holes.end(), [&](const Vec2& h) { return (p.head<2>() - h).norm() < radius; });
-  };
+  const test::DrilledBlock block{{30, 20, 10}, {{-22, -15.4}, {-8, 15.4}, {8, -15.4}, {22, 15.4}}, 4};  // 0.6 mm of wall beside each
   while (cloud.size() < 30000) {
-    Vec3 p, n = Vec3::Zero();
     if (random.uniform() < 0.03) {
       // A mixed pixel, somewhere between a rim and what lies below it.
-      const Vec2& h = holes[random.below(holes.size())];
+      const Vec2& h = block.holes[random.below(block.holes.size())];
       const double angle = random.uniform(0, 2 * pi);
-      p << h + (radius + random.uniform(-1, 1)) * Vec2(std::cos(angle), std::sin(angle)), random.uniform(-10, 14);
-    } else if (random.uniform() < 0.2) {
-      const Vec2& h = holes[random.below(holes.size())];
-      const double angle = random.uniform(0, 2 * pi);
-      n = Vec3(-std::cos(angle), -std::sin(angle), 0);
-      p = Vec3(h.x(), h.y(), random.uniform(-10, 10)) - radius * n;
+      const Vec2 beside = h + (block.radius + random.uniform(-1, 1)) * Vec2(std::cos(angle), std::sin(angle));
+      cloud.points.emplace_back(beside.x(), beside.y(), random.uniform(-10, 14));
+      truth.emplace_back(0, 0, 0);
     } else {
-      for (int k = 0; k < 3; ++k) p[k] = random.uniform(-half[k], half[k]);
-      const double choice = random.uniform() * (60 * 40 + 60 * 20 + 40 * 20);
-      const int axis = choice < 2400 ? 2 : choice < 3600 ? 1 : 0;
-      n[axis] = random.uniform() < 0.5 ? -1 : 1;
-      p[axis] = half[axis] * n[axis];
-      if (axis == 2 && in_hole(p)) continue;
+      const auto place = block.draw(random);
+      cloud.points.push_back(place.point + 0.1 * random.normal() * place.normal);
+      truth.push_back(place.normal);
     }
-    cloud.points.push_back(p + 0.1 * random.normal() * n);
-    truth.push_back(n);
   }
   estimate_normals(cloud, {}, context);
   // A stray a kilometre away.
