@@ -67,10 +67,11 @@ std::vector<Vec3> all_around(int count) {
 
 /// Of every point: on which side of it more lines lead out, from -1 (of many none on the normal's) to 1 [Takayama et al. 2014]. From the wall of a
 /// deep hole hardly a line does, but from inside the part none.
-/// What stands right before a point closes that side: beyond a thin wall all is open.
+/// A surface right before a point closes that side: beyond a thin wall all is open. What meets it in a corner does not.
 std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, const KdTree& tree, double spacing, int threads) {
   constexpr double least_cosine = 0.3;
   constexpr double away = 2, over = 0.4;  // of the cells' edge: beyond the own ones; above the own surface
+  constexpr double facing = 0.7;          // cosine between the normals of a thin wall's two sides
   constexpr double left_out = 0.005, more = 0.05;  // of the points; of the box of the others, on either side
   constexpr std::size_t around = 64;      // points that are looked at for what stands before one: some 54 of an even surface are as near
   Box3 box = bulk_box(points, left_out);
@@ -88,7 +89,8 @@ std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector
       for (const Neighbour& m : near) {
         if (m.sq_distance > away * away * cells.edge() * cells.edge()) break;
         const double height = n.dot(points[m.index] - points[i]);
-        if (std::abs(height) > over * cells.edge() && 2 * height * height > m.sq_distance) closed[height < 0] = true;
+        if (std::abs(height) > over * cells.edge() && 2 * height * height > m.sq_distance && std::abs(n.dot(normals[m.index])) > facing)
+          closed[height < 0] = true;
       }
       int open[2] = {0, 0};
       for (const Vec3& d : directions) {

@@ -147,6 +147,7 @@ Result<Foreground> cut_background(const PointCloud& cloud, double sigma, double 
   // Nothing is seen through the plane.
   if (below.size() > above.size()) above.swap(below), plane = {-plane.normal, -plane.offset};
   result.normal = plane.normal, result.offset = plane.offset;
+  result.above = above.size(), result.behind = below.size();
   result.keep.assign(cloud.size(), 0);
   for (const auto& piece : pieces(cloud.points, above, reach * spacing)) {
     const bool stands = std::any_of(piece.begin(), piece.end(), [&](std::uint32_t i) { return plane.above(cloud.points[i]) < result.lost + 2 * reach * spacing; });

@@ -74,6 +74,25 @@ TEST_CASE("background: one thing on a table is cut out, whatever the attitude") 
   }
 }
 
+TEST_CASE("background: what is seen through the plane is counted, for a table hides it") {
+  Scene scene = scene_of({}, 0.2);
+  const auto on_table = cut_background(scene.cloud, 0.2, 1, 1);
+  REQUIRE(on_table.ok());
+  CHECK(on_table->above > 8000);
+  CHECK(on_table->behind == 0);
+  // The same plane as a face of a slab.
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 160; j += 4) {
+      scene.cloud.points.push_back(Vec3(i, j, -30));
+      scene.cloud.normals.push_back(-Vec3::UnitZ());
+    }
+  const auto on_slab = cut_background(scene.cloud, 0.2, 1, 1);
+  REQUIRE(on_slab.ok());
+  CHECK(on_slab->above == on_table->above);
+  CHECK(on_slab->behind > 7500);
+  CHECK(on_slab->behind <= 8000);
+}
+
 TEST_CASE("background: what is not there is said") {
   const Scene scene = scene_of({}, 0.2);
   const auto third = cut_background(scene.cloud, 0.2, 1, 3);
