@@ -147,6 +147,12 @@ double ends_told(const Candidate& a, const Candidate& b, double ahead, const Fit
   return face_ends_told(a, b, input);
 }
 
+/// Nats by which `a` costs less than `b`, with what the ends of their faces say.
+double gain_over(const Judged& a, const Judged& b, const FitInput& input) {
+  const double ahead = b.evidence.total() - a.evidence.total();
+  return ahead + ends_told(a.candidate, b.candidate, ahead, input);
+}
+
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
 /// everywhere (among strays, where noise alone brings a body of another kind closer, only to one that is off by more than
 /// noise), or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the noise,
@@ -155,7 +161,7 @@ double ends_told(const Candidate& a, const Candidate& b, double ahead, const Fit
 bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
-  const double told = ends_told(a.candidate, b.candidate, shorter.total() - longer.total(), input), gain = shorter.total() - longer.total() + told;
+  const double gain = gain_over(a, b, input), told = gain - (shorter.total() - longer.total());
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   // What ends where the points of its faces do needs no shadow. That strays lie near a face too many says nothing for it.
   if (told > 0 && gain - nats_per_stray * explained > 0 && explained > -few_points) return true;
@@ -173,12 +179,27 @@ bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   return only_noise && gain - gained_by_strays(longer, shorter, input) > enough;
 }
 
+/// Of those that each were best until the next one paid, the last; but what the ends of faces say of three bodies may go round in a circle,
+/// so that one before pays against the last as well. Then the one that is least behind another.
+std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::size_t>& led, const FitInput& input) {
+  std::size_t best = led.back();
+  double least = INFINITY;
+  for (auto at = led.rbegin(); at != led.rend() && least > 0; ++at) {
+    double behind = 0;
+    for (const std::size_t other : led)
+      if (other != *at && pays(judged[other], judged[*at], input)) behind = std::max(behind, gain_over(judged[other], judged[*at], input));
+    if (behind < least) best = *at, least = behind;
+  }
+  return best;
+}
+
 /// Of those from `first` on the shortest description that meets the tolerance comes first, unless a longer one pays. They are
 /// sorted by description.
 void put_best_first(std::vector<Judged>& judged, std::size_t first, const FitInput& input) {
-  std::size_t best = first;
+  std::vector<std::size_t> led{first};
   for (std::size_t i = first + 1; i < judged.size() && judged[i].meets; ++i)
-    if (pays(judged[i], judged[best], input)) best = i;
+    if (pays(judged[i], judged[led.back()], input)) led.push_back(i);
+  const std::size_t best = best_of(judged, led, input);
   const auto begin = judged.begin();
   if (best > first) std::rotate(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(best), begin + std::ptrdiff_t(best) + 1);
 }
@@ -193,8 +214,13 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   const bool everywhere = among_strays(input);
   if (const std::string open = leaves_out_strays(w, r, input); !open.empty()) return open;
   const std::string alike = winner.candidate.procedure == rival.candidate.procedure ? "" : hardly_told_apart(w, r, input);
-  if (r.description < w.description && alike.empty())
-    return "shorter, but follows the data less closely: costs " + print_number(std::round(r.total() - w.total())) + " nats more in all";
+  if (r.description < w.description && alike.empty()) {
+    const double more = r.total() - w.total(), ends = gain_over(winner, rival, input) - more;
+    if (more >= 0) return "shorter, but follows the data less closely: costs " + print_number(std::round(more)) + " nats more in all";
+    return "shorter, and costs " + print_number(std::round(-more)) + " nats less in all" +
+           (ends > 0 ? ", but goes on where the points of its faces end: " + print_number(std::round(ends)) + " nats against it"
+                     : " than the model as printed");
+  }
   if (std::abs(r.misfit - w.misfit) < told_apart)
     return "fits as well, takes " + longer + " to describe";
   if (r.total() < w.total() && r.unexplained < w.unexplained)

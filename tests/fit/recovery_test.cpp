@@ -141,6 +141,11 @@ TEST_CASE("recovery: sides of a plate that its rounds tell move with them") {
   check_right({{"extrude", standard_conditions(), 37}});
 }
 
+TEST_CASE("recovery: where of three bodies each ends better than the next, the one that is least behind is taken") {
+  // A plate's faces end where the points do better than this wedge's, another plate's better than the first one's, the wedge's better than those.
+  check_right({{"wedge", standard_conditions(), 111}});
+}
+
 TEST_CASE("recovery: the end of a block that nobody saw stays where the data end") {
   // The slope of this wedge was not seen. Strays beside the end of what else was drew the block's end in, across five points of its foot.
   const Case c = make_case("wedge", standard_conditions(), 62);
