@@ -56,8 +56,8 @@ void print_result(const Model& model, const Verdict& verdict, const Path& folder
 }
 
 /// A sensor's picture of a part among other things is no scan of one part. Asked only where no verdict holds: a plate of which one
-/// side was scanned, with bosses, looks like a table as well. Empty where nothing stands on a plane, or the
-/// scan goes on behind it.
+/// side was scanned, with bosses, looks like a table as well. Empty where nothing stands on a plane, or where the plane is the body's own: the
+/// scan goes on behind it, or shows it under what stands there.
 std::string scene_hint(const Path& input, const std::string& units, const Scan& scan, int threads) {
   if (scan.views.size() > 1 || !scan.mesh.empty()) return "";
   Context context;  // the stages are over
@@ -65,7 +65,7 @@ std::string scene_hint(const Path& input, const std::string& units, const Scan& 
   PointCloud cloud = scan.cloud;
   const SamplingSummary sampling = estimate_normals(cloud, {}, context);
   const auto found = cut_background(cloud, sampling.sigma, sampling.spacing, 1);
-  if (!found || 2 * found->behind > found->above) return "";  // of a body, not strays alone
+  if (!found || 2 * found->behind > found->above || 2 * found->covered > found->support) return "";
   const auto things = found->things.size();
   return (things == 1 ? "Something stands" : std::to_string(things) + " things stand") +
          " on a plane in this scan. If that is a table, partscribe scan " + input.string() + (units.empty() ? "" : " --units " + units) +

@@ -148,6 +148,14 @@ Result<Foreground> cut_background(const PointCloud& cloud, double sigma, double 
   if (below.size() > above.size()) above.swap(below), plane = {-plane.normal, -plane.offset};
   result.normal = plane.normal, result.offset = plane.offset;
   result.above = above.size(), result.behind = below.size();
+  std::map<std::pair<std::int64_t, std::int64_t>, std::pair<std::size_t, std::size_t>> columns;  // points on the plane; over it
+  const auto column = [&](const Vec3& p) -> auto& {
+    const Vec2 at = place(p) / (reach * spacing);
+    return columns[{std::int64_t(std::floor(at.x())), std::int64_t(std::floor(at.y()))}];
+  };
+  for (const auto i : flat) ++column(cloud.points[i]).first;
+  for (const auto i : above) ++column(cloud.points[i]).second;
+  for (const auto& [at, points] : columns) result.covered += points.second >= points.first ? points.first : 0;
   result.keep.assign(cloud.size(), 0);
   for (const auto& piece : pieces(cloud.points, above, reach * spacing)) {
     const bool stands = std::any_of(piece.begin(), piece.end(), [&](std::uint32_t i) { return plane.above(cloud.points[i]) < result.lost + 2 * reach * spacing; });

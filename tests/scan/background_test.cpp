@@ -74,12 +74,13 @@ TEST_CASE("background: one thing on a table is cut out, whatever the attitude") 
   }
 }
 
-TEST_CASE("background: what is seen through the plane is counted, for a table hides it") {
+TEST_CASE("background: what is seen through the plane and under things is counted, for a table hides it and they hide the table") {
   Scene scene = scene_of({}, 0.2);
   const auto on_table = cut_background(scene.cloud, 0.2, 1, 1);
   REQUIRE(on_table.ok());
   CHECK(on_table->above > 8000);
   CHECK(on_table->behind == 0);
+  CHECK(on_table->covered < 0.1 * double(on_table->support));  // the scene's table is seen under its ball
   // The same plane as a face of a slab.
   for (int i = 0; i < 200; ++i)
     for (int j = 0; j < 160; j += 4) {
@@ -91,6 +92,22 @@ TEST_CASE("background: what is seen through the plane is counted, for a table hi
   CHECK(on_slab->above == on_table->above);
   CHECK(on_slab->behind > 7500);
   CHECK(on_slab->behind <= 8000);
+  // The plane as the lowest face of a slab.
+  scene.cloud.points.resize(200 * 160), scene.cloud.normals.resize(200 * 160);
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 160; ++j) {
+      scene.cloud.points.push_back(Vec3(i, j, 30));
+      scene.cloud.normals.push_back(Vec3::UnitZ());
+    }
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 30; ++j) {
+      scene.cloud.points.push_back(Vec3(i, 0.5, j));
+      scene.cloud.normals.push_back(-Vec3::UnitY());
+    }
+  const auto lowest = cut_background(scene.cloud, 0.2, 1, 1);
+  REQUIRE(lowest.ok());
+  CHECK(lowest->behind == 0);
+  CHECK(lowest->covered > 0.9 * double(lowest->support));
 }
 
 TEST_CASE("background: what is not there is said") {
