@@ -180,14 +180,15 @@ bool pays(const Judged& a, const Judged& b, const FitInput& input) {
 }
 
 /// Of those that each were best until the next one paid, the last; but what the ends of faces say of three bodies may go round in a circle,
-/// so that one before pays against the last as well. Then the one that is least behind another.
+/// so that one before pays against the last, which does not against that one. Then the one that is least behind another.
 std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::size_t>& led, const FitInput& input) {
   std::size_t best = led.back();
   double least = INFINITY;
   for (auto at = led.rbegin(); at != led.rend() && least > 0; ++at) {
     double behind = 0;
     for (const std::size_t other : led)
-      if (other != *at && pays(judged[other], judged[*at], input)) behind = std::max(behind, gain_over(judged[other], judged[*at], input));
+      if (other != *at && pays(judged[other], judged[*at], input) && !pays(judged[*at], judged[other], input))
+        behind = std::max(behind, gain_over(judged[other], judged[*at], input));
     if (behind < least) best = *at, least = behind;
   }
   return best;
