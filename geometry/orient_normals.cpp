@@ -160,7 +160,7 @@ std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) 
   const auto open_side = open_sides(points, normals, tree, reach[n / 2], context.threads);
   // Kruskal. A piece has one sense, and knows whether its normals are on the open side. Where two that know it meet at an edge each keeps its
   // own; else the smaller is turned as the link between them says.
-  constexpr double edge_cost = 0.1, known = 0.1, sure = 0.25;  // of a link; means over the points of a piece
+  constexpr double edge_cost = 0.1, known = 0.1, sure = 0.2;  // of a link; means over the points of a piece
   constexpr std::size_t some = 8, many = 100;                  // points of a piece that is asked at an edge; also where nothing tells of one
   struct Piece {
     std::vector<std::uint32_t> members;
