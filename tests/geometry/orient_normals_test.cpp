@@ -98,7 +98,7 @@ TEST_CASE("orient normals: the narrow floor of a counterbore faces out of it, th
     add(bore * outward - random.uniform(0, depth) * Vec3::UnitZ(), -outward);
   }
   const std::size_t floor_begin = cloud.size();
-  // Few points there: lines that end in its corner are all that was seen.
+  // Half as dense as elsewhere, for it is seen at a slant.
   for (int i = 0; i < many(0.5 * pi * (bore * bore - hole * hole)); ++i) {
     const double angle = random.uniform(0, 2 * pi), r = std::sqrt(random.uniform(hole * hole, bore * bore));
     add({r * std::cos(angle), r * std::sin(angle), -depth}, Vec3::UnitZ());
