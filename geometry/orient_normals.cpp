@@ -72,6 +72,7 @@ std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector
   constexpr double least_cosine = 0.3;
   constexpr double away = 2, over = 0.4;  // of the cells' edge: beyond the own ones; above the own surface
   constexpr double facing = 0.7;          // cosine between the normals of a thin wall's two sides
+  constexpr int chance = 2;               // lines that find a way out by chance
   constexpr double left_out = 0.005, more = 0.05;  // of the points; of the box of the others, on either side
   constexpr std::size_t around = 64;      // points that are looked at for what stands before one: some 54 of an even surface are as near
   Box3 box = bulk_box(points, left_out);
@@ -98,7 +99,7 @@ std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector
         if (std::abs(along) < least_cosine || closed[along < 0]) continue;
         open[along < 0] += cells.escapes(points[i] + (along < 0 ? -away : away) * cells.edge() * n, d);
       }
-      result[i] = static_cast<float>(open[0] - open[1]) / static_cast<float>(open[0] + open[1] + 1);
+      result[i] = static_cast<float>(open[0] - open[1]) / static_cast<float>(open[0] + open[1] + chance);
     }
   });
   return result;
