@@ -137,20 +137,14 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
 }
 
 /// Nats by which `a` explains better than `b` where their flat faces end. Among strays, where sparse points were set aside as well, that
-/// says little; nor does it outweigh much that is `ahead` in everything else.
-double ends_told(const Candidate& a, const Candidate& b, double ahead, const FitInput& input) {
+/// says little; nor does it outweigh much that either is ahead in everything else.
+double ends_told(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double at_most = 200;
   const auto flat = [](const Candidate& c) {
     return std::holds_alternative<Box>(c.shape) || std::holds_alternative<Wedge>(c.shape) || std::holds_alternative<Extrude>(c.shape);
   };
-  if (among_strays(input) || !flat(a) || !flat(b) || std::abs(ahead) > at_most) return 0;
-  return face_ends_told(a, b, input);
-}
-
-/// Nats by which `a` costs less than `b`, with what the ends of their faces say.
-double gain_over(const Judged& a, const Judged& b, const FitInput& input) {
-  const double ahead = b.evidence.total() - a.evidence.total();
-  return ahead + ends_told(a.candidate, b.candidate, ahead, input);
+  if (among_strays(input) || !flat(a.candidate) || !flat(b.candidate) || std::abs(b.evidence.total() - a.evidence.total()) > at_most) return 0;
+  return face_ends_told(a.candidate, b.candidate, input);
 }
 
 /// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
@@ -161,7 +155,7 @@ double gain_over(const Judged& a, const Judged& b, const FitInput& input) {
 bool pays(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
-  const double gain = gain_over(a, b, input), told = gain - (shorter.total() - longer.total());
+  const double told = ends_told(a, b, input), gain = shorter.total() - longer.total() + told;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
   // What ends where the points of its faces do needs no shadow. That strays lie near a face too many says nothing for it.
   if (told > 0 && gain - nats_per_stray * explained > 0 && explained > -few_points) return true;
@@ -188,7 +182,7 @@ std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::si
     double behind = 0;
     for (const std::size_t other : led)
       if (other != *at && pays(judged[other], judged[*at], input) && !pays(judged[*at], judged[other], input))
-        behind = std::max(behind, gain_over(judged[other], judged[*at], input));
+        behind = std::max(behind, judged[*at].evidence.total() - judged[other].evidence.total() + ends_told(judged[other], judged[*at], input));
     if (behind < least) best = *at, least = behind;
   }
   return best;
@@ -216,7 +210,7 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   if (const std::string open = leaves_out_strays(w, r, input); !open.empty()) return open;
   const std::string alike = winner.candidate.procedure == rival.candidate.procedure ? "" : hardly_told_apart(w, r, input);
   if (r.description < w.description && alike.empty()) {
-    const double more = r.total() - w.total(), ends = gain_over(winner, rival, input) - more;
+    const double more = r.total() - w.total(), ends = ends_told(winner, rival, input);
     if (more >= 0) return "shorter, but follows the data less closely: costs " + print_number(std::round(more)) + " nats more in all";
     return "shorter, and costs " + print_number(std::round(-more)) + " nats less in all" +
            (ends > 0 ? ", but goes on where the points of its faces end: " + print_number(std::round(ends)) + " nats against it"
