@@ -174,11 +174,11 @@ bool pays(const Judged& a, const Judged& b, const FitInput& input) {
 }
 
 /// Of those that each were best until the next one paid, the last; but what the ends of faces say of three bodies may go round in a circle,
-/// so that one before pays against the last, which does not against that one. Then the one that is least behind another.
+/// so that one before pays against the last, which does not against that one. Then the last that is not clearly behind another.
 std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::size_t>& led, const FitInput& input) {
   std::size_t best = led.back();
   double least = INFINITY;
-  for (auto at = led.rbegin(); at != led.rend() && least > 0; ++at) {
+  for (auto at = led.rbegin(); at != led.rend() && least > more_likely; ++at) {
     double behind = 0;
     for (const std::size_t other : led)
       if (other != *at && pays(judged[other], judged[*at], input) && !pays(judged[*at], judged[other], input))

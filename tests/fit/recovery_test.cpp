@@ -141,9 +141,10 @@ TEST_CASE("recovery: sides of a plate that its rounds tell move with them") {
   check_right({{"extrude", standard_conditions(), 37}});
 }
 
-TEST_CASE("recovery: where of three bodies each ends better than the next, the one that is least behind is taken") {
+TEST_CASE("recovery: where of three bodies each ends better than the next, the last that is not clearly behind is taken") {
   // A plate's faces end where the points do better than this wedge's, another plate's better than the first one's, the wedge's better than those.
-  check_right({{"wedge", standard_conditions(), 111}});
+  // The second case: a box is 5 nats ahead of the plate, which ends better than another box, which is 3 ahead of the first.
+  check_right({{"wedge", standard_conditions(), 111}, {"extrude", standard_conditions(), 141}});
 }
 
 TEST_CASE("recovery: the end of a block that nobody saw stays where the data end") {
