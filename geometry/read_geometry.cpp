@@ -1,4 +1,4 @@
-/// Recognises a file's format, lets its parser work, and removes what is no place in space.
+/// Recognises a file's format, lets its parser work, and removes what is no place in space or only repeats one.
 #include "geometry/read_geometry.h"
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 
 #include "geometry/keep_points.h"
 #include "geometry/read_formats.h"
+#include "geometry/repeated_places.h"
 
 namespace partscribe {
 namespace {
@@ -85,43 +86,73 @@ bool is_place(const Vec3& p) {
   return std::abs(p.x()) < farthest && std::abs(p.y()) < farthest && std::abs(p.z()) < farthest;
 }
 
-/// Drops points that are no places and the triangles on them.
-std::optional<Error> clean(RawGeometry& raw, const std::string& name) {
-  auto& cloud = raw.cloud;
-  if (cloud.empty()) return bad_input(name + ": expected points, found none");
-  std::vector<std::uint8_t> good(cloud.size());
+/// Drops the other points and the triangles on them.
+void keep(RawGeometry& raw, const std::vector<std::uint8_t>& good) {
+  std::vector<std::uint32_t> index(good.size());
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < good.size(); ++i) index[i] = next, next += good[i] != 0;
+  std::erase_if(raw.mesh.triangles, [&](const auto& t) { return !good[t[0]] || !good[t[1]] || !good[t[2]]; });
+  for (auto& t : raw.mesh.triangles)
+    for (auto& corner : t) corner = index[corner];
+  keep_points(raw.cloud, good);
+  if (!raw.mesh.vertices.empty()) raw.mesh.vertices = raw.cloud.points;
+}
+
+/// An organised cloud is an image of a sensor.
+bool organised(const RawGeometry& raw) { return raw.width > 0; }
+
+/// Drops points that are no places.
+std::optional<Error> drop_no_places(RawGeometry& raw, const std::string& name) {
+  const auto& points = raw.cloud.points;
+  std::vector<std::uint8_t> good(points.size());
   std::size_t bad = 0;
   for (std::size_t i = 0; i < good.size(); ++i) {
-    good[i] = is_place(cloud.points[i]);
+    good[i] = is_place(points[i]);
     bad += !good[i];
   }
-  if (bad) {
-    const auto count = std::to_string(bad) + " of " + std::to_string(cloud.size());
-    const bool organised = raw.width > 0;  // there NaN is the ordinary mark of a pixel without return
-    if (bad == cloud.size()) return bad_input(name + ": expected finite coordinates, found none in " + count + " points");
-    if (!organised) {
-      if (2 * bad >= cloud.size())
-        return bad_input(name + ": expected finite coordinates, found none in " + count + " points");
-      raw.warnings.push_back(name + ": " + count + " points without finite coordinates left out");
-    }
-    std::vector<std::uint32_t> index(good.size());
-    std::uint32_t next = 0;
-    for (std::size_t i = 0; i < good.size(); ++i) index[i] = next, next += good[i] != 0;
-    std::erase_if(raw.mesh.triangles, [&](const auto& t) { return !good[t[0]] || !good[t[1]] || !good[t[2]]; });
-    for (auto& t : raw.mesh.triangles)
-      for (auto& corner : t) corner = index[corner];
-    keep_points(cloud, good);
-    if (!raw.mesh.vertices.empty()) raw.mesh.vertices = cloud.points;
+  if (bad == 0) return {};
+  const auto count = std::to_string(bad) + " of " + std::to_string(points.size());
+  if (bad == points.size() || (2 * bad >= points.size() && !organised(raw)))
+    return bad_input(name + ": expected finite coordinates, found none in " + count + " points");
+  // In an image NaN is the ordinary mark of a pixel without return.
+  if (!organised(raw)) raw.warnings.push_back(name + ": " + count + " points without finite coordinates left out");
+  keep(raw, good);
+  return {};
+}
+
+/// Drops points of a cloud that only repeat a place.
+std::optional<Error> drop_repeated(RawGeometry& raw, const std::string& name) {
+  if (!raw.mesh.triangles.empty()) return {};
+  const auto repeated = repeated_places(raw.cloud.points, organised(raw));
+  if (repeated.kept.empty()) return {};
+  const auto of = " of " + std::to_string(raw.cloud.size()) + " points ";
+  if (repeated.zeros == raw.cloud.size())
+    return bad_input(name + ": expected points, found only " + std::to_string(repeated.zeros) + " that are exactly 0 0 0");
+  if (repeated.zeros)
+    raw.warnings.push_back(name + ": " + std::to_string(repeated.zeros) + of + "are exactly 0 0 0, as sensors write missing returns; left out");
+  if (repeated.copies)
+    raw.warnings.push_back(name + ": " + std::to_string(repeated.copies) + of + "repeat " + std::to_string(repeated.places) +
+                           (repeated.places == 1 ? " place exactly; one is kept" : " places exactly; one is kept of each"));
+  keep(raw, repeated.kept);
+  return {};
+}
+
+/// Brings directions to unit length; zero where there is none.
+void make_unit(std::vector<Vec3>& column) {
+  for (auto& n : column) {
+    const double length = n.norm();
+    // A direction that is unit to single precision is brought to double precision; nearer ones stay as they are.
+    if (!std::isfinite(length) || length == 0) n = Vec3::Zero();
+    else if (std::abs(length - 1) > 1e-12) n /= length;
   }
-  const auto unit = [](std::vector<Vec3>& column) {
-    for (auto& n : column) {
-      const double length = n.norm();
-      // A direction that is unit to single precision is brought to double precision; nearer ones stay as they are.
-      if (!std::isfinite(length) || length == 0) n = Vec3::Zero();
-      else if (std::abs(length - 1) > 1e-12) n /= length;
-    }
-  };
-  unit(cloud.normals), unit(cloud.rays);
+}
+
+/// Drops what is no place or says nothing.
+std::optional<Error> clean(RawGeometry& raw, const std::string& name) {
+  if (raw.cloud.empty()) return bad_input(name + ": expected points, found none");
+  if (auto error = drop_no_places(raw, name)) return error;
+  if (auto error = drop_repeated(raw, name)) return error;
+  make_unit(raw.cloud.normals), make_unit(raw.cloud.rays);
   if (raw.mesh.triangles.empty()) raw.mesh.vertices.clear();
   return {};
 }

@@ -17,13 +17,15 @@ struct RawGeometry {
   std::string format;            ///< "PLY", "STL", ...
   PointCloud cloud;              ///< points (a mesh's vertices), normals, view, pixel, sigma, rejected where the file has them
   TriangleMesh mesh;             ///< empty for point files; polygons are cut into triangles
+  std::size_t collapsed = 0;     ///< triangles with two equal corners that were left out
   int width = 0, height = 0;     ///< of an organised cloud (PLY range_grid, PCD); cloud.pixel is filled then
   std::string unit;              ///< the file's own statement ("millimeter" in 3MF), usually empty
   std::vector<std::string> warnings;  ///< one line each
 };
 
 /// PLY (ascii, both binaries; points, meshes, tristrips, range_grid), STL (both), OBJ, OFF, 3MF, PCD (ascii, binary,
-/// binary_compressed), XYZ ASC PTS TXT CSV, VTK legacy polydata (ascii, binary). The content decides, then the suffix.
+/// binary_compressed), XYZ ASC PTS TXT CSV, VTK legacy polydata and unstructured grids of flat cells (ascii, binary).
+/// The content decides, then the suffix.
 /// Errors: one line with file, place (line or byte), what was expected and found.
 Result<RawGeometry> read_geometry(const Path& path, Context& context);
 

@@ -7,8 +7,8 @@ namespace partscribe::formats {
 namespace {
 
 struct Field {
-  std::string name;
-  std::int64_t size = 4, count = 1;
+  std::string name;                   // "_": padding
+  std::int64_t size = 4, count = 1;  // drivers of lidars write padding of count 0: no bytes and no column
   char type = 'F';
 };
 
@@ -73,7 +73,7 @@ Result<RawGeometry> parse_pcd(std::string_view bytes, const std::string& name) {
         const auto word = next_word(rest);
         if (key == "TYPE" && word.size() == 1) {
           field.type = word[0];
-        } else if (key == "TYPE" || !to_integer(word, value) || value < 1 || value > 100'000) {
+        } else if (key == "TYPE" || !to_integer(word, value) || value < (key == "COUNT" ? 0 : 1) || value > 100'000) {
           return at_line(name, lines.line, "expected a " + std::string(key) + " for each field, found " + shown(word));
         } else {
           (key == "SIZE" ? field.size : field.count) = value;

@@ -12,8 +12,7 @@ Result<RawGeometry> finished(RawGeometry raw, const std::string& name) {
   const auto count = raw.mesh.triangles.size();
   raw.mesh = welded(raw.mesh, 0);
   if (raw.mesh.triangles.empty()) return bad_input(name + ": expected triangles, found only collapsed ones");
-  if (const auto lost = count - raw.mesh.triangles.size())
-    raw.warnings.push_back(name + ": " + std::to_string(lost) + " triangles with two equal corners left out");
+  raw.collapsed = count - raw.mesh.triangles.size();
   raw.cloud.points = raw.mesh.vertices;
   return raw;
 }
@@ -25,43 +24,81 @@ bool same_word(std::string_view word, std::string_view lower) {
   return true;
 }
 
+/// What a word stands for. People's programs part the endings ("end loop") or shorten them to "end", which then closes
+/// the innermost of what is open.
+enum class Keyword { facet, normal, outer, loop, vertex, endloop, endfacet, solid, endsolid, unknown };
+
+struct Inside {
+  bool facet = false, loop = false;
+};
+
+Keyword keyword_of(std::string_view word, WordReader& words, const Inside& inside) {
+  static constexpr std::pair<std::string_view, Keyword> names[] = {
+      {"vertex", Keyword::vertex}, {"facet", Keyword::facet},     {"normal", Keyword::normal},
+      {"outer", Keyword::outer},   {"loop", Keyword::loop},       {"endloop", Keyword::endloop},
+      {"solid", Keyword::solid},   {"endsolid", Keyword::endsolid}, {"endfacet", Keyword::endfacet}};
+  for (const auto& [name, keyword] : names)
+    if (same_word(word, name)) return keyword;
+  if (!same_word(word, "end")) return Keyword::unknown;
+  WordReader ahead = words;
+  const auto next = ahead.next();
+  if (ahead.line == words.line)
+    for (const auto& [name, keyword] : {std::pair{"loop", Keyword::endloop}, std::pair{"facet", Keyword::endfacet},
+                                        std::pair{"solid", Keyword::endsolid}})
+      if (same_word(next, name)) {
+        words = ahead;
+        return keyword;
+      }
+  return inside.loop ? Keyword::endloop : inside.facet ? Keyword::endfacet : Keyword::endsolid;
+}
+
 Result<RawGeometry> parse_ascii(std::string_view bytes, const std::string& name) {
   RawGeometry raw;
   WordReader words{bytes};
   std::vector<std::uint32_t> loop;
-  bool open = false, ended = false;
+  Inside inside;
+  bool ended = false;
   if (const auto first = words.next(); !same_word(first, "solid"))
     return at_line(name, 1, "expected 'solid' or a binary STL file of matching length, found " + shown(first));
   words.skip_line();
   for (auto word = words.next(); !word.empty(); word = words.next()) {
-    if (same_word(word, "vertex")) {
-      if (!open) return at_line(name, words.line, "expected 'outer loop' before 'vertex'");
-      Vec3 p;
-      for (int k = 0; k < 3; ++k) {
-        const auto number = words.next();
-        if (!to_real(number, p[k])) return at_line(name, words.line, "expected 3 coordinates of a vertex, found " + shown(number));
+    const Keyword keyword = keyword_of(word, words, inside);
+    switch (keyword) {
+      case Keyword::vertex: {
+        if (!inside.loop) return at_line(name, words.line, "expected 'outer loop' before 'vertex'");
+        Vec3 p;
+        for (int k = 0; k < 3; ++k) {
+          const auto number = words.next();
+          if (!to_real(number, p[k])) return at_line(name, words.line, "expected 3 coordinates of a vertex, found " + shown(number));
+        }
+        loop.push_back(static_cast<std::uint32_t>(raw.mesh.vertices.size()));
+        raw.mesh.vertices.push_back(p);
+        break;
       }
-      loop.push_back(static_cast<std::uint32_t>(raw.mesh.vertices.size()));
-      raw.mesh.vertices.push_back(p);
-    } else if (same_word(word, "loop")) {
-      if (open) return at_line(name, words.line, "expected 'endloop' before the next 'loop'");
-      open = true;
-    } else if (same_word(word, "endloop")) {
-      if (loop.size() < 3)
-        return at_line(name, words.line, "expected 3 vertices in a loop, found " + std::to_string(loop.size()));
-      for (std::size_t i = 1; i + 1 < loop.size(); ++i) raw.mesh.triangles.push_back({loop[0], loop[i], loop[i + 1]});
-      loop.clear();
-      open = false;
-    } else if (same_word(word, "solid") || same_word(word, "endsolid")) {
-      ended = word.size() > 5;
-      words.skip_line();  // the name may contain anything
-    } else if (same_word(word, "normal")) {
-      for (int k = 0; k < 3; ++k) words.next();  // the corners tell it better
-    } else if (!same_word(word, "facet") && !same_word(word, "outer") && !same_word(word, "endfacet")) {
-      return at_line(name, words.line, "expected an STL keyword, found " + shown(word));
+      case Keyword::loop:
+        if (inside.loop) return at_line(name, words.line, "expected 'endloop' before the next 'loop'");
+        inside.loop = true;
+        break;
+      case Keyword::endloop:
+        if (loop.size() < 3)
+          return at_line(name, words.line, "expected 3 vertices in a loop, found " + std::to_string(loop.size()));
+        for (std::size_t i = 1; i + 1 < loop.size(); ++i) raw.mesh.triangles.push_back({loop[0], loop[i], loop[i + 1]});
+        loop.clear();
+        inside.loop = false;
+        break;
+      case Keyword::facet:
+      case Keyword::endfacet: inside.facet = keyword == Keyword::facet; break;
+      case Keyword::solid:
+      case Keyword::endsolid:
+        ended = keyword == Keyword::endsolid;
+        words.skip_line();  // the name may contain anything
+        break;
+      case Keyword::normal: for (int k = 0; k < 3; ++k) words.next(); break;  // the corners tell it better
+      case Keyword::outer: break;
+      case Keyword::unknown: return at_line(name, words.line, "expected an STL keyword, found " + shown(word));
     }
   }
-  if (open) return at_line(name, words.line, "expected 'endloop', found the end of the file");
+  if (inside.loop) return at_line(name, words.line, "expected 'endloop', found the end of the file");
   if (!ended) raw.warnings.push_back(name + ": ends without 'endsolid'; it may have been cut off");
   return finished(std::move(raw), name);
 }

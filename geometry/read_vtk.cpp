@@ -1,4 +1,7 @@
-/// VTK legacy polydata, ascii and binary (big-endian), versions up to 5.1.
+/// VTK legacy polydata and unstructured grids of flat cells, ascii and binary (big-endian), versions up to 5.1.
+#include <algorithm>
+#include <map>
+
 #include "geometry/read_formats.h"
 
 namespace partscribe::formats {
@@ -65,6 +68,93 @@ class Arrays {
   }
 };
 
+/// VTK's numbers of cell types.
+enum CellType : std::int64_t { vertex = 1, vertices, line, lines, triangle, strip, polygon, pixel, quadrilateral };
+
+/// "12 tetrahedra": how many cells of a type there are.
+std::string cells_of_type(std::size_t count, std::int64_t type) {
+  static constexpr std::pair<std::string_view, std::string_view> solids[] = {
+      {"tetrahedron", "tetrahedra"}, {"voxel", "voxels"}, {"hexahedron", "hexahedra"}, {"wedge", "wedges"}, {"pyramid", "pyramids"}};
+  const std::string number = std::to_string(count) + " ";
+  if (type >= 10 && type < 15) return number + std::string(count == 1 ? solids[type - 10].first : solids[type - 10].second);
+  return number + (count == 1 ? "cell of type " : "cells of type ") + std::to_string(type);
+}
+
+/// Cells as a file lists them: corners one after the other.
+struct Cells {
+  std::vector<std::int64_t> corners;
+  std::vector<std::size_t> begins, ends;
+};
+
+/// `count` and `size` as the line before states them.
+std::optional<Error> read_cells(Arrays& arrays, const std::string& key, double version, std::int64_t count, std::int64_t size,
+                                const std::string& name, Cells& cells) {
+  auto& words = arrays.words;
+  const auto bad_cell = [&] { return bad_input(name + ": expected vertex indices in " + key + ", found others"); };
+  cells = {};
+  if (version >= 5) {  // offsets and connectivity apart
+    std::vector<std::int64_t> offsets;
+    const auto type_of = [&] { return number_type(lower_case(words.next())); };
+    const auto no_type = [&] { return at_line(name, words.line, "expected a number and a type"); };
+    if (words.next() != "OFFSETS") return at_line(name, words.line, "expected OFFSETS after " + key);
+    auto type = type_of();
+    if (!type) return no_type();
+    if (auto error = arrays.integers(count, *type, offsets)) return error;
+    if (words.next() != "CONNECTIVITY") return at_line(name, words.line, "expected CONNECTIVITY after OFFSETS");
+    if (type = type_of(); !type) return no_type();
+    if (auto error = arrays.integers(size, *type, cells.corners)) return error;
+    for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+      if (offsets[i] < 0 || offsets[i] > offsets[i + 1] || offsets[i + 1] > size) return bad_cell();
+      cells.begins.push_back(static_cast<std::size_t>(offsets[i])), cells.ends.push_back(static_cast<std::size_t>(offsets[i + 1]));
+    }
+    return {};
+  }
+  auto& list = cells.corners;  // each cell begins with the number of its corners
+  if (auto error = arrays.integers(size, NumberType::int32, list)) return error;
+  std::size_t at = 0;
+  for (std::int64_t i = 0; i < count; ++i) {
+    if (at >= list.size() || list[at] < 0 || static_cast<std::uint64_t>(list[at]) > list.size() - at - 1)
+      return bad_input(name + ": expected " + std::to_string(count) + " cells in " + key + ", found " + std::to_string(i));
+    cells.begins.push_back(at + 1);
+    at += 1 + static_cast<std::size_t>(list[at]);
+    cells.ends.push_back(at);
+  }
+  return {};
+}
+
+/// The surfaces among the cells; points and lines are none. `type_of(i)` is that of a cell; false if an index fits no mesh.
+template <class TypeOf>
+bool add_surfaces(const Cells& cells, const TypeOf& type_of, Faces& faces) {
+  std::vector<std::int64_t> corners;
+  for (std::size_t i = 0; i < cells.ends.size(); ++i) {
+    const std::int64_t type = type_of(i);
+    if (type <= lines) continue;
+    corners.assign(cells.corners.begin() + static_cast<std::ptrdiff_t>(cells.begins[i]),
+                   cells.corners.begin() + static_cast<std::ptrdiff_t>(cells.ends[i]));
+    if (type == strip) {
+      if (!faces.add_strip(corners)) return false;
+      continue;
+    }
+    if (type == pixel && corners.size() == 4) std::swap(corners[2], corners[3]);  // listed row by row
+    for (const auto corner : corners)
+      if (!faces.add_corner(corner)) return false;
+    faces.end_face();
+  }
+  return true;
+}
+
+/// Why the cells of an unstructured grid are no surface, or nothing.
+std::optional<Error> not_flat(const std::vector<std::int64_t>& types, const std::string& name) {
+  std::map<std::int64_t, std::size_t> others;
+  for (const auto type : types)
+    if (type < vertex || type > quadrilateral) ++others[type];
+  if (others.empty()) return {};
+  std::string found;
+  for (const auto& [type, count] : others) found += (found.empty() ? "" : ", ") + cells_of_type(count, type);
+  return bad_input(name + ": expected triangles, quadrilaterals or polygons only, found " + found +
+                   "; extract the surface and save it as PolyData");
+}
+
 }  // namespace
 
 Result<RawGeometry> parse_vtk(std::string_view bytes, const std::string& name) {
@@ -86,15 +176,20 @@ Result<RawGeometry> parse_vtk(std::string_view bytes, const std::string& name) {
   words.at = std::min(lines.at, bytes.size());
   words.line = lines.line + 1;
   if (words.next() != "DATASET") return at_line(name, words.line, "expected 'DATASET POLYDATA'");
-  if (const auto dataset = words.next(); dataset != "POLYDATA")
-    return at_line(name, words.line, "expected a POLYDATA dataset, found " + shown(dataset));
+  const auto dataset = words.next();
+  const bool grid = dataset == "UNSTRUCTURED_GRID";
+  if (!grid && dataset != "POLYDATA")
+    return at_line(name, words.line,
+                   "expected a POLYDATA or UNSTRUCTURED_GRID dataset, found " + shown(dataset) + "; save the surface as PolyData");
 
   Faces faces;
   bool points_seen = false;
   std::vector<double> values;
-  std::vector<std::int64_t> cells, offsets;
+  Cells cells;                        // of an unstructured grid, until their types are known
+  std::vector<std::int64_t> types;
   const auto count_of = [&](std::int64_t& count) { return to_integer(words.next(), count) && count >= 0; };
   const auto type_of = [&] { return number_type(lower_case(words.next())); };
+  const auto bad_cell = [&](const std::string& in) { return bad_input(name + ": expected vertex indices in " + in + ", found others"); };
   const auto bad_count = [&] { return at_line(name, words.line, "expected a number and a type"); };
   for (auto word = words.next(); !word.empty(); word = words.next()) {
     const std::string key(word);
@@ -106,44 +201,17 @@ Result<RawGeometry> parse_vtk(std::string_view bytes, const std::string& name) {
       if (auto error = arrays.reals(3 * count, *type, values)) return *error;
       points_seen = true;
       for (std::size_t i = 0; i + 2 < values.size(); i += 3) raw.cloud.points.emplace_back(values[i], values[i + 1], values[i + 2]);
-    } else if (key == "VERTICES" || key == "LINES" || key == "POLYGONS" || key == "TRIANGLE_STRIPS") {
+    } else if (key == "CELLS" && grid) {
       if (!count_of(count) || !count_of(size)) return bad_count();
-      std::vector<std::int64_t> cell;
-      const auto add = [&](std::size_t from, std::size_t to) {
-        if (key == "POLYGONS") {
-          for (std::size_t i = from; i < to; ++i)
-            if (!faces.add_corner(cells[i])) return false;
-          faces.end_face();
-          return true;
-        }
-        if (key != "TRIANGLE_STRIPS") return true;
-        cell.assign(cells.begin() + static_cast<std::ptrdiff_t>(from), cells.begin() + static_cast<std::ptrdiff_t>(to));
-        return faces.add_strip(cell);
-      };
-      const auto bad_cell = [&] { return bad_input(name + ": expected vertex indices in " + key + ", found others"); };
-      if (version >= 5) {  // offsets and connectivity apart
-        if (words.next() != "OFFSETS") return at_line(name, words.line, "expected OFFSETS after " + key);
-        auto type = type_of();
-        if (!type) return bad_count();
-        if (auto error = arrays.integers(count, *type, offsets)) return *error;
-        if (words.next() != "CONNECTIVITY") return at_line(name, words.line, "expected CONNECTIVITY after OFFSETS");
-        if (type = type_of(); !type) return bad_count();
-        if (auto error = arrays.integers(size, *type, cells)) return *error;
-        for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
-          if (offsets[i] < 0 || offsets[i] > offsets[i + 1] || offsets[i + 1] > size) return bad_cell();
-          if (!add(static_cast<std::size_t>(offsets[i]), static_cast<std::size_t>(offsets[i + 1]))) return bad_cell();
-        }
-      } else {
-        if (auto error = arrays.integers(size, NumberType::int32, cells)) return *error;
-        std::size_t at = 0;
-        for (std::int64_t i = 0; i < count; ++i) {
-          if (at >= cells.size() || cells[at] < 0 || static_cast<std::uint64_t>(cells[at]) > cells.size() - at - 1)
-            return bad_input(name + ": expected " + std::to_string(count) + " cells in " + key + ", found " + std::to_string(i));
-          const auto end = at + 1 + static_cast<std::size_t>(cells[at]);
-          if (!add(at + 1, end)) return bad_cell();
-          at = end;
-        }
-      }
+      if (auto error = read_cells(arrays, key, version, count, size, name, cells)) return *error;
+    } else if (key == "CELL_TYPES" && grid) {
+      if (!count_of(count)) return bad_count();
+      if (auto error = arrays.integers(count, NumberType::int32, types)) return *error;
+    } else if (!grid && (key == "VERTICES" || key == "LINES" || key == "POLYGONS" || key == "TRIANGLE_STRIPS")) {
+      if (!count_of(count) || !count_of(size)) return bad_count();
+      if (auto error = read_cells(arrays, key, version, count, size, name, cells)) return *error;
+      const CellType type = key == "POLYGONS" ? polygon : key == "TRIANGLE_STRIPS" ? strip : vertices;
+      if (!add_surfaces(cells, [&](std::size_t) { return type; }, faces)) return bad_cell(key);
     } else if (key == "POINT_DATA") {
       if (!count_of(count)) return bad_count();
       // Only normals that stand first are worth having; other attributes end the reading.
@@ -179,10 +247,18 @@ Result<RawGeometry> parse_vtk(std::string_view bytes, const std::string& name) {
       while (block.next(line) && line.find_first_not_of(" \t") != std::string_view::npos) {}
       words.at = std::min(block.at, bytes.size());
     } else {
-      return at_line(name, words.line, "expected POINTS, POLYGONS or TRIANGLE_STRIPS, found " + shown(key));
+      const std::string wanted = grid ? "POINTS, CELLS or CELL_TYPES" : "POINTS, POLYGONS or TRIANGLE_STRIPS";
+      return at_line(name, words.line, "expected " + wanted + ", found " + shown(key));
     }
   }
   if (!points_seen) return bad_input(name + ": expected POINTS, found none");
+  if (grid) {
+    if (types.size() != cells.ends.size())
+      return bad_input(name + ": expected a type for each of " + std::to_string(cells.ends.size()) + " cells, found " +
+                       std::to_string(types.size()));
+    if (auto error = not_flat(types, name)) return *error;
+    if (!add_surfaces(cells, [&](std::size_t i) { return types[i]; }, faces)) return bad_cell("CELLS");
+  }
   if (auto error = cut_faces(faces, name, raw)) return *error;
   return raw;
 }

@@ -162,6 +162,22 @@ TEST_CASE("read STL: a text cut off between two facets says so") {
   CHECK(parsed(text, "a.stl").warnings == std::vector<std::string>{"a.stl: ends without 'endsolid'; it may have been cut off"});
 }
 
+TEST_CASE("read STL: endings parted into two words or shortened to 'end' close what is open") {
+  const auto text = ascii_stl(block());
+  const auto with = [&](const std::string& loop, const std::string& facet, const std::string& solid) {
+    std::string changed = text;
+    for (const auto& [from, to] : {std::pair<std::string, std::string>{"endloop", loop}, {"endfacet", facet}, {"endsolid", solid}})
+      for (std::size_t at = 0; (at = changed.find(from, at)) != std::string::npos; at += to.size()) changed.replace(at, from.size(), to);
+    return changed;
+  };
+  for (const auto& bytes : {with("end loop", "end facet", "end solid"), with("END LOOP", "End Facet", "END SOLID"), with("end", "end", "end"),
+                            with("endloop", "endfacet", "end"), with("end", "end facet", "ENDSOLID")}) {
+    const auto raw = parsed(bytes, "a.stl");
+    check_block(raw);
+    CHECK(raw.warnings.empty());
+  }
+}
+
 TEST_CASE("read OBJ: plain, with textures and normals, and negative indices mean the same block") {
   const auto vertices = vertex_lines("v ") + "vt 0 0\nvn 0 0 1\n";
   check_block(parsed("mtllib a.mtl\no block\n" + vertices + side_lines("f", 1), "a.obj"));
@@ -225,6 +241,36 @@ TEST_CASE("read VTK polydata: ascii, binary and the form of version 5 give the s
   for (const auto& s : sides)
     for (const std::int64_t i : s) put(five, i, true);
   check_block(parsed(five, "a.vtk"));
+}
+
+TEST_CASE("read VTK unstructured grids: flat cells are a surface, ascii, binary and in the form of version 5") {
+  const std::string head = "# vtk DataFile Version 3.0\nblock\n";
+  const std::string types = "CELL_TYPES 6\n9\n9\n9\n9\n7\n7\n";
+  check_block(parsed(head + "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n" + vertex_lines("") + "CELLS 6 30\n" + side_lines("4", 0) + types, "a.vtk"));
+  std::string binary = head + "BINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n";
+  for (const auto& c : corners)
+    for (int k = 0; k < 3; ++k) put(binary, c[k], true);
+  std::string five = "# vtk DataFile Version 5.1" + binary.substr(26);
+  binary += "\nCELLS 6 30\n";
+  for (const auto& s : sides) {
+    put<std::int32_t>(binary, 4, true);
+    for (const int i : s) put<std::int32_t>(binary, i, true);
+  }
+  five += "\nMETADATA\nINFORMATION 0\n\nCELLS 7 24\nOFFSETS vtktypeint64\n";
+  for (std::int64_t i = 0; i <= 6; ++i) put(five, 4 * i, true);
+  five += "\nCONNECTIVITY vtktypeint64\n";
+  for (const auto& s : sides)
+    for (const std::int64_t i : s) put(five, i, true);
+  for (auto* bytes : {&binary, &five}) {
+    *bytes += "\nCELL_TYPES 6\n";
+    for (int i = 0; i < 6; ++i) put<std::int32_t>(*bytes, i < 3 ? 9 : 7, true);
+    check_block(parsed(*bytes + "\nCELL_DATA 6\n", "a.vtk"));
+  }
+  // Pixels are listed row by row; strips are triangles; vertices and lines are no surface.
+  const auto mixed = parsed(head + "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 float\n0 0 0 1 0 0 0 1 0 1 1 0 2 0 0 2 1 0\n"
+                                   "CELLS 4 15\n4 0 1 2 3\n4 1 4 3 5\n1 0\n2 0 1\nCELL_TYPES 4\n8 6 1 3\n", "a.vtk");
+  CHECK(area(mixed.mesh) == Approx(2));
+  for (std::size_t t = 0; t < mixed.mesh.triangles.size(); ++t) CHECK(triangle_normal(mixed.mesh, t).z() == Approx(1));
 }
 
 TEST_CASE("read 3MF: stored and deflated archives, the unit, components and build transforms") {

@@ -222,6 +222,19 @@ TEST_CASE("read PCD: ascii, binary and binary_compressed hold the same points; o
   }
 }
 
+TEST_CASE("read PCD: padding fields are skipped, also those of no bytes") {
+  const std::vector<Vec3> p = {{1, 2, 3}, {4, 5, 6.5}};
+  const std::string head =
+      "VERSION 0.7\nFIELDS x y _ z _ intensity _\nSIZE 4 4 1 4 1 4 1\nTYPE F F U F U F U\nCOUNT 1 1 4 1 0 1 3\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ";
+  std::string ascii = head + "ascii\n", binary = head + "binary\n";
+  for (const auto& v : p) {
+    ascii += print_number(v.x()) + " " + print_number(v.y()) + " 9 9 9 9 " + print_number(v.z()) + " 0.5 7 7 7\n";
+    put(binary, float(v.x())), put(binary, float(v.y())), binary += "pad!", put(binary, float(v.z())), put(binary, 0.5f), binary += "pad";
+  }
+  CHECK(parsed(ascii, "a.pcd").cloud.points == p);
+  CHECK(parsed(binary, "a.pcd").cloud.points == p);
+}
+
 TEST_CASE("read PCD: pixels without return are no points and no cause for a warning") {
   const auto raw = parsed(
       "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\nPOINTS 4\nDATA ascii\n"
@@ -238,6 +251,46 @@ TEST_CASE("read points: few that are no places are left out with a warning, many
   const auto bad = parse_geometry("nan 2 3\n4 inf 6\n7 8 9\n", "a.xyz");
   REQUIRE(!bad.ok());
   CHECK(bad.error().message == "a.xyz: expected finite coordinates, found none in 2 of 3 points");
+}
+
+TEST_CASE("read points: returns that are missing, written as zeros, are left out and counted in one line") {
+  const std::vector<Vec3> real = random_points(300, Vec3(80, 50, 20), 10);
+  const auto with = [&](std::vector<Vec3> more) {
+    more.insert(more.end(), real.begin(), real.end());
+    return parsed(lines(more, " "), "a.xyz");
+  };
+  const auto many = with(std::vector<Vec3>(1000, Vec3::Zero()));
+  CHECK(many.cloud.points == real);
+  CHECK(many.warnings == std::vector<std::string>{"a.xyz: 1000 of 1300 points are exactly 0 0 0, as sensors write missing returns; left out"});
+  CHECK(with(std::vector<Vec3>(2, Vec3::Zero())).cloud.points == real);
+  // One point there may be true; so may several where the file repeats other places as often.
+  CHECK(with({Vec3::Zero()}).cloud.size() == 301);
+  CHECK(with({Vec3::Zero(), Vec3::Zero(), real[0], real[1], real[1]}).cloud.size() == 305);
+  CHECK(with({Vec3::Zero()}).warnings.empty());
+  // An image in the frame of its sensor has no point there.
+  const auto image = parsed("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\nPOINTS 4\nDATA ascii\n"
+                            "0 0 0\n1 2 3\n4 5 6\nnan nan nan\n", "frame.pcd");
+  CHECK(image.cloud.points == std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
+  CHECK(image.cloud.pixel == std::vector<std::int32_t>{1, 2});
+  // A mesh's vertex at the origin is a vertex.
+  CHECK(parsed("v 0 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 4\n", "a.obj").mesh.triangles.size() == 1);
+  const auto none = parse_geometry("0 0 0\n0 0 0\n0 0 0\n", "a.xyz");
+  REQUIRE(!none.ok());
+  CHECK(none.error().message == "a.xyz: expected points, found only 3 that are exactly 0 0 0");
+}
+
+TEST_CASE("read points: of a place that is repeated again and again one point stays") {
+  const std::vector<Vec3> real = random_points(300, Vec3(80, 50, 20), 10);
+  std::vector<Vec3> all(500, Vec3(1, 2, 3));
+  all.insert(all.end(), real.begin(), real.end());
+  all.insert(all.end(), 400, Vec3(1, 2, 4));
+  const auto raw = parsed(lines(all, " "), "a.xyz");
+  CHECK(raw.cloud.size() == 302);
+  CHECK(raw.warnings == std::vector<std::string>{"a.xyz: 898 of 1200 points repeat 2 places exactly; one is kept of each"});
+  // Coarse numbers repeat many places: each is a measurement.
+  std::vector<Vec3> coarse;
+  for (const auto& p : random_points(20'000, Vec3(0, 0, 0), 4)) coarse.emplace_back(std::round(p.x()), std::round(p.y()), 5);
+  CHECK(parsed(lines(coarse, " "), "a.xyz").cloud.size() == coarse.size());
 }
 
 TEST_CASE("read points: a million points take seconds at most") {
