@@ -27,11 +27,12 @@ typedef double Two __attribute__((vector_size(16)));
 inline Two larger(Two a, Two b) { return a > b ? a : b; }
 inline Two smaller(Two a, Two b) { return a < b ? a : b; }
 
-/// Of a run of leaves, with the tight box of their points; two halves follow unless it is a single leaf.
+/// Of a run of leaves, with the tight box of their points; two halves follow unless it is a single leaf, the left one next.
 struct Node {
   Two low_xy, high_xy, low_z, high_z;  // the last of z is zero
   std::uint32_t first, last;           // leaves [first, last)
-  std::uint32_t left, right;
+  std::uint32_t right;
+  std::uint32_t least_index;           // of its points: of equally far ones the first are wanted
 
   bool is_leaf() const { return last - first == 1; }
   /// No point inside is nearer, not even in the last bit: rounding keeps the order of every term and of their sum.
@@ -58,8 +59,11 @@ struct Node {
 class Nearest {
  public:
   Nearest(Neighbour* list, std::size_t capacity) : list_(list), capacity_(capacity) {}
-  double worst() const { return worst_; }
   std::size_t size() const { return size_; }
+  /// True if something at this distance, with an index not below this, may be added.
+  bool wants(double sq_distance, std::uint32_t least_index) const {
+    return sq_distance < worst_ || (sq_distance == worst_ && (size_ < capacity_ || least_index < list_[size_ - 1].index));
+  }
 
   void add(double sq_distance, std::uint32_t index) {
     const Neighbour item{index, sq_distance};
@@ -179,12 +183,14 @@ struct KdTree::Tree {
     const auto begin = items.begin() + static_cast<std::ptrdiff_t>(first * leaf_size);
     const auto end = items.begin() + static_cast<std::ptrdiff_t>(std::min(last * leaf_size, items.size()));
     Box3 box;
-    for (auto i = begin; i != end; ++i) box.add(i->point);
+    std::uint32_t least = begin->index;
+    for (auto i = begin; i != end; ++i) box.add(i->point), least = std::min(least, i->index);
     const auto own = static_cast<std::uint32_t>(nodes.size());
     Node node;
     node.low_xy = Two{box.low.x(), box.low.y()}, node.high_xy = Two{box.high.x(), box.high.y()};
     node.low_z = Two{box.low.z(), 0}, node.high_z = Two{box.high.z(), 0};
-    node.first = static_cast<std::uint32_t>(first), node.last = static_cast<std::uint32_t>(last), node.left = node.right = 0;
+    node.first = static_cast<std::uint32_t>(first), node.last = static_cast<std::uint32_t>(last), node.right = 0;
+    node.least_index = least;
     nodes.push_back(node);
     if (last - first == 1) {
       fill(leaves[first], &*begin, &*begin + (end - begin));
@@ -194,9 +200,12 @@ struct KdTree::Tree {
     box.size().maxCoeff(&axis);
     const std::size_t middle = (first + last) / 2;  // all leaves but the last are full
     std::nth_element(begin, items.begin() + static_cast<std::ptrdiff_t>(middle * leaf_size), end,
-                     [axis](const Item& a, const Item& b) { return a.point[axis] < b.point[axis]; });
-    const std::uint32_t left = build(items, first, middle), right = build(items, middle, last);
-    nodes[own].left = left, nodes[own].right = right;
+                     [axis](const Item& a, const Item& b) {
+                       return a.point[axis] != b.point[axis] ? a.point[axis] < b.point[axis] : a.index < b.index;
+                     });
+    build(items, first, middle);
+    const std::uint32_t right = build(items, middle, last);
+    nodes[own].right = right;
     return own;
   }
 
@@ -212,18 +221,21 @@ struct KdTree::Tree {
     const auto own = static_cast<std::uint32_t>(nodes.size());
     nodes.emplace_back();
     Node node;
-    node.first = static_cast<std::uint32_t>(first), node.last = static_cast<std::uint32_t>(last), node.left = node.right = 0;
+    node.first = static_cast<std::uint32_t>(first), node.last = static_cast<std::uint32_t>(last), node.right = 0;
     if (last - first == 1) {
       const Item *begin = &items[first * leaf_size], *end = &items[0] + std::min(last * leaf_size, items.size());
       Box3 box;
-      for (const Item* i = begin; i != end; ++i) box.add(i->point);
+      node.least_index = begin->index;
+      for (const Item* i = begin; i != end; ++i) box.add(i->point), node.least_index = std::min(node.least_index, i->index);
       node.low_xy = Two{box.low.x(), box.low.y()}, node.high_xy = Two{box.high.x(), box.high.y()};
       node.low_z = Two{box.low.z(), 0}, node.high_z = Two{box.high.z(), 0};
       fill(leaves[first], begin, end);
     } else {
       const std::size_t middle = (first + last) / 2;
-      node.left = build_in_order(items, first, middle), node.right = build_in_order(items, middle, last);
-      const Node &left = nodes[node.left], &right = nodes[node.right];
+      build_in_order(items, first, middle);
+      node.right = build_in_order(items, middle, last);
+      const Node &left = nodes[own + 1], &right = nodes[node.right];
+      node.least_index = std::min(left.least_index, right.least_index);
       node.low_xy = smaller(left.low_xy, right.low_xy), node.high_xy = larger(left.high_xy, right.high_xy);
       node.low_z = smaller(left.low_z, right.low_z), node.high_z = larger(left.high_z, right.high_z);
     }
@@ -240,15 +252,22 @@ struct KdTree::Tree {
     const std::size_t size = std::min(finite - number * leaf_size, leaf_size);
     std::array<double, leaf_size> reaches;  // squared; of the points so far
     complete = -1;
+    std::size_t size_found = count;
     for (std::size_t k = 0; k < size; ++k) {
       const Vec3 query(leaf.x[k], leaf.y[k], leaf.z[k]);
+      if (k > 0 && query == Vec3(leaf.x[k - 1], leaf.y[k - 1], leaf.z[k - 1])) {
+        reaches[k] = reaches[k - 1];
+        use(leaf.index[k], std::span(list.data(), size_found));
+        continue;
+      }
       const auto enough_within = [&](double limit) {
         if (!(limit <= std::numeric_limits<double>::max())) return false;
         if (limit > complete) complete = collect(number, limit, boxes);
         points_within(leaves.data(), boxes, query, limit, c);
         return c.size >= count;
       };
-      bool found = sq_reach >= 0 && enough_within(margin * sq_reach);
+      // A reach of zero is that of equal points, of which there may be very many: a single question stops at enough of them.
+      bool found = sq_reach > 0 && enough_within(margin * sq_reach);
       if (!found && k > 0) {
         // What a point of the leaf has found bounds what its neighbours can find.
         double apart[leaf_size];
@@ -259,13 +278,13 @@ struct KdTree::Tree {
         const double limit = bound * bound * (1 + 1e-12) + std::numeric_limits<double>::min();
         found = limit < far * reaches[next] && enough_within(limit);
       }
-      std::size_t size_found = count;
+      size_found = count;
       if (found) {
         take_nearest(c, count, list);
       } else {
         if (list.size() < count) list.resize(count);
         Nearest near(list.data(), count);
-        visit(query, [&] { return near.worst(); }, [&](const Leaf& other) { near.add(other, query); });
+        visit(query, [&](double d, std::uint32_t i) { return near.wants(d, i); }, [&](const Leaf& other) { near.add(other, query); });
         size_found = near.size();
       }
       reaches[k] = sq_reach = size_found == count ? list[count - 1].sq_distance : infinity;
@@ -277,28 +296,29 @@ struct KdTree::Tree {
   double collect(std::size_t number, double sq_distance, KdBoxes& result) const {
     sq_distance *= 1.5;  // for the next ones, too
     std::uint32_t own = 0;
-    while (!nodes[own].is_leaf()) own = number < nodes[nodes[own].left].last ? nodes[own].left : nodes[own].right;
+    while (!nodes[own].is_leaf()) own = number < nodes[own + 1].last ? own + 1 : nodes[own].right;
     result.clear();
     std::array<std::uint32_t, 64> open;
     std::size_t count_open = 1;
     open[0] = 0;
     while (count_open > 0) {
-      const Node& node = nodes[open[--count_open]];
+      const std::uint32_t at = open[--count_open];
+      const Node& node = nodes[at];
       if (node.sq_distance(nodes[own]) > sq_distance) continue;
       if (node.is_leaf()) {
         const double low[3] = {node.low_xy[0], node.low_xy[1], node.low_z[0]}, high[3] = {node.high_xy[0], node.high_xy[1], node.high_z[0]};
         result.add(low, high, node.first);
       } else {
-        open[count_open++] = node.right, open[count_open++] = node.left;
+        open[count_open++] = node.right, open[count_open++] = at + 1;
       }
     }
     result.fill_up();
     return sq_distance;
   }
 
-  /// Calls `use(leaf)` for leaves not farther than `limit()`, the nearer half first.
-  template <class Limit, class Use>
-  void visit(const Vec3& query, const Limit& limit, const Use& use) const {
+  /// Calls `use(leaf)` for leaves that are wanted by their distance and least index, the nearer half first.
+  template <class Wanted, class Use>
+  void visit(const Vec3& query, const Wanted& wanted, const Use& use) const {
     if (nodes.empty()) return;
     struct Open {
       std::uint32_t node;
@@ -308,10 +328,10 @@ struct KdTree::Tree {
     std::size_t count_open = 0;
     Open at{0, nodes[0].sq_distance(query)};
     while (true) {
-      if (at.sq_distance <= limit()) {
-        const Node& node = nodes[at.node];
+      const Node& node = nodes[at.node];
+      if (wanted(at.sq_distance, node.least_index)) {
         if (!node.is_leaf()) {
-          Open left{node.left, nodes[node.left].sq_distance(query)}, right{node.right, nodes[node.right].sq_distance(query)};
+          Open left{at.node + 1, nodes[at.node + 1].sq_distance(query)}, right{node.right, nodes[node.right].sq_distance(query)};
           if (right.sq_distance < left.sq_distance) std::swap(left, right);
           open[count_open++] = right;
           at = left;
@@ -336,7 +356,7 @@ void KdTree::nearest(const Vec3& query, std::size_t count, std::vector<Neighbour
   if (count == 0) return;
   result.resize(count);
   Nearest near(result.data(), count);
-  tree_->visit(query, [&] { return near.worst(); }, [&](const Leaf& leaf) { near.add(leaf, query); });
+  tree_->visit(query, [&](double d, std::uint32_t i) { return near.wants(d, i); }, [&](const Leaf& leaf) { near.add(leaf, query); });
   result.resize(near.size());
 }
 
@@ -366,7 +386,7 @@ void KdTree::within(const Vec3& query, double radius, std::vector<Neighbour>& re
   result.clear();
   const double sq_radius = std::min(radius * radius, std::numeric_limits<double>::max());
   tree_->visit(
-      query, [&] { return sq_radius; },
+      query, [&](double d, std::uint32_t) { return d <= sq_radius; },
       [&](const Leaf& leaf) {
         double sq_distance[leaf_size];
         leaf.sq_distances(query, sq_distance);
@@ -382,7 +402,8 @@ std::size_t KdTree::count_within(const Vec3& query, double radius) const {
   if (tree_->finite > 0) open.push_back(0);
   std::size_t count = 0;
   while (!open.empty()) {
-    const Node& node = tree_->nodes[open.back()];
+    const std::uint32_t at = open.back();
+    const Node& node = tree_->nodes[at];
     open.pop_back();
     if (node.sq_distance(query) > sq_radius) continue;
     if (node.sq_farthest(query) <= sq_radius) {
@@ -392,7 +413,7 @@ std::size_t KdTree::count_within(const Vec3& query, double radius) const {
       tree_->leaves[node.first].sq_distances(query, sq_distance);
       count += static_cast<std::size_t>(std::count_if(sq_distance, sq_distance + leaf_size, [&](double d) { return d <= sq_radius; }));
     } else {
-      open.push_back(node.left), open.push_back(node.right);
+      open.push_back(at + 1), open.push_back(node.right);
     }
   }
   return count;
@@ -401,7 +422,8 @@ std::size_t KdTree::count_within(const Vec3& query, double radius) const {
 Neighbour KdTree::nearest_one(const Vec3& query) const {
   ensure(tree_->finite > 0, "the nearest of no points does not exist");
   Neighbour one{0, std::numeric_limits<double>::max()};
-  tree_->visit(query, [&] { return one.sq_distance; }, [&](const Leaf& leaf) {
+  const auto wanted = [&](double d, std::uint32_t i) { return d < one.sq_distance || (d == one.sq_distance && i < one.index); };
+  tree_->visit(query, wanted, [&](const Leaf& leaf) {
     Two found[leaf_size / 2];
     const double least = sq_distances(leaf, query, found);
     if (!(least <= one.sq_distance)) return;
@@ -415,7 +437,8 @@ Neighbour KdTree::nearest_one(const Vec3& query) const {
 std::array<Neighbour, 2> KdTree::nearest_two(const Vec3& query, double sq_limit) const {
   constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
   Neighbour first{nobody, sq_limit}, second{nobody, sq_limit};
-  tree_->visit(query, [&] { return second.sq_distance; }, [&](const Leaf& leaf) {
+  const auto wanted = [&](double d, std::uint32_t i) { return d < second.sq_distance || (d == second.sq_distance && i < second.index); };
+  tree_->visit(query, wanted, [&](const Leaf& leaf) {
     Two found[leaf_size / 2];
     if (!(sq_distances(leaf, query, found) <= second.sq_distance)) return;
     for (std::size_t k = 0; k < leaf_size; ++k) {

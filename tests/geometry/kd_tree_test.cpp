@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -32,7 +33,7 @@ bool same(const A& a, const B& b, std::size_t count) {
          });
 }
 
-/// Anywhere, on a plane, or on a coarse lattice with many equal distances and points twice; some are not finite.
+/// Anywhere, on a plane, on a coarse lattice with many equal distances and points twice, or mostly at one place; some are not finite.
 std::vector<Vec3> cloud(int kind, std::size_t size) {
   Random random(kind + 10);
   std::vector<Vec3> points;
@@ -40,6 +41,7 @@ std::vector<Vec3> cloud(int kind, std::size_t size) {
     const auto place = [&] { return kind == 2 ? double(random.below(7)) : 2 * random.uniform() - 1; };
     const double x = place(), y = place(), z = place();
     points.emplace_back(x, y, kind == 1 ? 0 : z);
+    if (kind == 3 && i % 5 != 2) points.back() = Vec3(0.5, 0.25, 0);
     if (kind == 0 && i % 17 == 3) points.back().y() = std::numeric_limits<double>::quiet_NaN();
   }
   return points;
@@ -48,7 +50,7 @@ std::vector<Vec3> cloud(int kind, std::size_t size) {
 }  // namespace
 
 TEST_CASE("kd tree: every answer is what comparing with all points gives, in the last bit and among equals") {
-  for (const int kind : {0, 1, 2})
+  for (const int kind : {0, 1, 2, 3})
     for (const std::size_t size : {std::size_t(1), std::size_t(15), std::size_t(16), std::size_t(17), std::size_t(500)}) {
       INFO("kind " + std::to_string(kind) + ", " + std::to_string(size) + " points");
       const std::vector<Vec3> points = cloud(kind, size);
@@ -88,4 +90,30 @@ TEST_CASE("kd tree: every answer is what comparing with all points gives, in the
         for (std::size_t i = 0; i < size; ++i) CHECK(asked[i] == int(points[i].allFinite()));
       }
     }
+}
+
+TEST_CASE("kd tree: many equal points cost no more than different ones") {
+  std::vector<Vec3> points = cloud(1, 10'000);
+  points.resize(60'000, Vec3(0.1, 0.2, 0));
+  const auto seconds = [](const auto& work) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  const std::vector<Vec3> different = cloud(1, 60'000);
+  const auto ask = [](const std::vector<Vec3>& set) {
+    const KdTree tree(set);
+    std::vector<Neighbour> near;
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      tree.nearest(set[i], 30, near);
+      found += near.size() + tree.nearest_one(set[i]).index % 2;
+    }
+    tree.nearest_of_each(30, 1, [&](std::uint32_t, std::span<const Neighbour> some) { found += some.size(); });
+    CHECK(found >= 60 * set.size());
+  };
+  // Looking at all equal points for each of them would take minutes.
+  const double usual = seconds([&] { ask(different); }), equal = seconds([&] { ask(points); });
+  CAPTURE(usual, equal);
+  CHECK(equal < 3 * usual + 0.1);
 }
