@@ -51,6 +51,59 @@ std::vector<double> chord_depths(const TriangleMesh& mesh) {
   return depth;
 }
 
+std::size_t orient_facets(TriangleMesh& mesh) {
+  constexpr std::uint32_t none = ~0u;
+  struct Link {
+    std::uint32_t other = none;
+    bool same = false;  // both run through the edge in one direction
+  };
+  std::vector<std::array<Link, 3>> links(mesh.triangles.size());
+  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
+    if (around.size() != 2) return;
+    const bool same = around[0].forward == around[1].forward;
+    links[around[0].triangle][around[0].side] = {around[1].triangle, same};
+    links[around[1].triangle][around[1].side] = {around[0].triangle, same};
+  });
+  std::vector<std::int8_t> turned(mesh.triangles.size(), -1);
+  std::vector<std::uint32_t> piece;
+  std::size_t count = 0;
+  for (std::uint32_t seed = 0; seed < turned.size(); ++seed) {
+    if (turned[seed] >= 0) continue;
+    piece.assign(1, seed);
+    turned[seed] = 0;
+    double areas[2] = {0, 0};
+    for (std::size_t at = 0; at < piece.size(); ++at) {
+      const std::uint32_t t = piece[at];
+      areas[turned[t]] += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+      for (const Link& link : links[t])
+        if (link.other != none && turned[link.other] < 0) {
+          turned[link.other] = static_cast<std::int8_t>(turned[t] ^ static_cast<std::int8_t>(link.same));
+          piece.push_back(link.other);
+        }
+    }
+    const bool other_way = areas[1] > areas[0];
+    for (const std::uint32_t t : piece)
+      if ((turned[t] != 0) != other_way) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]), ++count;
+  }
+  return count;
+}
+
+bool turn_outward(TriangleMesh& mesh) {
+  if (!topology(mesh).closed() || volume(mesh) >= 0) return false;
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  return true;
+}
+
+std::size_t flat_facets(const TriangleMesh& mesh) {
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = mesh.corner(t, 1) - mesh.corner(t, 0), b = mesh.corner(t, 2) - mesh.corner(t, 0);
+    const double length = std::max({a.norm(), b.norm(), (b - a).norm()}), far = mesh.corner(t, 0).cwiseAbs().maxCoeff();
+    count += a.cross(b).norm() <= 4e-16 * length * std::max(length, far);  // no more than rounding
+  }
+  return count;
+}
+
 MeshPieces pieces_of(const TriangleMesh& mesh) {
   DisjointSets sets(mesh.vertices.size());
   for (const auto& t : mesh.triangles) sets.unite(t[0], t[1]), sets.unite(t[0], t[2]);

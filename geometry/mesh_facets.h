@@ -41,6 +41,16 @@ void for_each_edge(std::span<const EdgeUse> uses, Visit&& visit) {
   }
 }
 
+/// Turns facets over until neighbours across edges of two agree; each piece keeps the sense of most of its area. Returns how
+/// many were turned.
+std::size_t orient_facets(TriangleMesh& mesh);
+
+/// Turns all facets of a closed mesh that faces inward; true if it did.
+bool turn_outward(TriangleMesh& mesh);
+
+/// How many triangles have no area though their corners differ.
+std::size_t flat_facets(const TriangleMesh& mesh);
+
 /// Pieces that hang together by shared vertices, in the order of their first vertices.
 struct MeshPieces {
   std::vector<std::uint32_t> of;  ///< per triangle

@@ -38,44 +38,6 @@ std::size_t drop_degenerate(TriangleMesh& mesh) {
   return before - at;
 }
 
-/// Turns triangles so that neighbours across ordinary edges agree; each patch keeps its majority's sense.
-std::size_t orient(TriangleMesh& mesh) {
-  const std::size_t n = mesh.triangles.size();
-  struct Link {
-    std::uint32_t other = none;
-    bool same = false;  // both run through the edge in one direction
-  };
-  std::vector<std::array<Link, 3>> links(n);
-  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
-    if (around.size() != 2) return;
-    const bool same = around[0].forward == around[1].forward;
-    links[around[0].triangle][around[0].side] = {around[1].triangle, same};
-    links[around[1].triangle][around[1].side] = {around[0].triangle, same};
-  });
-  std::vector<std::int8_t> turned(n, -1);
-  std::size_t flips = 0;
-  std::vector<std::uint32_t> patch;
-  for (std::uint32_t seed = 0; seed < n; ++seed) {
-    if (turned[seed] >= 0) continue;
-    patch.assign(1, seed);
-    turned[seed] = 0;
-    std::size_t count = 0;
-    for (std::size_t at = 0; at < patch.size(); ++at) {
-      const std::uint32_t t = patch[at];
-      count += static_cast<std::size_t>(turned[t]);
-      for (const Link& link : links[t])
-        if (link.other != none && turned[link.other] < 0) {
-          turned[link.other] = static_cast<std::int8_t>(turned[t] ^ static_cast<std::int8_t>(link.same));
-          patch.push_back(link.other);
-        }
-    }
-    const bool other_way = 2 * count > patch.size();
-    for (const std::uint32_t t : patch)
-      if ((turned[t] != 0) != other_way) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]), ++flips;
-  }
-  return flips;
-}
-
 /// Links across edges; where more than two triangles meet, each is paired with the one that bounds the same material.
 Links linked(const TriangleMesh& mesh) {
   Links links(mesh.triangles.size(), Triangle{none, none, none});
@@ -430,7 +392,7 @@ RepairReport repair(const TriangleMesh& source, const RepairOptions& options) {
   mesh = welded(source, options.weld);
   report.degenerate = source.triangles.size() - mesh.triangles.size();
   report.degenerate += drop_degenerate(mesh);
-  report.flipped = orient(mesh);
+  report.flipped = orient_facets(mesh);
   Links links = linked(mesh);
   std::size_t count = 0;
   const auto label = components(mesh.triangles, links, count);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "geometry/mesh_facets.h"
 #include "geometry/read_geometry.h"
 #include "scan/range_file.h"
 #include "scan/sources.h"
@@ -34,7 +35,7 @@ bool looks_like_inches(const Vec3& size) {
   for (int k = 0; k < 3; ++k) {
     if (!(size[k] > 0.1 && size[k] < 40)) return false;
     sixteenths = sixteenths && near_multiple(size[k], 1.0 / 16, 1e-5);
-    metric = metric && near_multiple(size[k], 0.05, 1e-5);
+    metric = metric && near_multiple(size[k], 0.1, 1e-5);
     metric_in_mm = metric_in_mm && near_multiple(size[k] * 25.4, 0.5, 1e-3);
   }
   return !metric && (sixteenths || metric_in_mm);
@@ -44,13 +45,16 @@ void warn_of_unit(const Scan& scan, bool known, std::vector<std::string>& warnin
   const Vec3 size = scan.cloud.bounds().size();
   const double largest = size.maxCoeff();
   const auto millimetres = rough(largest) + " mm";
+  constexpr double few = 5;  // mm; fewer parts are that small than are drawn in inches
   if (!known && largest < 1.0)
     warnings.push_back("the whole part would be only " + millimetres + " large; if its numbers are metres, say --units m");
   else if (largest > 10'000)
     warnings.push_back("the whole scan is " + rough(largest / 1000) + " m large; if that is wrong, say --units mm, cm, m or inch");
   else if (!known && !scan.mesh.empty() && looks_like_inches(size))
     warnings.push_back("the sizes " + rough(size.x()) + " x " + rough(size.y()) + " x " + rough(size.z()) +
-                       " look like inches; if they are, say --units inch");
+                       " are round in inches and not in mm; inches? --units inch");
+  else if (!known && largest < few)
+    warnings.push_back("the whole part would be only " + millimetres + " large; inches? --units inch");
 }
 
 /// Appends a column that only some pieces have; the others get `missing`.
@@ -140,6 +144,19 @@ Result<Scan> joined(Pieces&& source, const ReadOptions& options, std::vector<Ran
   return scan;
 }
 
+/// Turns facets that face the other way than their neighbours; one line says how many, and how many have no area.
+void mend_facets(const RawGeometry& raw, TriangleMesh& mesh, const std::string& name, std::vector<std::string>& warnings) {
+  const std::size_t flat = raw.collapsed + (raw.mesh.triangles.size() - mesh.triangles.size()) + flat_facets(mesh);
+  const std::size_t turned = topology(mesh).inconsistent_edges > 0 ? orient_facets(mesh) : 0;
+  if (turned + flat > 0) {
+    std::string line = name + ": of " + std::to_string(raw.mesh.triangles.size() + raw.collapsed) + " facets ";
+    if (turned) line += std::to_string(turned) + (turned == 1 ? " faces" : " face") + " the wrong way and " + (turned == 1 ? "was" : "were") + " turned";
+    if (flat) line += (turned ? ", " : "") + std::to_string(flat) + (flat == 1 ? " has" : " have") + " no area";
+    warnings.push_back(line);
+  }
+  if (turn_outward(mesh)) warnings.push_back(name + ": its triangles face inward; they were turned");
+}
+
 std::optional<Error> add_input(const Path& input, const ReadOptions& options, Context& context, Pieces& pieces) {
   std::error_code failure;
   if (std::filesystem::is_directory(input, failure)) {
@@ -206,10 +223,7 @@ std::optional<Error> add_geometry(const Path& path, const Pose& pose, bool senso
     if (mesh.vertices.size() * 2 < raw->cloud.size() && raw->format == "PLY" && mesh.triangles.size() * 6 < raw->cloud.size())
       pieces.warnings.push_back(name + ": most of its points belong to no face and are left out");
     if (mesh.triangles.empty()) return bad_input(name + ": expected triangles, found only collapsed ones");
-    if (topology(mesh).closed() && volume(mesh) < 0) {
-      for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-      pieces.warnings.push_back(name + ": its triangles face inward; they were turned");
-    }
+    mend_facets(*raw, mesh, name, pieces.warnings);
     piece.mesh = transformed(mesh, pose);
     piece.cloud.points = piece.mesh.vertices;
     piece.cloud.normals = vertex_normals(piece.mesh);

@@ -24,10 +24,13 @@ struct EvaluateOptions {
                               ///< beside this one, or on PATH
 };
 
+/// A STEP or IGES file that contradicts itself by more than this share of the tolerance cannot be decided.
+inline constexpr double share_of_gap = 0.2;
+
 /// Where curves and faces of a STEP or IGES body that should meet are farthest apart.
 struct BrepGap {
   double width = 0;           ///< mm
-  std::string kind;           ///< "vertex", "edge"
+  std::string kind;           ///< "vertex", "edge", "seam"
   Vec3 place = Vec3::Zero();
 };
 

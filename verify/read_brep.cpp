@@ -1,5 +1,6 @@
 #include "verify/read_brep.h"
 
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeSolid.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
@@ -41,16 +42,19 @@
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <sstream>
 
 #include "core/number.h"
 #include "geometry/mesh_distance.h"
+#include "geometry/mesh_facets.h"
 #include "verify/brep_distance.h"
 #include "verify/check_exchange.h"
 #include "verify/iges_tree.h"
 #include "verify/mesh_shape.h"
 #include "verify/solid.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -66,14 +70,58 @@ int count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
   return n;
 }
 
-/// Loose faces sewn together and closed shells made solids; files that hold solids come back as they are.
-TopoDS_Shape as_solids(const TopoDS_Shape& shape) {
-  if (count(shape, TopAbs_SOLID) > 0) return shape;
-  BRepBuilderAPI_Sewing sewing(1e-4);  // mm; faces mode keeps every edge twice, rounded to 9 digits
-  sewing.Add(shape);
-  sewing.Perform();
-  const TopoDS_Shape sewn = sewing.SewedShape();
-  if (sewn.IsNull()) return shape;
+/// How far apart the edges that nothing was sewn to are, where that is farthest: from the middle of each to the next of the others.
+BrepGap widest_seam(const BRepBuilderAPI_Sewing& sewing) {
+  constexpr int pieces = 16, most_edges = 1000;  // of the polygon that stands for an edge
+  std::vector<std::vector<Vec3>> edges;
+  for (int i = 1; i <= std::min(sewing.NbFreeEdges(), most_edges); ++i) {
+    if (BRep_Tool::Degenerated(sewing.FreeEdge(i))) continue;
+    const BRepAdaptor_Curve curve(sewing.FreeEdge(i));
+    std::vector<Vec3> places;
+    for (int k = 0; k <= pieces; ++k) {
+      const gp_Pnt p = curve.Value(curve.FirstParameter() + (curve.LastParameter() - curve.FirstParameter()) * k / pieces);
+      places.emplace_back(p.X(), p.Y(), p.Z());
+    }
+    edges.push_back(std::move(places));
+  }
+  BrepGap gap;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Vec3& middle = edges[i][pieces / 2];
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < edges.size(); ++j)
+      for (int k = 0; j != i && k < pieces; ++k) {
+        const Vec3 &from = edges[j][k], along = edges[j][k + 1] - from;
+        const double length = along.squaredNorm(), t = length > 0 ? std::clamp((middle - from).dot(along) / length, 0.0, 1.0) : 0;
+        least = std::min(least, (from + t * along - middle).norm());
+      }
+    if (std::isfinite(least) && least > gap.width) gap = {least, "seam", middle};
+  }
+  return gap;
+}
+
+/// Solids, and how far faces are apart that could not be sewn together.
+struct Sewn {
+  TopoDS_Shape shape;
+  BrepGap seam;
+};
+
+/// Loose faces sewn together and closed shells made solids; files that hold solids come back as they are. Edges are united at the
+/// least of several distances that leaves none alone, at most the share of the tolerance to which a file must agree with itself.
+Sewn as_solids(const TopoDS_Shape& shape, double tolerance) {
+  if (count(shape, TopAbs_SOLID) > 0) return {shape, {}};
+  constexpr double rounding = 1e-4;  // mm; faces mode keeps every edge twice, rounded to 9 digits
+  const double widest = std::max(rounding, share_of_gap * tolerance);
+  Sewn result{shape, {}};
+  TopoDS_Shape sewn;
+  for (double reach = rounding;; reach = std::min(10 * reach, widest)) {
+    BRepBuilderAPI_Sewing sewing(reach);
+    sewing.Add(shape);
+    sewing.Perform();
+    if (sewing.SewedShape().IsNull()) return result;
+    sewn = sewing.SewedShape();
+    result.seam = widest_seam(sewing);
+    if (sewing.NbFreeEdges() == 0 || reach >= widest) break;
+  }
   TopoDS_Compound all;
   BRep_Builder builder;
   builder.MakeCompound(all);
@@ -89,7 +137,8 @@ TopoDS_Shape as_solids(const TopoDS_Shape& shape) {
     }
   }
   for (TopExp_Explorer faces(sewn, TopAbs_FACE, TopAbs_SHELL); faces.More(); faces.Next()) builder.Add(all, faces.Current());
-  return all;
+  result.shape = all;
+  return result;
 }
 
 /// Largest distance from the corners and centres of `from` to `to`.
@@ -148,18 +197,21 @@ std::string askable_body(const TopoDS_Shape& body) {
 
 void take_shape(BrepReading& reading, const TopoDS_Shape& shape, double tolerance) {
   Evaluation& evaluation = reading.evaluation;
-  const TopoDS_Shape body = as_solids(shape);
+  const auto [body, seam] = as_solids(shape, tolerance);
   evaluation.gap = largest_gap(body);
   if (!BRepCheck_Analyzer(body).IsValid()) {
     evaluation.failed = true;
     evaluation.complaints.push_back("OpenCASCADE's checker finds the geometry invalid");
   }
   ShapeMesh meshed = mesh_shape(body, tolerance);
-  if (count(shape, TopAbs_SOLID) == 0) orient_facets(meshed.mesh);
+  if (count(shape, TopAbs_SOLID) == 0) orient_facets(meshed.mesh), turn_outward(meshed.mesh);  // the sense of loose faces means nothing
   auto check = check_solid(meshed.mesh);
   evaluation.mesh = std::move(check.mesh);
   evaluation.error = meshed.error;
   evaluation.solid = check.solid;
+  if (!check.solid && seam.width > 0)
+    evaluation.complaints.push_back("its faces do not meet: they are up to " + print_number(snapped(seam.width, 0.0001)) +
+                                    " mm apart, near " + Words(tolerance).place(seam.place));
   for (auto& fault : check.faults) evaluation.complaints.push_back(std::move(fault));
   // Flat faces are their mesh; and without a solid the shape's own orientation says nothing.
   if (evaluation.solid && evaluation.error > 1e-6 * tolerance && count(body, TopAbs_SOLID) > 0)

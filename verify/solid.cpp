@@ -100,42 +100,6 @@ SolidCheck check_solid(const TriangleMesh& mesh) {
   return check;
 }
 
-void orient_facets(TriangleMesh& mesh) {
-  struct Link {
-    std::uint32_t other;
-    bool agrees;
-  };
-  std::vector<std::vector<Link>> links(mesh.triangles.size());
-  for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
-    if (around.size() != 2) return;
-    const bool agrees = around[0].forward != around[1].forward;
-    links[around[0].triangle].push_back({around[1].triangle, agrees});
-    links[around[1].triangle].push_back({around[0].triangle, agrees});
-  });
-  std::vector<signed char> turn(mesh.triangles.size(), -1);
-  for (std::uint32_t seed = 0; seed < turn.size(); ++seed) {
-    if (turn[seed] >= 0) continue;
-    std::vector<std::uint32_t> piece = {seed};
-    turn[seed] = 0;
-    double areas[2] = {0, 0};
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      const auto t = piece[i];
-      areas[turn[t]] += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
-      for (const auto& link : links[t])
-        if (turn[link.other] < 0) {
-          turn[link.other] = static_cast<signed char>(link.agrees ? turn[t] : 1 - turn[t]);
-          piece.push_back(link.other);
-        }
-    }
-    if (areas[1] > areas[0])
-      for (const auto t : piece) turn[t] = static_cast<signed char>(1 - turn[t]);
-  }
-  for (std::size_t t = 0; t < turn.size(); ++t)
-    if (turn[t] == 1) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-  if (volume(mesh) < 0 && topology(mesh).closed())
-    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-}
-
 TriangleMesh in_canonical_order(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertices.size()), place(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -18,10 +18,6 @@ struct SolidCheck {
 /// Unites equal vertices first and, if that leaves gaps, vertices within a ten-millionth of the size.
 SolidCheck check_solid(const TriangleMesh& mesh);
 
-/// Turns facets over until neighbours agree: per connected piece the sense that keeps most of its area, then all of them
-/// if the volume is negative. For faces that were stored loose, whose sense means nothing.
-void orient_facets(TriangleMesh& mesh);
-
 /// The same surface with vertices and triangles in sorted order, for programs whose order varies from run to run.
 TriangleMesh in_canonical_order(const TriangleMesh& mesh);
 

@@ -72,7 +72,7 @@ void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, boo
   } else if (evaluation.error > tolerance / 4) {
     verdict.verdict = Outcome::cannot_decide;
     verdict.reasons.push_back("the evaluation itself is only good to " + shown(evaluation.error) + " mm");
-  } else if (evaluation.gap.width > tolerance / 5) {
+  } else if (evaluation.gap.width > share_of_gap * tolerance) {
     verdict.verdict = Outcome::cannot_decide;
     verdict.reasons.push_back("the file itself is only good to " + gap_text(evaluation.gap, tolerance));
   }

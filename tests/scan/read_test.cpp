@@ -127,12 +127,15 @@ TEST_CASE("read_scan: a unit that cannot be right is questioned, one that the us
   CHECK(scan_of({small}, metres).warnings.empty());
   CHECK(warns(scan_of({large}), "20 m large"));
   CHECK(scan_of({folder.put("usual.xyz", "0 0 0\n20 100 100\n")}).warnings.empty());
+  CHECK(warns(scan_of({folder.put("few.xyz", "0 0 0\n3.3 2.1 1.02\n")}), "only 3.3 mm large; inches? --units inch"));
+  CHECK(warns(scan_of({folder.put("quarters.stl", write_stl(block({12.25, 8.5, 0.75})))}), "x 8.5 x 0.75 are round in inches and not in mm"));
+  CHECK(scan_of({folder.put("halves.stl", write_stl(block({12.5, 8.5, 30})))}).warnings.empty());
   // 5 x 2 1/2 x 1 3/8: nobody makes 1.375 mm; 50 x 20 x 10 mm told in inches; and ordinary millimetres.
-  CHECK(warns(scan_of({folder.put("inch.stl", write_stl(block({5, 2.5, 1.375})))}), "look like inches"));
+  CHECK(warns(scan_of({folder.put("inch.stl", write_stl(block({5, 2.5, 1.375})))}), "inches? --units inch"));
   auto told = write_mesh_ply(block(Vec3(50, 20, 10) / 25.4));
   CHECK(scan_of({folder.put("stated.ply", told)}).warnings.empty());  // it says millimetres
   told.replace(told.find("millimetres"), 11, "no unit    ");
-  CHECK(warns(scan_of({folder.put("told.ply", told)}), "look like inches"));
+  CHECK(warns(scan_of({folder.put("told.ply", told)}), "inches? --units inch"));
   CHECK(scan_of({folder.put("mm.stl", write_stl(block({5, 2.5, 1.35})))}).warnings.empty());
   CHECK(scan_of({folder.put("odd.stl", write_stl(block({5.317, 2.41, 1.377})))}).warnings.empty());
 }
@@ -171,6 +174,30 @@ TEST_CASE("read_scan: a mesh as dense as a scan stays as it is, its normals poin
   const auto inverted = scan_of({folder.put("inside_out.ply", write_mesh_ply(mesh))});
   CHECK(warns(inverted, "face inward; they were turned"));
   CHECK(volume(inverted.mesh) > 0);
+}
+
+TEST_CASE("read_scan: facets of the wrong sense are turned, and counted in one line with those of no area") {
+  Folder folder;
+  TriangleMesh mesh = ball(30, 40);
+  mesh = welded(mesh, 0);
+  const double whole = volume(mesh);
+  const std::string count = std::to_string(mesh.triangles.size());
+  CHECK(scan_of({folder.put("right.ply", write_mesh_ply(mesh))}).warnings.empty());
+  for (const std::size_t t : {7, 200, 201}) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  const auto mended = scan_of({folder.put("flipped.ply", write_mesh_ply(mesh))});
+  CHECK(mended.warnings == std::vector<std::string>{"flipped.ply: of " + count + " facets 3 face the wrong way and were turned"});
+  CHECK(topology(mended.mesh).closed());
+  CHECK(volume(mended.mesh) == Approx(whole));
+  // A vertex in the middle of an edge of one facet: the one beyond is cut in two, and a facet without area lies between.
+  auto t = mesh.triangles[30];
+  mesh.vertices.push_back(0.5 * (mesh.vertices[t[0]] + mesh.vertices[t[1]]));
+  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+  mesh.triangles[30] = {t[0], middle, t[2]};
+  mesh.triangles.push_back({middle, t[1], t[2]}), mesh.triangles.push_back({t[0], t[1], middle});
+  const auto both = scan_of({folder.put("both.ply", write_mesh_ply(mesh))});
+  const std::string more = std::to_string(mesh.triangles.size());
+  CHECK(both.warnings == std::vector<std::string>{"both.ply: of " + more + " facets 3 face the wrong way and were turned, 1 has no area"});
+  CHECK(topology(both.mesh).closed());
 }
 
 TEST_CASE("read_scan: poses of a scan.json move points, normals and rays; its guesses only when asked for") {

@@ -1,8 +1,11 @@
 /// Claims about running artifacts by their own programs.
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
+#include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
+#include <GProp_GProps.hxx>
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Writer.hxx>
 #include <IGESGeom_TransformationMatrix.hxx>
@@ -18,6 +21,7 @@
 #include <TColStd_HArray1OfInteger.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Shape.hxx>
+#include <gp_Trsf.hxx>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
@@ -122,6 +126,32 @@ TEST_CASE("run openscad: an include beside the script is found") {
   INFO(complaints(e));
   CHECK_FALSE(e.failed);
   CHECK(volume(e.mesh) == Approx(27));
+}
+
+TEST_CASE("run openscad: far from the origin a script is as exact as near it, whoever wrote it") {
+  if (!have_openscad()) return;
+  Bench bench;
+  bench.write("library.scad", "module lump() { cube(3); }");
+  bench.write("sizes.scad", "size = 10; function half(x) = x / 2;");
+  const std::string script =
+      "/* [Sizes] */\nuse <library.scad>\n  include <sizes.scad>\nassert(size > 0);\nmodule part() difference() { cube(size); translate([half(size), half(size), "
+      "-1]) cylinder(r = 2.3, h = 12, $fn = 64); }\nmodule placed() translate(far) rotate([10, 20, 30]) children();\n"
+      "placed() part();\nplaced() translate([20, 0, 0]) lump(); // the end";
+  const auto near = bench.scad("far = [0, 0, 0];\n" + script), far = bench.scad("far = [694370.12345, -5155489.678, 381.5];\n" + script);
+  INFO(complaints(far));
+  CHECK_FALSE(far.failed);
+  CHECK(far.solid);
+  CHECK(near.error < 1e-5);
+  CHECK(far.error < 1e-5);
+  CHECK(volume(far.mesh) == Approx(volume(near.mesh)).epsilon(1e-5));
+  const MeshDistance moved(testing::moved(near.mesh, Vec3(694370.12345, -5155489.678, 381.5)));
+  for (const auto& v : far.mesh.vertices) REQUIRE(moved.closest(v).distance < 1e-5);
+  // What cannot be moved is evaluated as it is, and its error is said.
+  bench.write("lump.stl", write_stl(box({0, 0, 0}, {20, 20, 20})));
+  const auto foreign = bench.scad("translate([5e6, 0, 0]) import(\"lump.stl\");");
+  INFO(complaints(foreign));
+  CHECK_FALSE(foreign.failed);
+  CHECK(foreign.error > 0.1);
 }
 
 TEST_CASE("run openscad: whatever it complains about is refused") {
@@ -275,6 +305,38 @@ TEST_CASE("run occt: an open set of faces is no solid") {
   CHECK_FALSE(e.solid);
   CHECK(complaints(e).find("4 boundary edges") != std::string::npos);
   CHECK(area(e.mesh) == Approx(500));
+}
+
+TEST_CASE("run occt: faces that miss one another are sewn up to a share of the tolerance; beyond it width and place are named") {
+  Bench bench;
+  IGESControl_Controller::Init();
+  const Path file = bench.folder.path() / "part.igs";
+  // Six loose faces; the one at x = 10 stands off.
+  const auto write_with_gap = [&](double gap) {
+    IGESControl_Writer writer("MM", 0);
+    const TopoDS_Shape block = BRepPrimAPI_MakeBox(10.0, 10.0, 10.0).Shape();
+    for (TopExp_Explorer faces(block, TopAbs_FACE); faces.More(); faces.Next()) {
+      GProp_GProps properties;
+      BRepGProp::SurfaceProperties(faces.Current(), properties);
+      gp_Trsf aside;
+      if (properties.CentreOfMass().X() > 9) aside.SetTranslation(gp_Vec(gap, 0, 0));
+      REQUIRE(writer.AddShape(BRepBuilderAPI_Transform(faces.Current(), aside, true).Shape()));
+    }
+    writer.ComputeModel();
+    REQUIRE(writer.Write(file.c_str()));
+  };
+  write_with_gap(0.01);
+  const auto sewn = bench.evaluate(file, 0.1);
+  INFO(complaints(sewn));
+  CHECK(sewn.solid);
+  CHECK(sewn.gap.width <= 0.02);
+  CHECK(volume(sewn.mesh) == Approx(1000).epsilon(0.002));
+  CHECK_FALSE(bench.evaluate(file, 0.01).solid);
+  write_with_gap(0.3);
+  const auto open = bench.evaluate(file, 0.1);
+  CHECK_FALSE(open.solid);
+  INFO(complaints(open));
+  CHECK(complaints(open).find("its faces do not meet: they are up to 0.3 mm apart, near (10") != std::string::npos);
 }
 
 TEST_CASE("run occt: a boolean tree beside the body must describe the same body") {
