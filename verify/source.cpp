@@ -93,10 +93,10 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
   std::erase(noises, -1.0), std::erase(closer, -1.0);
   source.noise = std::min(median(noises), median(closer));
   source.sparsest = view.empty() ? 4 * source.spacing : 3 * source.spacing * std::sqrt(median(overlaps));
-  // What remains of an exact surface is rounding, not noise.
-  double largest = 0;
-  for (const auto& p : source.points) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-  if (source.noise < 1e-6 * largest) source.noise = 0;
+  // What remains of an exact surface is rounding, not noise; relative to the part, for it may lie far from the origin.
+  Box3 box;
+  for (const auto& p : source.points) box.add(p);
+  if (source.noise < 1e-6 * box.diagonal()) source.noise = 0;
 }
 
 /// How far the means of the views in one neighbourhood lie from the mean of the others along the normal: squares, less

@@ -4,6 +4,7 @@
 
 #include "geometry/mesh_distance.h"
 #include "tests/verify/shapes.h"
+#include "verify/source.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -40,6 +41,17 @@ TEST_CASE("verdict: a true model of a noisy scan is verified") {
   CHECK(a.data_to_model.rms == Approx(sigma).epsilon(0.1));
   CHECK(a.model_to_data.supported > 0.999 * a.model_to_data.area);
   CHECK(a.point_deviation.size() == 60000);
+}
+
+TEST_CASE("verdict: far from the origin the scan has the noise that it has near it") {
+  for (const double far : {0.0, 5e4, 5e6}) {
+    const Vec3 shift(0.13 * far, far, 0.01 * far);
+    const auto scan = scanned(moved(holed_plate(20, 6, 5, 0, 0), shift), 20000, 0.02);
+    Context context;
+    CHECK(prepare_source(scan, context).noise == Approx(0.02).epsilon(0.1));
+    // An exact surface has none.
+    CHECK(prepare_source(scanned(moved(holed_plate(20, 6, 5, 0, 0), shift), 20000, 0), context).noise == 0);
+  }
 }
 
 TEST_CASE("verdict: a radius off by twice the tolerance is refused, by a tenth of it is not") {
