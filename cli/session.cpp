@@ -68,6 +68,12 @@ Session::Session(SharedOptions given, std::string program_version)
 }
 
 Session::~Session() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  ending_.notify_all();
+  if (watch_.joinable()) watch_.join();
   clear_bar();
   cancel_flag = nullptr;
 }
@@ -88,13 +94,28 @@ Result<Done> Session::start() {
   listen_for(SIGTERM);
   // A reader that goes away (`partscribe explain m.json | head`) must not look like a crash.
   std::signal(SIGPIPE, SIG_IGN);
+  watch_ = std::thread([this] { end_when_cancelled(); });
   return Done{};
+}
+
+/// Stages look at the flag and end by themselves; one that is deep in somebody else's library is not waited for. No file is left half
+/// written: each gets its name when it is whole. Programs that were started have been ended by then.
+void Session::end_when_cancelled() {
+  using namespace std::chrono_literals;
+  std::unique_lock lock(mutex_);
+  while (!ending_.wait_for(lock, 100ms, [this] { return ended_ || context.cancelled; })) {}
+  if (ending_.wait_for(lock, 700ms, [this] { return ended_; })) return;
+  std::fprintf(stderr, "%spartscribe: cancelled%s\n", bar_shown_ ? "\r\033[K" : "", stage_.empty() ? "" : (" in: " + stage_).c_str());
+  ::_exit(static_cast<int>(ErrorKind::stopped));
 }
 
 Result<Done> Session::stage(const std::string& name) {
   finish_stage();
   if (context.cancelled) return Error{"cancelled before: " + name, ErrorKind::stopped};
-  stage_ = name;
+  {
+    const std::lock_guard lock(mutex_);
+    stage_ = name;
+  }
   stage_begin_ = std::chrono::steady_clock::now();
   show_progress(name, 0);
   return Done{};
@@ -105,6 +126,7 @@ void Session::finish_stage() {
   stages_.emplace_back(stage_, seconds_since(stage_begin_));
   clear_bar();
   log_line(stage_ + ": " + in_tenths(stages_.back().second) + " s");
+  const std::lock_guard lock(mutex_);
   stage_.clear();
 }
 

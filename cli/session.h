@@ -2,10 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <fstream>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -55,6 +57,7 @@ class Session {
  private:
   void show_progress(const std::string& stage, double share);
   void clear_bar();
+  void end_when_cancelled();
   void log_line(const std::string& line);
 
   std::ofstream log_;
@@ -64,6 +67,9 @@ class Session {
   std::chrono::steady_clock::time_point begin_, stage_begin_, last_drawn_;
   std::string stage_;
   std::vector<std::pair<std::string, double>> stages_;
+  std::condition_variable ending_;
+  bool ended_ = false;   ///< guarded by mutex_
+  std::thread watch_;    ///< over Ctrl-C
 };
 
 }  // namespace partscribe

@@ -1,7 +1,12 @@
 /// Exit codes and messages: what a script around the program relies on.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
+#include "core/number.h"
+#include "core/process.h"
+#include "core/random.h"
+#include "geometry/vec.h"
 #include "run.h"
 
 namespace partscribe {
@@ -127,6 +132,28 @@ TEST_CASE("command line: explain speaks words, and with --json the model itself"
   CHECK(json.exit_code == 0);
   CHECK(json.out.front() == '{');
   CHECK(json.out.find("\"shank_radius\"") != std::string::npos);
+}
+
+TEST_CASE("command line: Ctrl-C is obeyed within a second, wherever it comes") {
+  const TemporaryDirectory folder;
+  std::string text;
+  Random random(3);
+  for (int i = 0; i < 60'000; ++i) {
+    const Vec3 p(random.normal(), random.normal(), random.normal());
+    text += print_number(30 * p.x() / p.norm()) + " " + print_number(20 * p.y() / p.norm()) + " " + print_number(10 * std::abs(p.z())) + "\n";
+  }
+  REQUIRE(write_file(folder.path() / "lump.xyz", text).ok());
+  Context context;
+  constexpr int before_it_listens = 130;  // ended by the signal itself
+  for (const double moment : {0.3, 0.8, 1.5, 2.3}) {
+    const auto run = run_process({"timeout", "--preserve-status", "-s", "INT", print_number(moment), PARTSCRIBE_PROGRAM, "build", "lump.xyz",
+                                  "--out", "o", "--force"}, {.seconds = 60}, context, folder.path());
+    REQUIRE(run.ok());
+    INFO(moment << " s: " << run->err);
+    CHECK((run->exit_code == 5 || (run->exit_code == before_it_listens && run->err.empty())));
+    CHECK((run->exit_code != 5 || run->err.find("partscribe: cancelled") != std::string::npos));
+    CHECK(run->seconds < moment + 2);  // the machine may have other work
+  }
 }
 
 }  // namespace partscribe
