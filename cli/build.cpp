@@ -87,6 +87,79 @@ std::string wider_hint(const Verdict& verdict) {
   return "Nothing is off by more than " + readable(most) + " mm; try --tolerance " + print_number(tolerance_that_lets(most)) + ".\n";
 }
 
+/// A format that has no such body is a row of the verdict, and none that is verified.
+void add_unwritten(Verdict& verdict, const Emitted& emitted) {
+  for (const auto& [file, backend, reason] : emitted.failures) {
+    ArtifactVerdict& row = verdict.artifacts.emplace_back();
+    row.file = file, row.backend = backend;
+    row.verdict = verdict.verdict = Outcome::out_of_tolerance;
+    row.reasons.push_back("it cannot be written: " + reason);
+  }
+}
+
+/// "part.scad: hole 1: 0.3 mm too far in +x ...".
+std::string first_fault(const Verdict& verdict) {
+  for (const auto& a : verdict.artifacts) {
+    if (a.verdict != Outcome::out_of_tolerance) continue;
+    for (const auto& f : a.findings)
+      if (f.kind != Finding::Kind::not_scanned) return a.file + ": " + f.text;
+    if (!a.reasons.empty()) return a.file + ": " + a.reasons.front();
+  }
+  return "its files differ";
+}
+
+/// A model, written and judged.
+struct Trial {
+  std::string model;  ///< its model.json
+  Emitted emitted;
+  Verdict verdict;
+};
+
+/// Every model that the fit offers is written, run and judged before it becomes the answer.
+struct Trials {
+  const Scan& scan;
+  const std::vector<std::string>& backends;
+  const Path& templates;
+  const Path& folder;
+  double tolerance;
+  Session& session;
+  std::vector<Trial> tried;
+
+  Result<const Trial*> of(const CheckedModel& model) {
+    std::string text = write_model_json(*model);
+    for (const Trial& known : tried)
+      if (known.model == text) return &known;
+    if (auto ok = session.stage("write"); !ok) return ok.error();
+    auto emitted = emit_all(model, backends, templates, session);
+    if (!emitted) return emitted.error();
+    const auto scripts = write_artifacts(emitted->artifacts, folder);
+    if (!scripts) return scripts.error();
+    if (auto ok = session.stage("verify"); !ok) return ok.error();
+    Verdict verdict;
+    if (!scripts->empty()) {
+      VerifyOptions options;
+      options.tolerance = tolerance;
+      auto judged = verify(*scripts, scan, *model, options, session.context);
+      if (!judged) return judged.error();
+      verdict = std::move(*judged);
+    }
+    add_unwritten(verdict, *emitted);
+    tried.push_back({std::move(text), std::move(*emitted), std::move(verdict)});
+    return &tried.back();
+  }
+
+  /// The first thing that is wrong with a model; nothing if it is verified, or if the scan or a missing program keeps it from being so.
+  Result<std::string> refusal(const CheckedModel& model) {
+    const auto trial = of(model);
+    if (!trial) return trial.error();
+    std::string reason;
+    if ((*trial)->verdict.verdict == Outcome::out_of_tolerance) reason = first_fault((*trial)->verdict);
+    if (!reason.empty()) session.print("Tried " + procedure_text(*model) + ": " + reason + ".\n");
+    if (auto ok = session.stage("fit"); !ok) return ok.error();
+    return reason;
+  }
+};
+
 Result<int> run(const BuildArguments& arguments, Session& session) {
   const auto backends = chosen_backends(arguments.to);
   if (!backends) return backends.error();
@@ -119,8 +192,14 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
       tolerance.reason + ".\n");
 
   if (auto ok = session.stage("fit"); !ok) return ok.error();
-  const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session);
+  Trials trials{*scan, *backends, arguments.templates, folder, tolerance.tolerance, session, {}};
+  const bool any_other = arguments.fit.procedure.empty();
+  const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session,
+                               any_other ? Refusal([&](const CheckedModel& m) { return trials.refusal(m); }) : Refusal());
   if (!model) return model.error();
+  const auto trial = trials.of(*model);
+  if (!trial) return trial.error();
+  const Verdict& verdict = (*trial)->verdict;
   if (auto ok = session.stage("write"); !ok) return ok.error();
   std::string cloud_sha256;
   if (!reads_cloud) {
@@ -130,33 +209,27 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   }
   if (registers)
     if (auto ok = write_file(folder / "poses.json", poses_json(*placed, cloud_sha256)); !ok) return ok.error();
-  if (auto ok = write_file(folder / "model.json", write_model_json(**model)); !ok) return ok.error();
-  const auto scripts = emit_stage(*model, *backends, arguments.templates, folder, session);
+  if (auto ok = write_file(folder / "model.json", (*trial)->model); !ok) return ok.error();
+  const auto scripts = write_artifacts((*trial)->emitted.artifacts, folder);
   if (!scripts) return scripts.error();
-
-  if (auto ok = session.stage("verify"); !ok) return ok.error();
-  VerifyOptions options;
-  options.tolerance = tolerance.tolerance;
-  const auto verdict = verify(*scripts, *scan, **model, options, session.context);
-  if (!verdict) return verdict.error();
-  const std::string json = write_verdict_json(*verdict);
+  const std::string json = write_verdict_json(verdict);
   if (auto ok = write_file(folder / "verdict.json", json); !ok) return ok.error();
 
   if (auto ok = session.stage("report"); !ok) return ok.error();
   const std::optional<Model> reported = **model;
-  const auto scene = report_scene(reported, *verdict, scan->cloud, session.context);
+  const auto scene = report_scene(reported, verdict, scan->cloud, session.context);
   const auto pictures = draw_report(scene, session.context);
-  const auto page = report_page({name, reported, *verdict, scene, pictures, read_scripts(*scripts), {}, scan->warnings, session.version});
+  const auto page = report_page({name, reported, verdict, scene, pictures, read_scripts(*scripts), {}, scan->warnings, session.version});
   if (auto ok = write_file(folder / "report.html", page); !ok) return ok.error();
   session.finish_stage();
 
-  print_result(**model, *verdict, folder, session);
-  if (verdict->verdict == Outcome::out_of_tolerance) {
-    session.print(wider_hint(*verdict));
+  print_result(**model, verdict, folder, session);
+  if (verdict.verdict == Outcome::out_of_tolerance) {
+    session.print(wider_hint(verdict));
     session.print(scene_hint(arguments.scans.front(), session.options.units, *scan, session.context.threads));
   }
   session.print_json(json);
-  return exit_code_of(verdict->verdict);
+  return exit_code_of(verdict.verdict);
 }
 
 }  // namespace

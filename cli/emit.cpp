@@ -34,7 +34,10 @@ Result<int> run(const Options& given, Session& session) {
   if (!model) return model.error();
   if (auto ok = make_folder(folder); !ok) return ok.error();
   if (auto ok = session.stage("emit"); !ok) return ok.error();
-  const auto scripts = emit_stage(*model, *chosen, given.templates, folder, session);
+  const auto emitted = emit_all(*model, *chosen, given.templates, session);
+  if (!emitted) return emitted.error();
+  if (!emitted->failures.empty()) return bad_input(emitted->failures.front().file + " cannot be written: " + emitted->failures.front().reason);
+  const auto scripts = write_artifacts(emitted->artifacts, folder);
   if (!scripts) return scripts.error();
   session.finish_stage();
   for (const auto& script : *scripts) session.print("Wrote " + script.string() + "\n");

@@ -123,9 +123,12 @@ Result<Done> Session::stage(const std::string& name) {
 
 void Session::finish_stage() {
   if (stage_.empty()) return;
-  stages_.emplace_back(stage_, seconds_since(stage_begin_));
+  const double seconds = seconds_since(stage_begin_);
+  const auto known = std::find_if(stages_.begin(), stages_.end(), [&](const auto& s) { return s.first == stage_; });
+  if (known == stages_.end()) stages_.emplace_back(stage_, seconds);
+  else known->second += seconds;
   clear_bar();
-  log_line(stage_ + ": " + in_tenths(stages_.back().second) + " s");
+  log_line(stage_ + ": " + in_tenths(seconds) + " s");
   const std::lock_guard lock(mutex_);
   stage_.clear();
 }

@@ -15,25 +15,38 @@ constexpr const char* stem = "part";
 /// Files that stand beside a script.
 const std::vector<std::string> companions = {"prelude.scl", "partscribe.scad"};
 
+std::string file_of(const std::string& backend) {
+  for (const auto& b : backends())
+    if (b.name == backend) return stem + b.suffix;
+  return backend;
+}
+
 }  // namespace
 
 Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& name, const FitArguments& arguments,
-                               Session& session) {
+                               Session& session, const Refusal& refusal) {
+  // Only what changes the model: neither folders nor threads.
+  const auto stamped = [&](const CheckedModel& built) {
+    Model model = *built;
+    model.provenance.version = session.version;
+    model.provenance.options = "--tolerance " + print_number(tolerance) + " --name " + name;
+    if (!session.options.units.empty()) model.provenance.options += " --units " + session.options.units;
+    if (arguments.no_nominal) model.provenance.options += " --no-nominal";
+    if (!arguments.procedure.empty()) model.provenance.options += " --procedure " + arguments.procedure;
+    return checked(std::move(model), "the fitted model");
+  };
   BuildOptions options;
   options.tolerance = tolerance;
   options.name = name;
   options.nominal = !arguments.no_nominal;
   options.force = arguments.procedure;
-  auto built = build_model(scan, options, session.context);
-  if (!built) return built.error();
-  Model model = **built;
-  // Only what changes the model: neither folders nor threads.
-  model.provenance.version = session.version;
-  model.provenance.options = "--tolerance " + print_number(tolerance) + " --name " + name;
-  if (!session.options.units.empty()) model.provenance.options += " --units " + session.options.units;
-  if (arguments.no_nominal) model.provenance.options += " --no-nominal";
-  if (!arguments.procedure.empty()) model.provenance.options += " --procedure " + arguments.procedure;
-  return checked(std::move(model), "the fitted model");
+  if (refusal)
+    options.refusal = [&](const CheckedModel& model) -> Result<std::string> {
+      const auto whole = stamped(model);
+      return whole ? refusal(*whole) : Result<std::string>(whole.error());
+    };
+  const auto built = build_model(scan, options, session.context);
+  return built ? stamped(*built) : built;
 }
 
 Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names) {
@@ -58,18 +71,27 @@ std::vector<std::string> artifact_names() {
   return names;
 }
 
-Result<std::vector<Path>> emit_stage(const CheckedModel& model, const std::vector<std::string>& chosen,
-                                     const Path& templates, const Path& folder, Session& session) {
+Result<Emitted> emit_all(const CheckedModel& model, const std::vector<std::string>& chosen, const Path& templates,
+                         Session& session) {
   EmitOptions options;
   options.templates = templates;
   options.stem = stem;
-  std::vector<Artifact> artifacts;
-  for (const auto& backend : chosen) {
-    session.context.report(backend, static_cast<double>(artifacts.size()) / static_cast<double>(chosen.size()));
-    auto artifact = emit(model, backend, options, session.context);
-    if (!artifact) return artifact.error();
-    artifacts.push_back(std::move(*artifact));
+  Emitted emitted;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    session.context.report(chosen[i], double(i) / double(chosen.size()));
+    auto artifact = emit(model, chosen[i], options, session.context);
+    if (artifact) {
+      emitted.artifacts.push_back(std::move(*artifact));
+      continue;
+    }
+    // A user's templates are input, and their faults no model's.
+    if (artifact.error().kind == ErrorKind::stopped || !templates.empty()) return artifact.error();
+    emitted.failures.push_back({file_of(chosen[i]), chosen[i], artifact.error().message});
   }
+  return emitted;
+}
+
+Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts, const Path& folder) {
   for (const auto& name : artifact_names()) {
     std::error_code ignored;
     std::filesystem::remove(folder / name, ignored);

@@ -1,6 +1,7 @@
 /// The stages that `build` runs one after the other and that other commands run alone.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/files.h"
 #include "core/result.h"
 #include "geometry/point_cloud.h"
+#include "model/artifact.h"
 #include "model/check.h"
 #include "verify/verify.h"
 
@@ -21,9 +23,12 @@ struct FitArguments {
   std::string procedure;  ///< only this one; empty: the best
 };
 
+/// Says why a model is none, or nothing (BuildOptions::refusal).
+using Refusal = std::function<Result<std::string>(const CheckedModel&)>;
+
 /// build_model with the program's version and options in the provenance.
 Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& name, const FitArguments& arguments,
-                               Session& session);
+                               Session& session, const Refusal& refusal = {});
 
 /// The backends of --to in the program's order; empty names all. An unknown one is a usage error.
 Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names);
@@ -31,10 +36,25 @@ Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>&
 /// The names of all files that emitting may write: what must not be overwritten, and what --force removes.
 std::vector<std::string> artifact_names();
 
-/// Writes the artifacts into `folder`; returns the files to run, in the order of the backends. Files that an earlier
-/// run left for other backends are removed, so that all files of a folder belong together.
-Result<std::vector<Path>> emit_stage(const CheckedModel& model, const std::vector<std::string>& backends,
-                                     const Path& templates, const Path& folder, Session& session);
+/// A file that could not be written, because its format has no such body.
+struct Unwritten {
+  std::string file, backend, reason;
+};
+
+/// What became of a model in the formats that were asked for.
+struct Emitted {
+  std::vector<Artifact> artifacts;  ///< in the order of the backends
+  std::vector<Unwritten> failures;
+};
+
+/// Writes a model for each backend, in memory. An error is the world's (cancelled, templates that cannot be read); that a
+/// format has no such body is a failure.
+Result<Emitted> emit_all(const CheckedModel& model, const std::vector<std::string>& backends, const Path& templates,
+                         Session& session);
+
+/// Writes the artifacts into `folder`; returns the files to run, in the same order. Files that an earlier run left for
+/// other backends are removed, so that all files of a folder belong together.
+Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts, const Path& folder);
 
 /// Where each stage's seconds went, in one line.
 std::string seconds_line(const Session& session);

@@ -1,270 +1,19 @@
 #include "fit/build.h"
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <optional>
 
 #include "core/number.h"
-#include "fit/coverage.h"
-#include "fit/evidence.h"
-#include "fit/extrude.h"
-#include "fit/face_ends.h"
 #include "fit/fallback.h"
-#include "fit/fillet.h"
-#include "fit/half_spaces.h"
 #include "fit/prepare.h"
-#include "fit/quadrics.h"
-#include "fit/readmit.h"
-#include "fit/refine.h"
-#include "fit/revolve.h"
-#include "fit/ring.h"
 #include "fit/rivals.h"
-#include "fit/seen_through.h"
+#include "fit/search.h"
 #include "fit/strays.h"
-#include "fit/superellipsoid.h"
 #include "fit/tidy.h"
-#include "fit/torus_piece.h"
 #include "geometry/keep_points.h"
-#include "model/distance.h"
 
 namespace partscribe {
 namespace {
-
-/// A candidate after a first refinement, with what speaks for and against it.
-struct Judged {
-  Candidate candidate;
-  CandidateEvidence evidence;
-  Coverage coverage;
-  bool meets = false;
-  bool open = false;  ///< within tolerance, but refused for what was not seen of it or noise hides
-  std::string reason;
-};
-
-/// Its exact distance takes microseconds.
-bool is_slow(const Candidate& c) {
-  return std::holds_alternative<Superellipsoid>(c.shape) || std::holds_alternative<Supertoroid>(c.shape);
-}
-
-constexpr const char* bends_too_little = "bends too little to be told from a plane";
-
-/// A round body so much larger than the data that its wall is a plane to them.
-bool hardly_bends(const Candidate& c, double size) {
-  constexpr double times = 5;
-  const std::vector<Expr> radii = radii_of(c.shape);
-  const auto large = [&](const Expr& radius) {
-    return radius.is_parameter() && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
-             return p.name == radius.parameter && p.value > times * size;
-           });
-  };
-  return !radii.empty() && std::ranges::all_of(radii, large);
-}
-
-/// Of the walls of a shape, how many may be thinner than noise can tell. Bodies that run out in a tip have some; where a plate
-/// is that thin, two sheets share the noise of one face and follow it more closely than the truth.
-double most_thin(const Candidate& c) {
-  return std::holds_alternative<Extrude>(c.shape) || std::holds_alternative<Box>(c.shape) ? 0.12 : 0.3;
-}
-
-/// Of the points on a shape, how many may have been seen through it: strays beside it may, of a true shape 3 % where a third of all are strays.
-constexpr double most_through = 0.1;
-
-/// Welsch constants among strays, of the search and of the last steps: strays beside the surface draw less, and at 1.5 the
-/// error that noise alone makes grows by 8 % only. A search as narrow as that would stay where it starts.
-constexpr double narrow = 2, narrow_last = 1.5;
-
-double kernel_for(const Candidate& c, double among, const FitInput& input) {
-  return among_strays(input) && !hangs_on_slopes(c.shape) ? among : RefineOptions{}.welsch;
-}
-
-Judged judge(Candidate candidate, const FitInput& input, Context& context) {
-  Judged j;
-  auto senseless = [&] {
-    // Before and after: a refinement may leave the domain (a negative radius, a crossing profile).
-    if (!drawable(candidate)) {
-      j.reason = "makes no sense: its outline is none";
-      j.evidence.local_max = input.bounds.diagonal();
-      return true;
-    }
-    const auto outcome = check(bare_model(candidate));
-    const auto* complaints = std::get_if<Complaints>(&outcome);
-    if (!complaints) return false;
-    j.reason = "makes no sense: " + complaints->lines.front();
-    j.evidence.local_max = input.bounds.diagonal();
-    return true;
-  };
-  if (senseless()) {
-    j.candidate = std::move(candidate);
-    return j;
-  }
-  RefineOptions quick;
-  quick.points = is_slow(candidate) ? 1500 : 6000;
-  quick.iterations = 25;
-  quick.uncertainty = false;
-  quick.welsch = kernel_for(candidate, narrow, input);
-  quick.near = among_strays(input) && !is_slow(candidate) && evidence_of(candidate, input, context).local_max <= input.tolerance;
-  refine(candidate, input, quick, context);
-  if (senseless()) {
-    j.candidate = std::move(candidate);
-    return j;
-  }
-  j.evidence = evidence_of(candidate, input, context);
-  const bool within = j.evidence.local_max <= input.tolerance;
-  if (within) j.coverage = coverage_of(candidate, input, context);
-  const double through = within ? share_seen_through(candidate, input, context) : 0;
-  j.candidate = std::move(candidate);
-  if (!within)
-    j.reason = "deviates by " + millimetres(j.evidence.local_max, input.tolerance) + " at (" +
-               print_number(snapped(j.evidence.worst.x(), 0.1)) + ", " +
-               print_number(snapped(j.evidence.worst.y(), 0.1)) + ", " +
-               print_number(snapped(j.evidence.worst.z(), 0.1)) + ")";
-  else if (hardly_bends(j.candidate, input.bounds.diagonal()))
-    j.reason = bends_too_little;
-  else if (through > most_through)
-    j.reason = print_number(std::round(100 * through)) + " % of the points on it could be seen through it only";
-  else if (j.coverage.covered < 0.25)
-    j.open = true, j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
-  else if (j.coverage.contradicted > 0.001)
-    j.reason = print_number(snapped(100 * j.coverage.contradicted, 0.1)) + " % of its surface lies off the scanned mesh";
-  else if (!j.candidate.unseen.empty())
-    j.open = true, j.reason = j.candidate.unseen;
-  else if (j.coverage.thin > most_thin(j.candidate))
-    j.open = true, j.reason = print_number(std::round(100 * j.coverage.thin)) + " % of its walls are thinner than noise can tell";
-  else
-    j.meets = true;
-  return j;
-}
-
-/// Nats by which `a` explains better than `b` where their flat faces end. Among strays, where sparse points were set aside as well, that
-/// says little; nor does it outweigh much that either is ahead in everything else.
-double ends_told(const Judged& a, const Judged& b, const FitInput& input) {
-  constexpr double at_most = 200;
-  const auto flat = [](const Candidate& c) {
-    return std::holds_alternative<Box>(c.shape) || std::holds_alternative<Wedge>(c.shape) || std::holds_alternative<Extrude>(c.shape);
-  };
-  if (among_strays(input) || !flat(a.candidate) || !flat(b.candidate) || std::abs(b.evidence.total() - a.evidence.total()) > at_most) return 0;
-  return face_ends_told(a.candidate, b.candidate, input);
-}
-
-/// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
-/// everywhere (among strays, where noise alone brings a body of another kind closer, only to one that is off by more than
-/// noise), or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than the noise,
-/// be far more likely without the help of such points. Of equally long ones the closer is better. A body that ends where the points of
-/// its flat faces do is closer than one that needs a shadow there.
-bool pays(const Judged& a, const Judged& b, const FitInput& input) {
-  constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
-  const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
-  const double told = ends_told(a, b, input), gain = shorter.total() - longer.total() + told;
-  const double explained = double(shorter.unexplained) - double(longer.unexplained);
-  // What ends where the points of its faces do needs no shadow. That strays lie near a face too many says nothing for it.
-  if (told > 0 && gain - nats_per_stray * explained > 0 && explained > -few_points) return true;
-  if (!(gain > 0)) return false;
-  const bool same = a.candidate.procedure == b.candidate.procedure;
-  const bool off = same || !among_strays(input) || shorter.local_max > more_than_noise * input.sampling.sigma;
-  if (longer.description < shorter.description + 0.1 || (off && longer.local_max < clearly * shorter.local_max)) return true;
-  if (explained > worth_a_shape(input)) return true;
-  // The same in about as many words.
-  if (same && longer.description < shorter.description + a_number && gain > more_likely) return true;
-  // A hole of which a few points of its wall were seen: too few to be a body of another kind, too many for chance.
-  if (same && explained > few_points && gain > surely * far_more_likely(input)) return true;
-  const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
-  const double enough = same ? more_likely : far_more_likely(input);
-  return only_noise && gain - gained_by_strays(longer, shorter, input) > enough;
-}
-
-/// Of those that each were best until the next one paid, the last; but what the ends of faces say of three bodies may go round in a circle,
-/// so that one before pays against the last, which does not against that one. Then the last that is not clearly behind another.
-std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::size_t>& led, const FitInput& input) {
-  std::size_t best = led.back();
-  double least = INFINITY;
-  for (auto at = led.rbegin(); at != led.rend() && least > more_likely; ++at) {
-    double behind = 0;
-    for (const std::size_t other : led)
-      if (other != *at && pays(judged[other], judged[*at], input) && !pays(judged[*at], judged[other], input))
-        behind = std::max(behind, judged[*at].evidence.total() - judged[other].evidence.total() + ends_told(judged[other], judged[*at], input));
-    if (behind < least) best = *at, least = behind;
-  }
-  return best;
-}
-
-/// Of those from `first` on the shortest description that meets the tolerance comes first, unless a longer one pays. They are
-/// sorted by description.
-void put_best_first(std::vector<Judged>& judged, std::size_t first, const FitInput& input) {
-  std::vector<std::size_t> led{first};
-  for (std::size_t i = first + 1; i < judged.size() && judged[i].meets; ++i)
-    if (pays(judged[i], judged[led.back()], input)) led.push_back(i);
-  const std::size_t best = best_of(judged, led, input);
-  const auto begin = judged.begin();
-  if (best > first) std::rotate(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(best), begin + std::ptrdiff_t(best) + 1);
-}
-
-/// Why a rival that meets the tolerance is not the model.
-std::string why_not(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
-  const double told_apart = among_strays(input) ? more_likely : 6;  // nats of misfit; odds of 400 where strays do not bend both
-  const std::string by_size = told_apart_by(winner.candidate, rival.candidate, input, context);
-  if (!by_size.empty()) return by_size;
-  const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
-  const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
-  const bool everywhere = among_strays(input);
-  if (const std::string open = leaves_out_strays(w, r, input); !open.empty()) return open;
-  const std::string alike = winner.candidate.procedure == rival.candidate.procedure ? "" : hardly_told_apart(w, r, input);
-  if (r.description < w.description && alike.empty()) {
-    const double more = r.total() - w.total(), ends = ends_told(winner, rival, input);
-    if (more >= 0) return "shorter, but follows the data less closely: costs " + print_number(std::round(more)) + " nats more in all";
-    return "shorter, and costs " + print_number(std::round(-more)) + " nats less in all" +
-           (ends > 0 ? ", but goes on where the points of its faces end: " + print_number(std::round(ends)) + " nats against it"
-                     : " than the model as printed");
-  }
-  if (std::abs(r.misfit - w.misfit) < told_apart)
-    return "fits as well, takes " + longer + " to describe";
-  if (r.total() < w.total() && r.unexplained < w.unexplained)
-    return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) + " points that lie on it are strays";
-  if (!alike.empty()) return alike;
-  if (everywhere && r.total() < w.total())
-    return "the data cannot tell: costs " + print_number(std::round(w.total() - r.total())) + " nats less in all, as strays may have it";
-  return "describes the part in " + longer;
-}
-
-/// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
-std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
-  if (rival.reason.empty()) return why_not(winner, rival, input, context);
-  const double margin = among_strays(input) ? far_more_likely(input) : 0;
-  if (rival.open && rival.evidence.total() < winner.evidence.total() + margin) return "the data cannot tell: " + rival.reason;
-  std::string open = off_where_strays_are(winner.evidence, rival.evidence, input);
-  if (open.empty()) open = leaves_out_strays(winner.evidence, rival.evidence, input);
-  return open.empty() ? rival.reason : open + ", but " + rival.reason;
-}
-
-bool asked_for(const std::string& force, const Candidate& c) {
-  return force.empty() || force == c.procedure || force == kind_of(c.shape);
-}
-
-using Proposals = std::vector<Candidate>;
-
-/// A maker of candidates.
-struct Maker {
-  bool last_resort;  ///< its shapes serve as a description only where no procedure of the trade does
-  std::function<Proposals(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)> propose;
-};
-
-/// In the order in which their results are listed.
-const std::vector<Maker>& makers() {
-  using In = const FitInput&;
-  using Hypothesis = const SuperellipsoidFit&;
-  using Directions = const std::vector<Vec3>&;
-  static const std::vector<Maker> list = {
-      {false, [](In in, Hypothesis h, Directions, Context& c) { return propose_quadrics(in, h, c); }},
-      {false, [](In in, Hypothesis, Directions, Context& c) { return propose_polyhedra(in, c); }},
-      {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_revolves(in, d, c); }},
-      {false, [](In in, Hypothesis, Directions, Context&) { return propose_torus_piece(in); }},
-      {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_extrudes(in, d, c); }},
-      {false, [](In in, Hypothesis, Directions, Context& c) { return propose_fillets(in, c); }},
-      {true, [](In in, Hypothesis h, Directions, Context&) { return propose_superellipsoids(in, h); }},
-      {true, [](In in, Hypothesis, Directions d, Context& c) { return propose_rings(in, d, c); }},
-  };
-  return list;
-}
 
 Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOptions& options) {
   Provenance p;
@@ -286,290 +35,12 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
 
 double rounded(double v) { return v > 0 ? snapped(v, power_of_ten_below(v / 1000)) : 0; }
 
-/// What the makers proposed, what became of it, and the best as a model, if one meets the tolerance.
-struct Search {
-  SuperellipsoidFit hypothesis;
-  std::vector<Judged> judged;       ///< the best first
-  bool found = false;
-  std::size_t winner = 0;           ///< index into judged; their number if none was found
-  Model model;
-  CandidateEvidence evidence;       ///< of the winner as it will be printed
-  double covered = 0;
-};
-
-/// A ring that a torus or a turned part says better.
-bool is_round_ring(const Candidate& c) {
-  const auto* ring = std::get_if<Supertoroid>(&c.shape);
-  return ring && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
-           return ring->e2.is_parameter() && p.name == ring->e2.parameter && std::abs(p.value - 1) < 0.1;
-         });
-}
-
-/// True if the same was proposed before, in the same or other words.
-bool said_before(const Judged& j, const std::vector<Judged>& judged, double tolerance) {
-  const auto sorted_values = [](const Candidate& c) {
-    std::vector<double> values;
-    for (const Parameter& p : c.parameters) values.push_back(p.value);
-    std::ranges::sort(values);
-    return values;
-  };
-  const auto same_sizes = [&](const Candidate& a, const Candidate& b) {
-    return std::ranges::equal(sorted_values(a), sorted_values(b), [&](double x, double y) { return std::abs(x - y) < tolerance; });
-  };
-  return std::any_of(judged.begin(), judged.end(), [&](const Judged& known) {
-    return known.candidate.procedure == j.candidate.procedure && known.meets == j.meets &&
-           same_sizes(known.candidate, j.candidate) &&
-           std::abs(known.evidence.total() - j.evidence.total()) < 1 && std::abs(known.evidence.local_max - j.evidence.local_max) < tolerance / 50;
-  });
-}
-
-/// mm, from its surface; the largest number for one that makes no sense.
-double distance_to(const Candidate& candidate, const Vec3& p) {
-  if (!drawable(candidate) || std::holds_alternative<Complaints>(check(bare_model(candidate)))) return std::numeric_limits<double>::max();
-  return std::abs(ModelDistance(bare_model(candidate))(candidate.scan_from_part.inverse() * p).distance);
-}
-
-/// Asks the makers of one kind and judges what they propose.
-void consider_makers(Search& search, bool last_resort, const FitInput& input, const BuildOptions& options, Context& context) {
-  std::vector<Vec3> directions;
-  for (int k = 2; k >= 0; --k) directions.push_back(search.hypothesis.scan_from_shape.rotation.col(k));
-  for (const auto& maker : makers()) {
-    if (maker.last_resort != last_resort) continue;
-    for (auto& candidate : maker.propose(input, search.hypothesis, directions, context)) {
-      if (context.cancelled) return;
-      if (!asked_for(options.force, candidate) || (search.found && is_round_ring(candidate))) continue;
-      const auto otherwise = candidate.otherwise;
-      Judged j = judge(std::move(candidate), input, context);
-      const auto reaches_worst = [&](const Candidate& c) { return distance_to(c, j.evidence.worst) < input.tolerance; };
-      if (otherwise && !j.meets && reaches_worst(*otherwise) && !reaches_worst(j.candidate))
-        if (Judged other = judge(*otherwise, input, context); other.meets) j = std::move(other);
-      context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
-                  ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
-      if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
-    }
-  }
-  // Those that meet the tolerance by length of description, then the others by deviation.
-  std::stable_sort(search.judged.begin(), search.judged.end(), [](const Judged& a, const Judged& b) {
-    if (a.meets != b.meets) return a.meets;
-    return a.meets ? a.evidence.description < b.evidence.description : a.evidence.local_max < b.evidence.local_max;
-  });
-  put_best_first(search.judged, 0, input);
-}
-
-/// Refined with all points. A length that then turns out to have hardly any, and no limit, stays where the search, which met no
-/// strays beside it, saw the data end: those few would move it across points of other faces.
-RefineReport make_exact(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
-  Candidate held = candidate;
-  RefineReport report = refine_with_strays_near(candidate, input, options, context);
-  for (const Parameter& p : candidate.parameters) {
-    const bool unlimited = std::find(report.unlimited.begin(), report.unlimited.end(), p.name) != report.unlimited.end();
-    const bool is_held = std::any_of(held.held.begin(), held.held.end(), [&](const HeldParameter& h) { return h.name == p.name; });
-    if (p.quantity == Quantity::length && p.points < hardly_any_points && unlimited && !is_held) held.held.push_back({p.name, p.sigma});
-  }
-  if (held.held.size() == candidate.held.size() || context.cancelled) return report;
-  candidate = std::move(held);
-  return refine_with_strays_near(candidate, input, options, context);
-}
-
-/// Says of lengths that are open, or that hardly a point speaks about, where they come from.
-void name_unseen(Candidate& candidate, const std::vector<std::string>& open, const FitInput& input) {
-  constexpr double on_any_face = 0.05;  // share of the strays
-  const double strays = input.stray_share * double(input.cloud.size());
-  for (auto& p : candidate.parameters) {
-    const double points = double(p.points);
-    if (p.quantity != Quantity::length || p.note.find("not scanned") != std::string::npos) continue;
-    if (points < hardly_any_points || std::find(open.begin(), open.end(), p.name) != open.end()) p.note += "; its face was not scanned, the data end there";
-    else if (points < hardly_any_points + on_any_face * strays) p.note += "; its face was not scanned or hardly, " + print_number(points) + " points may be strays";
-  }
-}
-
-/// Where the one that says the same as a refined candidate in fewer numbers, as far as its sigmas tell, stands in the list
-/// behind it; the list's size if none meets the tolerance or if it is far less likely.
-std::size_t simpler_than(const std::vector<Judged>& judged, std::size_t at, const Candidate& refined, const FitInput& input) {
-  const std::string kind = simpler_kind(refined);
-  for (std::size_t i = at + 1; i < judged.size() && !kind.empty(); ++i)
-    if (judged[i].meets && kind_of(judged[i].candidate.shape) == kind &&
-        judged[i].evidence.total() - judged[at].evidence.total() < far_more_likely(input))
-      return i;
-  return judged.size();
-}
-
-/// True if it is far off somewhere itself, and another of the same procedure costs less and is refused only for a place where
-/// strays may be: then what won follows strays, with numbers that are not the part's.
-bool bent_by_strays(const Search& search, std::size_t at, const FitInput& input) {
-  constexpr double far_off = 0.6;
-  const Judged& winner = search.judged[at];
-  if (!(winner.evidence.local_max > far_off * input.tolerance)) return false;
-  return std::any_of(search.judged.begin(), search.judged.end(), [&](const Judged& j) {
-    const bool same = j.candidate.procedure == winner.candidate.procedure;
-    return !j.meets && same && !off_where_strays_are(winner.evidence, j.evidence, input).empty();
-  });
-}
-
-/// Refuses one that follows the data, but whose numbers they do not fix. Among strays those that follow them far less closely are none in its
-/// place.
-void refuse(Search& search, std::size_t at, const std::string& reason, const FitInput& input) {
-  Judged& refused = search.judged[at];
-  refused.meets = false, refused.open = true, refused.reason = reason;
-  const auto next = search.judged.begin() + static_cast<std::ptrdiff_t>(at) + 1;
-  for (auto j = next; j != search.judged.end() && among_strays(input); ++j)
-    if (j->meets && j->evidence.total() > refused.evidence.total() + far_more_likely(input))
-      j->meets = false, j->reason = "follows the data far less closely than a shape whose numbers they do not fix";
-  std::stable_partition(next, search.judged.end(), [](const Judged& j) { return j.meets; });
-  put_best_first(search.judged, at + 1, input);
-}
-
-/// What became of the best candidate.
-struct Printed {
-  std::size_t winner = 0;
-  Model model;
-  CandidateEvidence evidence;
-  double covered = 0;
-};
-
-/// Among strays the last steps, to which what lies beside the surface says less, may lead elsewhere than the search did: to what costs more than
-/// another of the same procedure. Moves that one behind it; false if there is none.
-bool puts_cheaper_next(Search& search, const FitInput& input) {
-  if (!among_strays(input)) return false;
-  const std::size_t at = search.winner;
-  const auto& judged = search.judged;
-  std::size_t cheapest = judged.size();
-  for (std::size_t i = at + 1; i < judged.size() && judged[i].meets; ++i)
-    if (judged[i].candidate.procedure == judged[at].candidate.procedure && judged[i].evidence.total() + more_likely < search.evidence.total() &&
-        (cheapest == judged.size() || judged[i].evidence.total() < judged[cheapest].evidence.total()))
-      cheapest = i;
-  if (cheapest == judged.size()) return false;
-  const auto next = search.judged.begin() + static_cast<std::ptrdiff_t>(at) + 1, other = search.judged.begin() + static_cast<std::ptrdiff_t>(cheapest);
-  std::rotate(next, other, other + 1);
-  return true;
-}
-
-/// Why one that was made exact is none, whatever it follows; else empty.
-std::string numbers_unknown(const Candidate& exact, const FitInput& input) {
-  if (hardly_bends(exact, input.bounds.diagonal())) return bends_too_little;
-  const std::string radius = unknown_radius(exact);
-  return radius.empty() ? unknown_wall(exact) : radius;
-}
-
-/// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
-void choose(Search& search, const FitInput& input, const BuildOptions& options, Context& context) {
-  context.report("refine", 0.6);
-  search.winner = search.judged.size(), search.found = false;
-  std::optional<Printed> dearer;  // unless the next costs more
-  for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets; ++i) {
-    if (bent_by_strays(search, i, input)) {
-      search.judged[i].meets = false, search.judged[i].reason = "costs more than another that strays keep from being within tolerance";
-      break;  // the next would follow them as well
-    }
-    Candidate exact = search.judged[i].candidate;
-    RefineOptions full;
-    full.points = is_slow(exact) ? 2000 : 30000;
-    full.near = among_strays(input);
-    full.welsch = kernel_for(exact, narrow_last, input);
-    RefineReport report = make_exact(exact, input, full, context);
-    if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
-      const auto first = search.judged.begin() + static_cast<std::ptrdiff_t>(i), other = search.judged.begin() + static_cast<std::ptrdiff_t>(simpler);
-      std::rotate(first, other, other + 1);
-      exact = search.judged[i].candidate;
-      full.welsch = kernel_for(exact, narrow_last, input);
-      report = make_exact(exact, input, full, context);
-    }
-    if (const std::string unknown = numbers_unknown(exact, input); !unknown.empty()) {
-      refuse(search, i, unknown, input);
-      continue;
-    }
-    name_unseen(exact, report.unlimited, input);
-    for (const bool nominal : {true, false}) {
-      if (nominal && !options.nominal) continue;
-      Candidate tidy = exact;
-      snap_parameters(tidy, {options.tolerance, input.bounds.diagonal(), nominal});
-      // Round numbers shift what hangs on them: let the rest settle around them once more.
-      Candidate settled = tidy;
-      RefineOptions rest;
-      rest.points = 6000, rest.iterations = 8, rest.uncertainty = false;
-      rest.near = full.near, rest.welsch = full.welsch;
-      for (const auto& p : tidy.parameters) rest.fixed.push_back(p.name);
-      refine(settled, input, rest, context);
-      tidy.scan_from_part = settled.scan_from_part;
-      Model proposal = model_of(tidy, input);
-      if (std::holds_alternative<Complaints>(check(proposal))) continue;
-      Candidate as_printed = tidy;
-      as_printed.scan_from_part = evaluate(proposal.scan_from_part, values_of(proposal));
-      search.evidence = evidence_of(as_printed, input, context);
-      if (search.evidence.local_max > options.tolerance) continue;
-      search.covered = coverage_of(as_printed, input, context).covered;
-      search.model = std::move(proposal);
-      search.found = true;
-      search.winner = i;
-      break;
-    }
-    if (search.found && !dearer && puts_cheaper_next(search, input)) {
-      dearer = Printed{i, std::move(search.model), search.evidence, search.covered};
-      search.found = false;
-      continue;
-    }
-    if (search.found || dearer) break;
-    search.judged[i].meets = false, search.judged[i].reason = "left the tolerance when its numbers were rounded for print";
-    put_best_first(search.judged, i + 1, input);
-  }
-  if (dearer && !(search.found && search.evidence.total() < dearer->evidence.total())) {
-    search.winner = dearer->winner, search.model = std::move(dearer->model), search.evidence = dearer->evidence, search.covered = dearer->covered;
-    search.found = true;
-  }
-}
-
-/// True if what was found follows the data only roughly, by many flat faces, by straight walls or by a round form: a body with
-/// rounded corners, or a ring with such, may do better.
-bool is_rough(const Search& search, const FitInput& input) {
-  constexpr std::size_t many_faces = 9, some_faces = 7;
-  constexpr double rough = 0.31, rough_among_strays = 0.4;  // nats per point; 0.25 where there is only noise
-  constexpr double off_among_strays = 1;  // sigma: of the largest local deviation; the truth of three hard plates has 0.8 to 1
-  const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
-  const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
-  if (!search.found) return false;
-  const Shape& shape = search.judged[search.winner].candidate.shape;
-  const auto* body = std::get_if<HalfSpaces>(&shape);
-  const CandidateEvidence& e = search.evidence;
-  const double misfit = (e.misfit - nats_per_stray * double(e.unexplained)) / double(input.cloud.size());
-  if (body && body->planes.size() >= some_faces && facets == 0 && misfit > rough) return true;
-  const bool flat = body || std::holds_alternative<Box>(shape) || std::holds_alternative<Wedge>(shape);
-  const bool plate = std::holds_alternative<Extrude>(shape);
-  if (among_strays(input)) {
-    // Flat faces cut the corners off a rounded block within the tolerance, and straight walls pass through a ring's section.
-    if (flat && misfit > rough_among_strays) return true;
-    if ((flat || plate) && e.local_max > off_among_strays * input.sampling.sigma) return true;
-  }
-  if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
-  return body ? body->planes.size() >= many_faces
-              : plate || std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) ||
-                    std::holds_alternative<Ellipsoid>(shape);
-}
-
 /// A scan, with or without its strays, and what was found in it.
 struct Attempt {
   FitInput input;
   std::vector<std::uint8_t> rejected;  ///< of the scan's points
-  Search search;
+  ProcedureSearch search;
 };
-
-/// Asked for by this name a triangulation needs no search: it is what is left where nothing was found.
-constexpr const char* only_a_mesh = "triangulation";
-
-/// Procedures of the trade first; superellipsoid and supertoroid serve as a last resort.
-void search_procedure(Attempt& attempt, bool last_resort, const BuildOptions& options, Context& context) {
-  auto& [input, rejected, search] = attempt;
-  if (!last_resort) {
-    context.report("hypothesis", 0.15);
-    search.hypothesis = recover_superellipsoid(input.cloud.points, context, input.cloud.normals);
-    context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
-  }
-  if (options.force == only_a_mesh) return;
-  context.report("candidates", 0.25);
-  const std::size_t known = search.judged.size();
-  consider_makers(search, last_resort, input, options, context);
-  if (search.found && search.judged.size() == known) return;  // nothing to choose from anew
-  if (!context.cancelled) choose(search, input, options, context);
-}
 
 /// The scan without its strays. The planes that tell them from surfaces also give better normals and
 /// noise than neighbourhoods that hold them.
@@ -602,93 +73,172 @@ std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context&
   return Attempt{std::move(input), std::move(rejected), {}};
 }
 
+Rival rival_of(const Judged& j, const CandidateEvidence& evidence, const std::string& reason) {
+  return {j.candidate.procedure, j.meets, rounded(evidence.local_max), std::round(evidence.total()), reason};
+}
+
+/// A model's last touches: where it comes from, what speaks for it, what else was considered. `refused` are named first.
+Result<CheckedModel> finished(Model model, const CandidateEvidence& found, double covered, const Attempt& attempt,
+                              const std::vector<Rival>& refused, const Scan& scan, const BuildOptions& options,
+                              Context& context) {
+  const auto& [input, rejected, search] = attempt;
+  model.name = options.name;
+  model.provenance = provenance_of(scan, input, options);
+  model.hypothesis = search.hypothesis.hypothesis;
+  Evidence& evidence = model.objects.back().evidence;
+  evidence.points = input.cloud.size();
+  evidence.rms = rounded(found.rms);
+  evidence.max = rounded(found.local_max);
+  evidence.covered = snapped(covered, 0.001);
+  evidence.views = static_cast<int>(scan.views.size());
+  const auto& judged = search.judged;
+  const Judged* winner = search.found ? &judged[search.winner] : nullptr;
+  for (const Judged& j : judged) {
+    if (&j == winner || j.refused) continue;
+    model.rivals.push_back(rival_of(j, j.evidence, winner ? reason_of(*winner, j, input, context) : j.reason));
+  }
+  model.rivals = worth_naming(std::move(model.rivals));
+  const auto put_first = [&](Rival rival) {
+    if (!rival.reason.empty()) model.rivals.insert(model.rivals.begin(), std::move(rival));
+  };
+  if (winner) {
+    const double cost = winner->evidence.total(), off = rounded(found.local_max);
+    // A bent sheet is closer to the data than the winner: its numbers are the most that can be said.
+    put_first({"cylinder", true, off, std::round(cost), bent_sheet(winner->candidate, input)});
+    put_first({"convex polyhedron", false, off, std::round(cost),
+               open_polyhedron(winner->candidate, cost, input, context)});
+  }
+  for (auto rival = refused.rbegin(); rival != refused.rend(); ++rival) put_first(*rival);
+  return checked(std::move(model), "the fitted model");
+}
+
+/// The triangulation of an attempt's points.
+Result<CheckedModel> triangulated(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
+                                  const BuildOptions& options, Context& context) {
+  context.report("triangulation", 0.7);
+  const auto fallback = fallback_of(attempt.input, context);
+  if (!fallback) return fallback.error();
+  Model model = model_of(fallback->mesh, attempt.input);
+  const Vec3 shift = fallback->mesh.scan_from_part.translation;
+  model.scan_from_part = {};
+  model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
+  model.fallback = options.force != only_a_mesh;
+  const double covered = coverage_of(fallback->mesh, attempt.input, context).covered;
+  return finished(std::move(model), fallback->evidence, covered, attempt, refused, scan, options, context);
+}
+
+/// The models of a scan that were offered, one after the other, and what was said of them.
+class Offers {
+ public:
+  Offers(Scan& scan, const BuildOptions& options, Context& context) : scan_(scan), options_(options), context_(context) {}
+
+  /// Offers what was found in an attempt, and for as long as that is refused the next best. True if one was taken.
+  Result<bool> take(Attempt& attempt) {
+    ProcedureSearch& search = attempt.search;
+    while (search.found && !context_.cancelled) {
+      scan_.cloud.rejected = attempt.rejected;
+      auto model = finished(search.model, search.evidence, search.covered, attempt, refused_, scan_, options_, context_);
+      if (!model) return model.error();
+      auto reason = offer(std::move(*model));
+      if (!reason) return reason.error();
+      if (reason->empty()) return true;
+      *reason = "refused: " + *reason;
+      refused_.push_back(rival_of(search.judged[search.winner], search.evidence, *reason));
+      if (enough()) search.found = false;
+      else choose_another(search, *reason, attempt.input, options_, context_);
+    }
+    return false;
+  }
+
+  /// Why the model is not taken; empty if it is the answer.
+  Result<std::string> offer(CheckedModel model) {
+    auto reason = options_.refusal ? options_.refusal(model) : Result<std::string>(std::string());
+    if (!reason) return reason;
+    if (reason->empty()) {
+      answer_ = std::move(model);
+    } else if (!first_) {
+      first_ = std::move(model);
+      first_rejected_ = scan_.cloud.rejected;
+    }
+    return reason;
+  }
+
+  /// Each costs a verdict: a part that so many procedures miss is none of theirs.
+  bool enough() const { return refused_.size() >= 3; }
+  const std::vector<Rival>& refused() const { return refused_; }
+
+  /// What was taken; else what was offered first, which says most about the part.
+  CheckedModel answer() {
+    if (answer_) return std::move(*answer_);
+    ensure(first_.has_value(), "a build that offered no model");
+    scan_.cloud.rejected = first_rejected_;
+    return std::move(*first_);
+  }
+
+ private:
+  Scan& scan_;
+  const BuildOptions& options_;
+  Context& context_;
+  std::optional<CheckedModel> answer_, first_;
+  std::vector<std::uint8_t> first_rejected_;
+  std::vector<Rival> refused_;
+};
+
 }  // namespace
 
 Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context) {
   context.report("normals", 0.0);
   auto prepared = prepare(scan, options.tolerance, context);
   if (!prepared) return prepared.error();
-  FitInput input = std::move(*prepared);
+  const FitInput input = std::move(*prepared);
   // Strays keep procedures away, or bend them; but telling them from surfaces takes time and costs small and strongly bent
   // faces. A scan of which many points were rejected holds more of them; any other has its turn as it is.
   constexpr double many = 0.005;
   const bool littered = double(input.sampling.rejected) > many * double(scan.cloud.size());
   const std::vector<std::uint8_t> rejected = scan.cloud.rejected;
   std::vector<Attempt> attempts;
-  std::optional<std::size_t> answering;
-  const auto found_in = [&](Attempt& a, bool last_resort) {
+  Offers offers(scan, options, context);
+  const auto search = [&](Attempt& a, bool last_resort) {
     scan.cloud.rejected = a.rejected;
-    search_procedure(a, last_resort, options, context);
-    if (a.search.found) answering = static_cast<std::size_t>(&a - attempts.data());
-    return a.search.found || context.cancelled;
+    search_procedure(a.search, last_resort, a.input, options, context);
   };
+  const auto done = [&](const Result<bool>& taken) { return !taken || *taken || context.cancelled || offers.enough(); };
+  Result<bool> taken = false;
   for (const bool without : {littered, !littered}) {
     auto next = without ? without_strays(scan, input, context) : std::optional(Attempt{input, rejected, {}});
     if (!next) continue;
     if (!attempts.empty() && !without) next->input.strays_left = attempts.front().input.stray_share;
     attempts.push_back(std::move(*next));
-    if (!found_in(attempts.back(), false)) continue;
-    if (!context.cancelled && is_rough(attempts.back().search, attempts.back().input)) found_in(attempts.back(), true);
-    break;
+    Attempt& attempt = attempts.back();
+    search(attempt, false);
+    if (!context.cancelled && is_rough(attempt.search, attempt.input)) search(attempt, true);
+    if (done(taken = offers.take(attempt))) break;
   }
-  for (auto& a : attempts)
-    if (!answering && !context.cancelled && found_in(a, true)) break;
+  for (auto& a : attempts) {
+    if (done(taken)) break;
+    search(a, true);
+    taken = offers.take(a);
+  }
   if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+  if (!taken) return taken.error();
   // Where nothing was found the scan is taken as it is, unless many points were rejected and strays are a good part of the others.
-  const std::size_t as_it_is = attempts.size() == 2 && littered && !among_strays(attempts[0].input) ? 1 : 0;
-  const std::size_t chosen = answering.value_or(as_it_is);
-  scan.cloud.rejected = attempts[chosen].rejected;
-  input = std::move(attempts[chosen].input);
-  const auto& [hypothesis, judged, found, winner, found_model, found_evidence, found_covered] = attempts[chosen].search;
-  Model model = found_model;
-  CandidateEvidence final_evidence = found_evidence;
-  double final_covered = found_covered;
-
-  if (!found && !options.triangulate) {
-    std::string best = judged.empty() ? "none was proposed" : "nearest: " + judged[0].candidate.procedure + ", " + judged[0].reason;
+  const Attempt& rest = attempts[attempts.size() == 2 && littered && !among_strays(attempts[0].input) ? 1 : 0];
+  if (!*taken && !options.triangulate) {
+    const auto& judged = rest.search.judged;
+    const std::string best = judged.empty() ? "none was proposed" : "nearest: " + judged[0].candidate.procedure + ", " + judged[0].reason;
     return bad_input((scan.files.empty() ? "scan" : scan.files[0]) +
                      ": expected a procedure within tolerance of the data, found none (" + best + ")");
   }
-  if (!found) {
-    context.report("triangulation", 0.7);
-    auto fallback = fallback_of(input, context);
-    if (!fallback) return fallback.error();
-    final_evidence = fallback->evidence;
-    final_covered = coverage_of(fallback->mesh, input, context).covered;
-    model = model_of(fallback->mesh, input);
-    model.scan_from_part = {};
-    const Vec3 shift = fallback->mesh.scan_from_part.translation;
-    model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
-    model.fallback = options.force != only_a_mesh;
-  }
-  model.name = options.name;
-  model.provenance = provenance_of(scan, input, options);
-  model.hypothesis = hypothesis.hypothesis;
-  Evidence& evidence = model.objects.back().evidence;
-  evidence.points = input.cloud.size();
-  evidence.rms = rounded(final_evidence.rms);
-  evidence.max = rounded(final_evidence.local_max);
-  evidence.covered = snapped(final_covered, 0.001);
-  evidence.views = static_cast<int>(scan.views.size());
-  for (std::size_t i = 0; i < judged.size(); ++i) {
-    if (i == winner) continue;
-    const auto& j = judged[i];
-    const std::string reason = winner < judged.size() ? reason_of(judged[winner], j, input, context) : j.reason;
-    model.rivals.push_back(
-        {j.candidate.procedure, j.meets, rounded(j.evidence.local_max), std::round(j.evidence.total()), reason});
-  }
-  model.rivals = worth_naming(std::move(model.rivals));
-  if (winner < judged.size()) {
-    const auto put_first = [&](const char* procedure, bool meets, const std::string& reason) {
-      if (!reason.empty())
-        model.rivals.insert(model.rivals.begin(), {procedure, meets, rounded(final_evidence.local_max), std::round(judged[winner].evidence.total()), reason});
-    };
-    // A bent sheet is closer to the data than the winner: its numbers are the most that can be said.
-    put_first("cylinder", true, bent_sheet(judged[winner].candidate, input));
-    put_first("convex polyhedron", false, open_polyhedron(judged[winner].candidate, judged[winner].evidence.total(), input, context));
+  if (!*taken) {
+    scan.cloud.rejected = rest.rejected;
+    auto mesh = triangulated(rest, offers.refused(), scan, options, context);
+    // Where a triangulation fails as well, a procedure that was refused says more than no model.
+    if (!mesh && (offers.refused().empty() || mesh.error().kind == ErrorKind::stopped)) return mesh.error();
+    if (mesh)
+      if (const auto offered = offers.offer(std::move(*mesh)); !offered) return offered.error();
   }
   context.report("fitted", 1.0);
-  return checked(std::move(model), "the fitted model");
+  return offers.answer();
 }
 
 }  // namespace partscribe

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -231,4 +232,49 @@ TEST_CASE("build: forcing a procedure changes the script") {
   CHECK(kind(**mesh) == "tri_surface");
   CHECK_FALSE((*mesh)->fallback);
   CHECK((*mesh)->rivals.empty());
+}
+
+namespace {
+
+/// Builds a box's scan and refuses what `refuses` names.
+Model built_unless(const std::function<bool(const Model&)>& refuses) {
+  Scan scan = test::sampled(placed(test::model_with(Box{30, 20, 10}), {0, 0, 0}, {0, 0, 0}), {.points = 6000});
+  Context context;
+  BuildOptions options;
+  options.refusal = [&](const CheckedModel& m) { return Result<std::string>(refuses(*m) ? "it will not do" : ""); };
+  const auto model = build_model(scan, options, context);
+  REQUIRE(model.ok());
+  return **model;
+}
+
+}  // namespace
+
+TEST_CASE("build: what is refused after the fit gives way to the next, and is named with the reason") {
+  const Model next = built_unless([](const Model& m) { return kind(m) == "box"; });
+  CHECK(kind(next) != "box");
+  CHECK_FALSE(next.fallback);
+  REQUIRE_FALSE(next.rivals.empty());
+  CHECK(next.rivals.front().procedure == "box");
+  CHECK(next.rivals.front().reason == "refused: it will not do");
+}
+
+TEST_CASE("build: where every procedure is refused a triangulation is the answer") {
+  const Model mesh = built_unless([](const Model& m) { return kind(m) != "tri_surface"; });
+  CHECK(kind(mesh) == "tri_surface");
+  CHECK(mesh.fallback);
+  CHECK(mesh.rivals.front().reason == "refused: it will not do");
+}
+
+TEST_CASE("build: where everything is refused the first model is the answer") {
+  CHECK(kind(built_unless([](const Model&) { return true; })) == "box");
+}
+
+TEST_CASE("build: what was asked after the fit and failed ends the build") {
+  Scan scan = test::sampled(placed(test::model_with(Sphere{10}), {0, 0, 0}, {0, 0, 0}), {.points = 2000});
+  Context context;
+  BuildOptions options;
+  options.refusal = [](const CheckedModel&) { return Result<std::string>(Error{"no space", ErrorKind::stopped}); };
+  const auto model = build_model(scan, options, context);
+  REQUIRE_FALSE(model.ok());
+  CHECK(model.error().message == "no space");
 }
