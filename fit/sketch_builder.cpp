@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "core/number.h"
+#include "fit/sketch_layout.h"
+#include "fit/sketch_names.h"
 #include "fit/sketch_pieces.h"
 
 namespace partscribe {
@@ -16,64 +18,36 @@ using Level = SketchLevel;
 
 class Builder {
  public:
-  Builder(std::vector<LoopPieces> loops, const SketchOptions& options) : loops_(std::move(loops)), o_(options) {
-    same_ = o_.tolerance / 5;
-  }
+  Builder(std::vector<LoopPieces> loops, const SketchOptions& options)
+      : loops_(std::move(loops)), o_(options), same_(options.tolerance / 5), numbers_(same_) {}
 
   BuiltSketch build() {
-    origin_ = sketch_origin(loops_, o_);
-    // The origin has coordinates of its own; on a revolve x = 0 is the axis.
-    for (auto& known : known_) known.emplace_back(0.0, Expr(0));
+    const SketchOrigin origin = sketch_origin(loops_, o_);
+    origin_ = origin.place;
     for (const auto& loop : loops_) pieces_.push_back(sketch_pieces(loop, origin_, o_));
     for (auto& pieces : pieces_) find_levels(pieces, levels_, same_);
+    if (!o_.revolve) place_by_sizes(numbers_, levels_, pieces_, origin.middle);
     for (std::size_t l = 0; l < pieces_.size(); ++l) mark_tangents(pieces_[l], loops_[l].axis_to_axis);
     for (std::size_t l = 0; l < pieces_.size(); ++l) solve_arcs(pieces_[l], loops_[l].axis_to_axis);
     for (std::size_t l = 0; l < pieces_.size(); ++l) emit(pieces_[l], loops_[l]);
-    name_parameters();
+    result_.parameters = std::move(numbers_.parameters);
+    name_parameters(result_, numbers_.slots, levels_, pieces_, o_);
     result_.origin = origin_;
     return std::move(result_);
   }
 
  private:
-  // ---- parameters: provisional names "#3", roles decide the final ones --------------------------------------------
-
-  struct Slot {
-    std::string role;  // final name without a number
-    std::string note;
-  };
+  // ---- numbers -----------------------------------------------------------------------------------------------------
 
   Expr parameter(double value, Quantity quantity, std::string role, std::string note) {
-    Parameter p;
-    p.name = "#" + std::to_string(result_.parameters.size());
-    p.quantity = quantity;
-    p.value = p.fitted = value;
-    result_.parameters.push_back(p);
-    slots_.push_back({std::move(role), std::move(note)});
-    return Expr::of(p.name);
+    return numbers_.parameter(value, quantity, std::move(role), std::move(note));
   }
-
-  double value(const Expr& e) const {
-    Values v;
-    for (const auto& p : result_.parameters) v[p.name] = p.value;
-    return evaluate(e, v);
-  }
-
-  /// One coordinate along an axis (0: x, 1: y): an equal one that exists already, or a new parameter.
+  double value(const Expr& e) const { return numbers_.value(e); }
   Expr coordinate(int axis, double v, const std::string& role, const std::string& note) {
-    for (const auto& known : known_[axis])
-      if (std::abs(known.first - v) < same_) return known.second;
-    Expr e = parameter(v, Quantity::length, role, note);
-    known_[axis].emplace_back(v, e);
-    return e;
+    return numbers_.coordinate(axis, v, role, note);
   }
 
-  Expr radius(double v, const std::string& role, const std::string& note) {
-    for (const auto& known : radii_)
-      if (std::abs(known.first - v) < same_) return known.second;
-    Expr e = parameter(v, Quantity::length, role, note);
-    radii_.emplace_back(v, e);
-    return e;
-  }
+  Expr radius(double v, const std::string& role, const std::string& note) { return numbers_.shared(radii_, v, role, note); }
 
   // ---- levels ------------------------------------------------------------------------------------------------------
 
@@ -248,33 +222,28 @@ class Builder {
       const auto key = std::make_pair(low, high);
       auto& center = axis == 0 ? cx : cy;
       auto unknown = [&](int level) {
-        return !levels_[level].set && std::none_of(known_[axis].begin(), known_[axis].end(), [&](const auto& k) {
-          return std::abs(k.first - levels_[level].value) < same_;
-        });
+        return !levels_[level].set && !numbers_.knows(axis, levels_[level].value);
       };
       const double middle = (levels_[low].value + levels_[high].value) / 2;
-      const auto datum = std::find_if(known_[axis].begin(), known_[axis].end(),
-                                      [&](const auto& k) { return std::abs(k.first - middle) < same_; });
+      const std::optional<Expr> datum = numbers_.known(axis, middle);
       if (const auto found = half_widths_.find(key); found != half_widths_.end()) {
         a.r = found->second.first;
         center = found->second.second;
-      } else if (unknown(low) && unknown(high) && datum != known_[axis].end()) {
+      } else if (unknown(low) && unknown(high) && datum) {
         // Both edges lie half a width from a place that has a name already.
-        const Expr place = datum->second;
+        const Expr place = *datum;
         a.r = radius((levels_[high].value - levels_[low].value) / 2, "end_radius", "radius of the round end");
         for (const auto& [level, at] : {std::pair{low, place - a.r}, std::pair{high, place + a.r}}) {
           levels_[level].expr = at;
           levels_[level].set = true;
-          known_[axis].emplace_back(levels_[level].value, at);
+          numbers_.know(axis, levels_[level].value, at);
         }
         center = place;
-      } else if (!levels_[high].set && std::none_of(known_[axis].begin(), known_[axis].end(), [&](const auto& k) {
-                   return std::abs(k.first - levels_[high].value) < same_;
-                 })) {
+      } else if (unknown(high)) {
         a.r = radius((levels_[high].value - levels_[low].value) / 2, "end_radius", "radius of the round end");
         levels_[high].expr = level_expr(low) + Expr(2) * a.r;
         levels_[high].set = true;
-        known_[axis].emplace_back(levels_[high].value, levels_[high].expr);
+        numbers_.know(axis, levels_[high].value, levels_[high].expr);
       } else {
         a.r = (level_expr(high) - level_expr(low)) / Expr(2);
       }
@@ -574,108 +543,15 @@ class Builder {
     add_point(loop, *x, *y, edge);
   }
 
-  // ---- names
-  // ------------------------------------------------------------------------------------------------------------
-
-  void rename_roles() {
-    // Roles that depend on all levels together.
-    double top = -1e300;
-    std::size_t top_slot = 0;
-    std::vector<std::pair<const Level*, std::size_t>> walls;
-    for (const auto& level : levels_) {
-      if (!level.set || !level.expr.is_parameter()) continue;
-      const std::size_t slot = std::stoul(level.expr.parameter.substr(1));
-      if (o_.revolve && level.axis == 1 && level.value > top) top = level.value, top_slot = slot;
-      if (o_.revolve && level.axis == 0 && level.rising) walls.emplace_back(&level, slot);
-    }
-    double highest = -1e300;
-    for (const auto& pieces : pieces_)
-      for (const auto& p : pieces) {
-        highest = std::max({highest, p.s.start.y(), p.s.end.y()});
-        if (p.s.arc && p.s.sweep > 0 && p.from0 < pi / 2 && p.to0 > pi / 2)
-          highest = std::max(highest, p.s.center.y() + p.s.radius);
-      }
-    if (top > 0 && top > highest - 2 * o_.tolerance) slots_[top_slot] = {"total_length", "length over all"};
-    if (walls.size() == 2) {
-      auto [big, small] = std::make_pair(walls[0], walls[1]);
-      if (big.first->value < small.first->value) std::swap(big, small);
-      const double big_length = big.first->high - big.first->low, small_length = small.first->high - small.first->low;
-      if (big_length < small_length) {
-        slots_[big.second].role = "head_radius", slots_[big.second].note = "radius of the head";
-        slots_[small.second].role = "shank_radius", slots_[small.second].note = "radius of the shank";
-      } else {
-        slots_[small.second].role = "neck_radius", slots_[small.second].note = "radius of the neck";
-      }
-    }
-    if (!o_.revolve)
-      for (int axis = 0; axis < 2; ++axis) {
-        const Level* high = nullptr;
-        bool datum = false;
-        for (const auto& level : levels_) {
-          if (level.axis != axis || !level.set) continue;
-          datum |= level.expr == Expr(0);
-          if (!high || level.value > high->value) high = &level;
-        }
-        bool lowest = true;
-        for (const auto& level : levels_) lowest &= level.axis != axis || level.value > -same_;
-        if (datum && lowest && high && high->expr.is_parameter())
-          slots_[std::stoul(high->expr.parameter.substr(1))] =
-              axis == 0 ? Slot{"length", "size along x"} : Slot{"width", "size along y"};
-      }
-  }
-
-  void name_parameters() {
-    rename_roles();
-    std::map<std::string, int> count, used;
-    for (const auto& slot : slots_) ++count[slot.role];
-    std::map<std::string, std::string> names;
-    for (std::size_t i = 0; i < slots_.size(); ++i) {
-      std::string name = slots_[i].role;
-      if (count[name] > 1) {
-        const int k = ++used[name];
-        // head_radius, head_2_radius: the number stands before the last word.
-        if (k > 1) {
-          const auto cut = name.rfind('_');
-          name = cut == std::string::npos ? name + "_" + std::to_string(k)
-                                          : name.substr(0, cut) + "_" + std::to_string(k) + name.substr(cut);
-        }
-      }
-      names[result_.parameters[i].name] = name;
-      result_.parameters[i].name = name;
-      result_.parameters[i].note = slots_[i].note;
-    }
-    std::function<void(Expr&)> rename = [&](Expr& e) {
-      if (e.is_parameter()) e.parameter = names.at(e.parameter);
-      for (auto& a : e.arguments) rename(a);
-    };
-    auto face_name = [&](const std::string& edge) -> std::string {
-      if (edge.empty() || edge[0] != '#') return edge;
-      const Level& level = levels_[std::stoul(edge.substr(1))];
-      if (level.axis == 1 && level.expr == Expr(0)) return "bottom face";
-      std::string name = level.expr.is_parameter() ? names.at(level.expr.parameter) : level.axis == 0 ? "wall" : "face";
-      if (name == "total_length") return "top face";
-      for (const char* suffix : {"_radius", "_z"})
-        if (name.ends_with(suffix)) name.resize(name.size() - std::string(suffix).size());
-      std::replace(name.begin(), name.end(), '_', ' ');
-      return name;
-    };
-    for (auto& loop : result_.sketch.loops)
-      for (auto& element : loop.elements) std::visit([&](auto& e) { e.edge = face_name(e.edge); }, element);
-    Shape shape = Extrude{std::move(result_.sketch), Expr(1)};
-    visit_expressions(shape, [&](Expr& e, Domain) { rename(e); });
-    result_.sketch = std::move(std::get<Extrude>(shape).sketch);
-  }
-
   std::vector<LoopPieces> loops_;
   SketchOptions o_;
-  double same_ = 0;
+  double same_;
   Vec2 origin_ = Vec2::Zero();
+  SketchNumbers numbers_;
   BuiltSketch result_;
-  std::vector<Slot> slots_;
   std::vector<std::vector<Piece>> pieces_;
   std::vector<Level> levels_;
-  std::vector<std::pair<double, Expr>> known_[2];
-  std::vector<std::pair<double, Expr>> radii_;
+  SketchNumbers::Shared radii_;
   std::map<std::pair<int, int>, std::pair<Expr, Expr>> half_widths_;  // radius and centre between two levels
   std::map<const Piece*, std::pair<Expr, Expr>> chamfers_;
   std::vector<std::pair<double, Expr>> chamfer_sizes_;

@@ -14,51 +14,97 @@ double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(
 
 double turned_near(double angle, double near) { return angle + 2 * pi * std::round((near - angle) / (2 * pi)); }
 
-Vec2 sketch_origin(const std::vector<LoopPieces>& loops, const SketchOptions& options) {
-  const double slack = relation_slack(options);
-  double best = -1;
-  if (options.revolve) {
-    double low = 1e300, lowest = 1e300;
-    std::optional<double> center;
-    for (const auto& loop : loops)
-      for (const auto& s : loop.segments) {
-        lowest = std::min({lowest, s.start.y(), s.end.y()});
-        if (!s.arc && !s.spline && std::abs(s.direction.y()) * s.length() / 2 < slack &&
-            s.length() > 4 * options.tolerance)
-          low = std::min(low, s.point.y());
-        if (s.arc && std::abs(s.center.x()) < std::max(options.tolerance / 2, 0.02 * s.radius) && s.length() > best)
-          best = s.length(), center = s.center.y();
-      }
-    return {0, low < 1e300 ? low : center ? *center : lowest};
+namespace {
+
+/// The lowest flat face on the axis of a revolve, else the centre of an arc on it, else the lowest point.
+double start_of_axis(const std::vector<LoopPieces>& loops, const SketchOptions& options) {
+  double low = 1e300, lowest = 1e300, best = -1;
+  std::optional<double> center;
+  for (const auto& loop : loops)
+    for (const auto& s : loop.segments) {
+      lowest = std::min({lowest, s.start.y(), s.end.y()});
+      if (!s.arc && !s.spline && std::abs(s.direction.y()) * s.length() / 2 < relation_slack(options) &&
+          s.length() > 4 * options.tolerance)
+        low = std::min(low, s.point.y());
+      if (s.arc && std::abs(s.center.x()) < std::max(options.tolerance / 2, 0.02 * s.radius) && s.length() > best)
+        best = s.length(), center = s.center.y();
+    }
+  return low < 1e300 ? low : center ? *center : lowest;
+}
+
+bool is_circle(const LoopPieces& loop) { return loop.segments.size() == 1 && loop.segments[0].arc; }
+
+/// The box around a loop; of its round parts only what the corners between pieces show, but a circle whole.
+std::pair<Vec2, Vec2> extent_of(const LoopPieces& loop) {
+  Vec2 low = Vec2::Constant(1e300), high = -low;
+  for (const auto& s : loop.segments)
+    for (const Vec2& p : {s.start, s.end}) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  if (is_circle(loop)) {
+    const Vec2 reach = Vec2::Constant(loop.segments[0].radius);
+    low = loop.segments[0].center - reach, high = loop.segments[0].center + reach;
   }
-  Vec2 origin = Vec2::Zero();
+  return {low, high};
+}
+
+/// The outline's straight edges across an axis that nothing of it goes beyond, at its low and its high end.
+std::array<std::optional<double>, 2> outer_edges(const LoopPieces& outline, int axis, const SketchOptions& options) {
+  Vec2 low = Vec2::Constant(1e300), high = -low;
+  for (const auto& s : outline.segments) {
+    low = low.cwiseMin(s.start).cwiseMin(s.end), high = high.cwiseMax(s.start).cwiseMax(s.end);
+    if (!s.arc) continue;
+    const int quarters = int(std::ceil(std::abs(s.sweep) / 0.1));
+    const Vec2 from = s.start - s.center;
+    for (int k = 1; k < quarters; ++k) {
+      const double turn = s.sweep * k / quarters;
+      const Vec2 p = s.center + Vec2(std::cos(turn) * from.x() - std::sin(turn) * from.y(), std::sin(turn) * from.x() + std::cos(turn) * from.y());
+      low = low.cwiseMin(p), high = high.cwiseMax(p);
+    }
+  }
+  std::array<std::optional<double>, 2> edges;
+  double longest[2] = {0, 0};
+  for (const auto& s : outline.segments) {
+    if (s.arc || s.spline || !(std::abs(s.direction[axis]) * s.length() / 2 < relation_slack(options))) continue;
+    for (const int end : {0, 1})
+      if (std::abs(s.point[axis] - (end == 0 ? low : high)[axis]) < options.tolerance && s.length() > longest[end])
+        edges[std::size_t(end)] = s.point[axis], longest[end] = s.length();
+  }
+  return edges;
+}
+
+/// True if every hole has one of its size on the other side of `middle`, or lies on it.
+bool lie_evenly(const std::vector<LoopPieces>& loops, int axis, double middle, double same) {
+  for (std::size_t i = 1; i < loops.size(); ++i) {
+    const auto [low, high] = extent_of(loops[i]);
+    bool found = false;
+    for (std::size_t k = 1; k < loops.size() && !found; ++k) {
+      auto [other_low, other_high] = extent_of(loops[k]);
+      std::swap(other_low[axis], other_high[axis]);
+      other_low[axis] = 2 * middle - other_low[axis], other_high[axis] = 2 * middle - other_high[axis];
+      found = (other_low - low).cwiseAbs().maxCoeff() < 2 * same && (other_high - high).cwiseAbs().maxCoeff() < 2 * same;
+    }
+    if (!found) return false;
+  }
+  return loops.size() > 1;
+}
+
+}  // namespace
+
+SketchOrigin sketch_origin(const std::vector<LoopPieces>& loops, const SketchOptions& options) {
+  if (options.revolve) return {{0, start_of_axis(loops, options)}};
+  if (is_circle(loops[0])) return {loops[0].segments[0].center};
   std::vector<double> radii;
   std::vector<Vec2> centers;
-  for (const auto& loop : loops)
-    if (loop.segments.size() == 1 && loop.segments[0].arc && (&loop != &loops[0] || loops.size() == 1))
-      radii.push_back(loop.segments[0].radius), centers.push_back(loop.segments[0].center);
-  if (!radii.empty()) {
-    const std::size_t first = by_size(radii, in_order(centers, options.tolerance), options.tolerance / 5).front();
-    best = radii[first], origin = centers[first];
-  }
-  if (best < 0) {
-    Vec2 low = Vec2::Constant(1e300);
-    for (const auto& s : loops[0].segments) {
-      low = low.cwiseMin(s.start).cwiseMin(s.end);
-      if (s.arc || s.spline) continue;
-      if (std::abs(s.direction.x()) * s.length() / 2 < slack) low.x() = std::min(low.x(), s.point.x());
-      if (std::abs(s.direction.y()) * s.length() / 2 < slack) low.y() = std::min(low.y(), s.point.y());
-    }
-    // Corners are means of nodes and lie a little inside: the level of the edge itself is meant.
-    Vec2 edge = low;
-    for (const auto& s : loops[0].segments) {
-      if (s.arc || s.spline) continue;
-      if (std::abs(s.direction.x()) * s.length() / 2 < slack && std::abs(s.point.x() - low.x()) < options.tolerance)
-        edge.x() = s.point.x();
-      if (std::abs(s.direction.y()) * s.length() / 2 < slack && std::abs(s.point.y() - low.y()) < options.tolerance)
-        edge.y() = s.point.y();
-    }
-    origin = edge;
+  for (std::size_t i = 1; i < loops.size(); ++i)
+    if (is_circle(loops[i])) radii.push_back(loops[i].segments[0].radius), centers.push_back(loops[i].segments[0].center);
+  SketchOrigin origin{extent_of(loops[0]).first};
+  for (const int axis : {0, 1}) {
+    const auto [low, high] = outer_edges(loops[0], axis, options);
+    if (low && high && lie_evenly(loops, axis, (*low + *high) / 2, options.tolerance / 5))
+      origin.place[axis] = (*low + *high) / 2, origin.middle[std::size_t(axis)] = true;
+    else if (low)
+      origin.place[axis] = *low;
+    else if (!radii.empty())
+      origin.place[axis] = centers[by_size(radii, in_order(centers, options.tolerance), options.tolerance / 5).front()][axis];
   }
   return origin;
 }

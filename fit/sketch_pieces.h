@@ -1,6 +1,7 @@
 /// The pieces of a sketch before they have names: where their origin is, which way they run, which of them touch.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,9 +45,16 @@ void find_levels(std::vector<SketchPiece>& pieces, std::vector<SketchLevel>& lev
 /// mm by which a relation may move the end of an edge.
 double relation_slack(const SketchOptions& options);
 
-/// Revolve: the lowest flat face on the axis, else the centre of an arc on it, else the lowest point. Extrude: the
-/// centre of the largest round hole or of a round outline, else the corner of the edges lowest in x and y.
-Vec2 sketch_origin(const std::vector<LoopPieces>& loops, const SketchOptions& options);
+/// Where a sketch has its origin, in the coordinates of the pieces.
+struct SketchOrigin {
+  Vec2 place = Vec2::Zero();
+  std::array<bool, 2> middle = {false, false};  ///< along x and y: half way between the outline's outer edges
+};
+
+/// Revolve: the lowest flat face on the axis, else the centre of an arc on it, else the lowest point. Extrude: the centre of a
+/// round outline; else along each axis the middle between the outer edges, if all holes lie evenly about it, or the lower edge;
+/// where no straight edge bounds the outline, the centre of the largest round hole.
+SketchOrigin sketch_origin(const std::vector<LoopPieces>& loops, const SketchOptions& options);
 
 /// The loop's pieces from `origin`; straight ones that run along a coordinate direction are marked so.
 std::vector<SketchPiece> sketch_pieces(const LoopPieces& loop, const Vec2& origin, const SketchOptions& options);
