@@ -96,7 +96,7 @@ std::pair<std::size_t, double> nearest_of(std::size_t count, At at, double x) {
 
 void add_grid(std::vector<Hit>& hits, double x, double step, double unit, double weight, const std::string& series) {
   const double value = snapped(std::round(x / step) * step, unit);
-  if (value > 0 || x < -step / 2) hits.push_back({value, step, weight, series});
+  if (value > 0) hits.push_back({value, step, weight, series});
 }
 
 /// The share of a series whose step is this, where it has `usual` among people of no habit.
@@ -112,7 +112,7 @@ void metric_length(std::vector<Hit>& hits, double x, double weight, const Habit&
   for (const auto& g : grids)
     add_grid(hits, x, g.step, 0.1, weight * share_of(g.step, g.weight, habit),
              what + "multiples of " + print_number(g.step) + " mm");
-  if (x <= 0) return;
+  if (!(x > 0)) return;
   const double decade = std::pow(10, std::floor(std::log10(x) + 1e-12));
   const auto [k, gap] = nearest_of(21, [&](std::size_t i) { return i == 20 ? 10 * decade : preferred[i] * decade; }, x);
   const double value = k == 20 ? 10 * decade : preferred[k] * decade;
@@ -163,31 +163,40 @@ bool stated_as_radius(const Parameter& p) {
          mentions(p, "dome") || mentions(p, "end_radius");
 }
 
-std::vector<Hit> hits_of(const Parameter& p, const Habit& habit) {
+/// Of a positive length or angle.
+std::vector<Hit> hits_near(const Parameter& p, double x, const Habit& habit) {
   std::vector<Hit> hits;
   if (p.quantity == Quantity::angle) {
     static constexpr struct {
       double step, weight;
     } grids[] = {{90, 0.2}, {30, 0.15}, {15, 0.2}, {5, 0.2}, {1, 0.15}, {0.5, 0.06}, {0.1, 0.02}};
     for (const auto& g : grids) {
-      add_grid(hits, degrees(p.fitted), g.step, 0.1, g.weight, "multiples of " + print_number(g.step) + " degrees");
+      add_grid(hits, degrees(x), g.step, 0.1, g.weight, "multiples of " + print_number(g.step) + " degrees");
     }
     for (auto& h : hits) h.value = radians(h.value), h.spacing = radians(h.spacing);
     return hits;
   }
   auto lengths = habit.metric ? metric_length : inch_length;
   if (!mentions(p, "radius")) {
-    lengths(hits, p.fitted, 1, habit, "");
+    lengths(hits, x, 1, habit, "");
     return hits;
   }
   const bool hole = mentions(p, "hole") || mentions(p, "bore");
   const double as_radius = stated_as_radius(p) ? 0.7 : hole ? 0.1 : 0.3;
   const double by_length = hole ? 1 - drilled : 1;
-  lengths(hits, p.fitted, by_length * as_radius, habit, "");
+  lengths(hits, x, by_length * as_radius, habit, "");
   const std::size_t first = hits.size();
-  lengths(hits, 2 * p.fitted, by_length * (1 - as_radius), habit, "diameter, ");
-  if (hole) hole_tables(hits, habit.metric, 2 * p.fitted);
+  lengths(hits, 2 * x, by_length * (1 - as_radius), habit, "diameter, ");
+  if (hole) hole_tables(hits, habit.metric, 2 * x);
   for (std::size_t k = first; k < hits.size(); ++k) hits[k].value /= 2, hits[k].spacing /= 2;
+  return hits;
+}
+
+/// A place on the other side of the origin is as round.
+std::vector<Hit> hits_of(const Parameter& p, const Habit& habit) {
+  auto hits = hits_near(p, std::abs(p.fitted), habit);
+  if (p.fitted < 0)
+    for (auto& h : hits) h.value = -h.value;
   return hits;
 }
 

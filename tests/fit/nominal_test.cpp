@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/number.h"
 #include "core/random.h"
 #include "fit/nominal.h"
 #include "tests/model/parts.h"
@@ -57,6 +58,14 @@ TEST_CASE("nominal: a drill of the inch tables is named") {
   REQUIRE(found[3]);
   CHECK(found[3]->kept);
   CHECK(found[3]->series == "diameter, number drill 7");
+}
+
+TEST_CASE("nominal: a place on the other side of the origin is as round, in inches too") {
+  const auto found = answers({measured("length", 76.203, 0.004), measured("width", 38.098, 0.004), measured("hole_x", -9.527, 0.004),
+                              measured("hole_y", -19.051, 0.004), measured("tilt", radians(-14.999), 1e-4, Quantity::angle)});
+  CHECK(kept(found[2], -9.525));
+  CHECK(kept(found[3], -19.05));
+  CHECK(kept(found[4], radians(-15)));
 }
 
 TEST_CASE("nominal: a worn part is not believed the size that chance puts on a fine grid") {
