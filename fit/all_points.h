@@ -39,6 +39,7 @@ struct AllPoints {
     double share = 0.5;             ///< of the near side
   };
   std::vector<Pair> pairs;
+  bool chords_corrected = false;    ///< the residuals are those of the corners of a mesh (chords.h)
   std::vector<double> say;          ///< of each entry, where there are pairs; 1 for what is in none
   Jacobian jacobian;              ///< one row per node
 };

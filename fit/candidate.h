@@ -25,6 +25,7 @@ struct FitInput {
   PointCloud cloud;             ///< kept points only, thinned to at most some 60,000, evenly, with normals (sign may be
                                 ///< unknown) and sigma; order never depends on the order in the file
   SamplingSummary sampling;     ///< of the full cloud
+  double precision = 0;         ///< mm: the last place of the coordinates as they stand in the file
   double thin_spacing = 0;      ///< mm between neighbouring points of `cloud`
   double tolerance = 0.1;       ///< mm
   Box3 bounds;
@@ -36,6 +37,7 @@ struct FitInput {
   std::vector<float> facet_depth;  ///< mm: how far a point's facet may lie below the true surface; empty: no coarse mesh
   std::shared_ptr<const Surroundings> surroundings;  ///< of `cloud` (surroundings_of); found anew where it is missing
   bool oriented = false;        ///< normals point outward (rays or a mesh told so)
+  bool closed = false;          ///< a mesh that bounds a solid: nothing of its surface is unseen
 };
 
 constexpr double many_strays = 0.1;  ///< share of the points: some are left then, and any shape explains some

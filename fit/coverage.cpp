@@ -21,7 +21,7 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
   const double size = input.bounds.diagonal();
   const double reach = 4 * input.thin_spacing + input.tolerance;
   std::optional<MeshDistance> source;
-  if (input.scan && !input.scan->mesh.empty() && topology(input.scan->mesh).closed()) source.emplace(input.scan->mesh);
+  if (input.closed) source.emplace(input.scan->mesh);
   // A wall or a slot thinner than the band that noise makes of a face puts half the points on either side and explains noise;
   // so does a sheet folded within that band, of which either end of it says nothing.
   const double depth = 3 * input.sampling.sigma;

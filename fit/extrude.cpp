@@ -530,7 +530,7 @@ std::vector<LoopPieces> with_holes(const LoopPieces& outline, const std::vector<
 /// Sides about which hardly a wall point speaks stay where the end faces put them: a fit would move them after strays.
 void hold_unseen(Candidate& candidate, const FitInput& input) {
   constexpr double speaks = 0.1;  // of the distance, per unit of the parameter
-  if (among_strays(input)) return;
+  if (among_strays(input) || input.closed) return;
   const double near = std::max(4 * input.sampling.sigma, input.tolerance), h = 1e-4 * input.bounds.diagonal();
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   const ModelDistance distance(bare_model(candidate));

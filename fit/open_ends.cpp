@@ -101,6 +101,7 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
   constexpr double mostly = 0.01;  // square of what is left of a number
   const int rounds = among_strays(input) ? 1 : 4;
   std::vector<OpenEnd> result;
+  if (input.closed) return result;
   // Noise throws so many of a wall's points beyond its end, as a share of all. There is none on a mesh; beside strays they may be these.
   const double thrown = among_strays(input) || (input.scan && !input.scan->mesh.empty()) ? 0 : 0.01;
   const Matrix loose = hardly_fixed(all, thrown, context.threads);

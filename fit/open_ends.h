@@ -15,7 +15,7 @@ struct OpenEnd {
   bool unlimited = false;     ///< ten points stand against it on one side only
 };
 
-/// The free lengths, or what they are together with others, about which hardly_any_points or (of scans, but not among strays) a hundredth of all points
+/// None of a closed mesh. The free lengths, or what they are together with others, about which hardly_any_points or (of scans, but not among strays) a hundredth of all points
 /// speak at most, at the squares of their say (eigenvectors of the normal matrix). Points on the walls are taken to be as dense beyond the end as the
 /// last ten before it, so that an empty millimetre costs as many nats as it should have points. Where the wall goes on beyond the
 /// end, `candidate` is moved to the place that costs least (not among strays). sigma is a third of the range that holds the place in 95 % (it is

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "core/number.h"
 #include "fit/evidence.h"
@@ -35,6 +36,43 @@ std::vector<float> facet_depths(const TriangleMesh& mesh, const std::vector<Vec3
   return result;
 }
 
+/// How many decimal digits a number was written with, ten at most.
+int digits_of(double v) {
+  constexpr int most = 10;
+  if (v == 0) return 0;
+  const int magnitude = int(std::floor(std::log10(std::abs(v)))) + 1;
+  for (int digits = 1; digits < most; ++digits) {
+    const double place = std::pow(10, digits - magnitude);
+    if (std::abs(std::round(v * place) / place - v) <= 1e-14 * std::abs(v)) return digits;
+  }
+  return most;
+}
+
+/// mm: half of the last place of the coordinates as they stand in the file: of the digits of a text, or of single precision; 0 if
+/// they are neither.
+double coordinate_precision(const Scan& scan) {
+  constexpr std::size_t enough = 2000;
+  constexpr int single_digits = 9, drawn_digits = 4;  // a designer's sizes have few digits and are exact all the same
+  const std::vector<Vec3>& points = scan.mesh.empty() ? scan.cloud.points : scan.mesh.vertices;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / enough);
+  double largest = 0;
+  int digits = 0;
+  bool single = true;
+  for (std::size_t i = 0; i < points.size(); i += step)
+    for (int k = 0; k < 3; ++k) {
+      const double v = points[i][k] / scan.unit_scale;
+      if (!std::isfinite(v)) continue;
+      largest = std::max(largest, std::abs(v));
+      digits = std::max(digits, digits_of(v));
+      single = single && std::abs(v - double(float(v))) <= 1e-15 * std::abs(v);
+    }
+  if (!(largest > 0)) return 0;
+  const double by_bits = single ? 0.5 * std::ldexp(1.0, std::ilogb(largest) - 23) : 0;
+  const bool written = digits < single_digits && (scan.mesh.empty() || digits > drawn_digits);
+  const double by_digits = written ? 0.5 * std::pow(10, std::floor(std::log10(largest)) + 1 - digits) : 0;
+  return scan.unit_scale * std::max(by_bits, by_digits);
+}
+
 }  // namespace
 
 FitInput selection(const Scan& scan, const SamplingSummary& sampling, double tolerance, std::size_t wanted) {
@@ -58,6 +96,8 @@ FitInput selection(const Scan& scan, const SamplingSummary& sampling, double tol
   copy(all.view, input.cloud.view);
   if (!scan.mesh.empty() && all.size() > scan.mesh.vertices.size()) input.facet_depth = facet_depths(scan.mesh, input.cloud.points);
   input.bounds = input.cloud.bounds();
+  input.closed = !scan.mesh.empty() && topology(scan.mesh).closed();
+  input.precision = coordinate_precision(scan);
   if (input.thin_spacing <= 0) input.thin_spacing = sampling.spacing;
   return input;
 }

@@ -6,6 +6,7 @@
 
 #include "core/statistics.h"
 #include "fit/all_points.h"
+#include "fit/chords.h"
 #include "fit/normal_equations.h"
 #include "fit/open_ends.h"
 #include "fit/uncertainty.h"
@@ -205,6 +206,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     all = all_points(candidate, input, unknowns, least, everything, context);
     improvement = polish(candidate, all, unknowns, least, everything, context);
   }
+  if (on_facets(input)) correct_for_chords(candidate, all, input, unknowns, least, context);
   const Uncertainty u = uncertainty_of(candidate, all, input, unknowns, least, all.kernel, context);
   if (u.correction.size() > 0)
     if (Candidate next = unknowns.stepped(candidate, u.correction); unknowns.sensible(next)) candidate = std::move(next);
@@ -222,13 +224,14 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     auto& p = candidate.parameters[free[k]];
     p.fitted = p.value;
     p.sigma_noise = u.noise[k];
-    const double floor = p.quantity == Quantity::length ? u.floor : u.floor / unknowns.size();
+    const double least_known = std::max(u.floor, input.precision);
+    const double floor = p.quantity == Quantity::length ? least_known : least_known / unknowns.size();
     p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.poses[k], u.facets[k]), std::hypot(u.filter[k], u.slant[k]), std::hypot(strays[k], floor));
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
   for (const auto& h : candidate.held)
     for (auto& p : candidate.parameters)
-      if (p.name == h.name) p.sigma = p.sigma_systematic = std::max(h.sigma, u.floor);
+      if (p.name == h.name) p.sigma = p.sigma_systematic = std::max({h.sigma, u.floor, input.precision});
   count_points(candidate, all, unknowns, u.points_per_independent);
   for (const OpenEnd& end : ends) {
     auto& p = candidate.parameters[end.parameter];

@@ -8,12 +8,12 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "fit/chords.h"
 #include "fit/correlation.h"
 #include "fit/one_sided.h"
 #include "fit/refine.h"
 #include "fit/slant.h"
 #include "fit/smoothing.h"
-#include "geometry/mesh_distance.h"
 #include "model/distance.h"
 
 namespace partscribe {
@@ -40,51 +40,6 @@ Vector effect_of(const Deviation& deviation, const AllPoints& all, const std::ve
     effect = pseudo_inverse(normal.h) * normal.g;
   }
   return effect.cwiseAbs();
-}
-
-/// How deep a triangulated surface lies below the true one: the model's distance at a point of a facet against what its
-/// corners' distances would give. Errors of the corners themselves cancel, flat faces give nothing. The corners are taken
-/// a little inside their facet, where their nearest face is the facet's own; the mean depth grows by what that cuts off.
-Deviation chord_deviation(const Candidate& candidate, const AllPoints& all, const FitInput& input,
-                          const ModelDistance& distance, int threads) {
-  constexpr double inset = 0.97, whole = (2.0 / 3) / (inset * inset - 1.0 / 3);
-  Deviation result;
-  const TriangleMesh& mesh = input.scan->mesh;
-  const Pose part_from_scan = candidate.scan_from_part.inverse();
-  std::vector<std::array<double, 3>> corner(mesh.triangles.size());
-  parallel_for(corner.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
-      for (int k = 0; k < 3; ++k)
-        corner[t][k] = distance(part_from_scan * (middle + inset * (mesh.corner(t, k) - middle))).distance;
-    }
-  });
-  const MeshDistance nearest(mesh);
-  result.assign(all.nodes.size(), 0);
-  parallel_for(
-      all.nodes.size(), threads,
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-          double sum = 0, weights = 0;
-          for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
-            if (!all.used[i]) continue;
-            const MeshHit hit = nearest.closest(all.points[i]);
-            const auto& t = mesh.triangles[hit.triangle];
-            const Vec3 a = mesh.vertices[t[0]], ab = mesh.vertices[t[1]] - a, ac = mesh.vertices[t[2]] - a;
-            const Vec3 normal = ab.cross(ac), p = all.points[i] - a;
-            const double square = normal.squaredNorm(), w = 1 / (all.sigma[i] * all.sigma[i]);
-            if (!(square > 0)) continue;
-            const auto inner = [&](double share) { return 1.0 / 3 + (share - 1.0 / 3) / inset; };
-            const double v = inner(p.cross(ac).dot(normal) / square), u = inner(ab.cross(p).dot(normal) / square);
-            const auto& c = corner[hit.triangle];
-            sum += whole * w * (all.at.value[i] - ((1 - u - v) * c[0] + v * c[1] + u * c[2]));
-            weights += w;
-          }
-          if (weights > 0) result[k] = sum / weights;
-        }
-      },
-      64);
-  return result;
 }
 
 /// Where the used points would be without their noise: across the ray of their view, on the surface where that is unknown.
@@ -285,8 +240,7 @@ Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const Fit
 
   const Values values = values_of(candidate);
   const ModelDistance distance(bare_model(candidate), values);
-  const bool sampled_facets =
-      input.scan && !input.scan->mesh.empty() && input.scan->cloud.size() > input.scan->mesh.vertices.size();
+  const bool sampled_facets = on_facets(input);
   SmoothedScan scan{{all.jacobian.rows}, everywhere, raw, {}, 0, {}, {}, {}};
   if (!sampled_facets && raw.correlation.smoothing > 0)
     scan = account_for_smoothing(candidate, all, unknowns, least_sigma, kernel, raw, distance, context.threads);
@@ -310,7 +264,8 @@ Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const Fit
   const Matrix between = normal_equations(model.rows, weight, whole.pull, context.threads).h;
   fill(result.noise, (fit.inverse * between * fit.inverse).diagonal().cwiseMax(0).cwiseSqrt());
   if (sampled_facets) {  // a drawn mesh was never registered
-    const Deviation chords = chord_deviation(candidate, all, input, distance, context.threads);
+    if (all.chords_corrected) return result;
+    const Deviation chords = mean_of_nodes(all, chord_deviation(candidate, all.points, *input.scan, coarse_inset, context.threads));
     fill(result.facets, effect_of(chords, all, whole.weight, kernel, context.threads));
     return result;
   }
