@@ -14,6 +14,9 @@ bool on_facets(const FitInput& input);
 /// still off by a little, and with one that is nearly exact.
 constexpr double coarse_inset = 0.97, fine_inset = 0.999;
 
+/// Of a facet's depth, how much a correction may miss: the corners are looked at a thousandth inside.
+constexpr double chords_left = 0.01;
+
 /// mm, per point: how deep the facet lies there below the true surface, by the candidate's distance at the point against what
 /// the facet's corners' distances would give. Errors of the corners themselves cancel, flat faces give nothing. The corners
 /// are taken a little inside the facet; the mean depth grows by what that cuts off.

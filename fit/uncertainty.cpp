@@ -264,8 +264,9 @@ Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const Fit
   const Matrix between = normal_equations(model.rows, weight, whole.pull, context.threads).h;
   fill(result.noise, (fit.inverse * between * fit.inverse).diagonal().cwiseMax(0).cwiseSqrt());
   if (sampled_facets) {  // a drawn mesh was never registered
-    if (all.chords_corrected) return result;
-    const Deviation chords = mean_of_nodes(all, chord_deviation(candidate, all.points, *input.scan, coarse_inset, context.threads));
+    Deviation chords = mean_of_nodes(all, chord_deviation(candidate, all.points, *input.scan, coarse_inset, context.threads));
+    if (all.chords_corrected)
+      for (double& d : chords) d *= chords_left;
     fill(result.facets, effect_of(chords, all, whole.weight, kernel, context.threads));
     return result;
   }

@@ -66,7 +66,7 @@ TEST_CASE("mesh: sizes of a drawn plate are exact, and nothing of a closed mesh 
     INFO(p.name << " " << p.fitted << " +- " << p.sigma << ", " << p.note);
     CHECK(std::abs(p.fitted - truth) < 2e-5);
     CHECK(std::abs(p.fitted - truth) < 3 * p.sigma);
-    CHECK(p.sigma < 1e-4);
+    CHECK(p.sigma < 3e-4);  // a hundredth of what the facets do
     CHECK(p.sigma > 1e-6);  // half the last place of 50 in single precision
     CHECK(p.note.find("not scanned") == std::string::npos);
   }
