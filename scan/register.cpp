@@ -217,13 +217,12 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   Registration result;
   StartResult start;
   if (options.arrangement == Arrangement::turntable) {
-    auto table = start_from_turntable(views, surfaces, options, context);
-    if (!table && !context.cancelled) return bad_input("expected views that equal steps about one axis lay over one another, found no such axis");
-    if (table) {
-      start = std::move(table->start), result.turntable = table->table;
-      if (!table->trouble.empty()) result.warnings.push_back(table->trouble);
-      if (table->depth) result.depth = table->depth, surfaces = view_surfaces(corrected(views, *table->depth), options.samples, context, contours);
-    }
+    auto table = start_from_turntable(views, surfaces, contours, options, context);
+    if (context.cancelled) return stopped;
+    if (!table) return table.error();
+    start = std::move(table->start), result.turntable = table->table;
+    if (!table->trouble.empty()) result.warnings.push_back(table->trouble);
+    if (table->depth) result.depth = table->depth, surfaces = view_surfaces(corrected(views, *table->depth), options.samples, context, contours);
   } else if (options.method == PairMethod::paper) {
     start = register_as_published(surfaces, guesses, {}, context);
   } else {

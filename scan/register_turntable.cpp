@@ -8,6 +8,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "geometry/keep_points.h"
 #include "scan/register_features.h"
 #include "scan/register_relief.h"
 #include "scan/register_words.h"
@@ -32,15 +33,17 @@ Turntable table_of(const std::vector<Pose>& first_from_view, const Vec3& near) {
 namespace {
 
 /// The axis that most normals of all views meet while they lie in the sensor's frame: a.(p x n) + m.n = 0 (Pottmann &
-/// Wallner 2001), by iterated weights. Nothing if fewer than half of them do.
+/// Wallner 2001), by iterated weights. Nothing if fewer than half of them do; normals along the axis, as of the table, meet any such
+/// axis at infinity and are not asked.
 std::optional<AxisLine> axis_of_normals(const std::vector<ViewSurface>& surfaces) {
   const double size = surfaces[0].radius;
   const Vec3 center = surfaces[0].center;
+  constexpr double along = 0.94, fewest = 20;  // cosine of 20 degrees; normals
   std::optional<AxisLine> line;
   double kept = 0;
   for (int round = 0; round < 25; ++round) {
     Mat6 sum = Mat6::Zero();
-    double weights = 0, count = 0;
+    double met = 0, asked = 0, count = 0;
     const double width = std::max(0.15, 0.6 * std::pow(0.85, round));
     for (const ViewSurface& surface : surfaces)
       // Not the samples: they favour rare directions.
@@ -51,10 +54,10 @@ std::optional<AxisLine> axis_of_normals(const std::vector<ViewSurface>& surfaces
         const double w = std::exp(-off * off / (2 * width * width));
         Eigen::Matrix<double, 6, 1> l;
         l << p.cross(normal), normal;
-        sum += w * l * l.transpose();
-        weights += w, ++count;
+        sum += w * l * l.transpose(), ++count;
+        if (line && std::abs(normal.dot(line->axis)) < along) met += w, ++asked;
       }
-    kept = weights / count;
+    kept = asked < fewest ? 0 : met / asked;
     const Mat3 a = sum.topLeftCorner<3, 3>(), b = sum.topRightCorner<3, 3>();
     const Mat3 d = sum.bottomRightCorner<3, 3>() + 1e-9 * count * Mat3::Identity();
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(a - b * d.inverse() * b.transpose());
@@ -65,6 +68,72 @@ std::optional<AxisLine> axis_of_normals(const std::vector<ViewSurface>& surfaces
   }
   if (kept < 0.5) return {};
   return line;
+}
+
+constexpr double least_step = 0.02;  // rad
+
+/// Whether a place of a view has the same surface in most other views while all lie in the sensor's frame: it stands still, or any turn
+/// about the axis of the table lays it onto itself.
+bool stands_still(const std::vector<ViewSurface>& surfaces, std::size_t view, std::size_t place, double reach) {
+  constexpr double alike = 0.9;  // cosine
+  const ViewSurface& s = surfaces[view];
+  std::size_t seen = 0;
+  for (std::size_t o = 0; o < surfaces.size(); ++o) {
+    if (o == view) continue;
+    const Neighbour near = surfaces[o].nearest_within(s.points[place], 2 * std::max(s.spacing, surfaces[o].spacing));
+    if (!std::isfinite(near.sq_distance)) continue;
+    const Vec3& normal = surfaces[o].normals[near.index];
+    seen += std::abs(normal.dot(s.normals[place])) > alike && std::abs(normal.dot(s.points[place] - surfaces[o].points[near.index])) < reach;
+  }
+  return 2 * seen >= surfaces.size() - 1;
+}
+
+/// Whether a surface bulges towards the origin, which lies well outside it: it may have been seen from there.
+bool seen_from_origin(const ViewSurface& surface) {
+  constexpr double outside = 3;  // radii
+  const Vec3 sight = surface.center.normalized();
+  double bulge = 0;
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    const Vec3 off = surface.points[i] - surface.center, normal = surface.normals[i];
+    bulge += (normal.dot(surface.points[i]) < 0 ? normal : Vec3(-normal)).dot(off - off.dot(sight) * sight);
+  }
+  return surface.center.norm() > outside * surface.radius && bulge > 0;
+}
+
+/// The views without what stands still, where that is most of every view and the rest still has a surface; else nothing.
+std::optional<std::vector<ViewSurface>> what_moves(const std::vector<RegisterView>& views, const std::vector<ViewSurface>& surfaces, bool contours, double reach,
+                                                   const RegisterOptions& options, Context& context) {
+  constexpr std::size_t asked = 1000;  // of each view, to see whether it is worth asking all
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const std::size_t stride = surfaces[v].points.size() / asked + 1;
+    std::size_t still = 0, all = 0;
+    for (std::size_t i = 0; i < surfaces[v].points.size(); i += stride, ++all) still += stands_still(surfaces, v, i, reach);
+    if (2 * still < all) return {};
+  }
+  std::vector<RegisterView> moving = views;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    std::vector<std::uint8_t> moves(surfaces[v].points.size()), keep(views[v].cloud.size());
+    parallel_for(moves.size(), context.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) moves[i] = !stands_still(surfaces, v, i, reach);
+    });
+    for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = moves[surfaces[v].nearest(views[v].cloud.points[i]).index];
+    keep_points(moving[v].cloud, keep);
+    if (views[v].measured.empty()) continue;
+    moving[v].measured.clear();
+    for (std::size_t i = 0; i < keep.size(); ++i)
+      if (keep[i]) moving[v].measured.push_back(views[v].measured[i]);
+  }
+  std::vector<ViewSurface> result = view_surfaces(moving, options.samples, context, contours);
+  if (!std::ranges::all_of(result, &ViewSurface::usable)) return {};
+  // Of so little a sensor's place is guessed badly. Cameras write what they see in a frame of their own, and turntables leave it there.
+  if (std::ranges::all_of(moving, [](const RegisterView& view) { return view.cloud.rays.empty() && view.width == 0; }) &&
+      std::ranges::all_of(result, seen_from_origin)) {
+    for (RegisterView& view : moving)
+      for (const Vec3& p : view.cloud.points) view.cloud.rays.push_back(p.normalized());
+    std::vector<ViewSurface> seen = view_surfaces(moving, options.samples, context, contours);
+    if (std::ranges::all_of(seen, &ViewSurface::usable)) return seen;
+  }
+  return result;
 }
 
 std::vector<Pose> powers(const Pose& step, std::size_t count) {
@@ -112,6 +181,9 @@ TurntableStart turned_by_relief(const std::vector<RegisterView>& views, const st
     if (poses && options.correct_depth) result.depth = round.rounder->depth;
   }
   if (!poses) return result;
+  // What stands still has a relief of its own.
+  for (std::size_t v = 0; v + 1 < poses->size(); ++v)
+    if (rotation_vector(((*poses)[v].inverse() * (*poses)[v + 1]).rotation).norm() < least_step) return result;
   result.table = table_of(*poses, surfaces[0].center);
   result.start = StartResult::at(std::move(*poses), true);
   return result;
@@ -119,18 +191,26 @@ TurntableStart turned_by_relief(const std::vector<RegisterView>& views, const st
 
 }  // namespace
 
-std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterView>& views, std::vector<ViewSurface>& surfaces, const RegisterOptions& options, Context& context) {
+Result<TurntableStart> start_from_turntable(const std::vector<RegisterView>& views, std::vector<ViewSurface>& surfaces, bool contours, const RegisterOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
-  if (n < 2) return {};
-  double radius = 0, spacing = 0, sigma = 0;
-  for (const ViewSurface& s : surfaces) {
-    if (!s.usable()) return {};
-    radius = std::max(radius, s.radius), spacing = std::max(spacing, s.spacing), sigma = std::max(sigma, s.sigma);
-  }
+  std::string left_out;
+  const auto none = [&] {
+    return bad_input("expected views that equal steps about one axis lay over one another, found no such axis" + (left_out.empty() ? "" : "; " + left_out));
+  };
+  if (n < 2 || !std::ranges::all_of(surfaces, &ViewSurface::usable)) return none();
   context.report("looking for the axis", 0);
   // What stands still beside a round part, such as the foot of the table, is not round about its axis and left out.
   const auto round_axis = axis_of_normals(surfaces);
   if (round_axis) keep_round(surfaces, *round_axis);
+  else if (auto moving = what_moves(views, surfaces, contours, confirm_reach(surfaces), options, context)) {
+    std::size_t before = 0, after = 0;
+    for (std::size_t v = 0; v < n; ++v) before += surfaces[v].points.size(), after += (*moving)[v].points.size();
+    left_out = in_percent(1 - double(after) / double(before)) + " of what the views show stands still in most of them, such as the table: it tells no step and was left out";
+    context.say(left_out);
+    surfaces = std::move(*moving);
+  }
+  double radius = 0, spacing = 0, sigma = 0;
+  for (const ViewSurface& s : surfaces) radius = std::max(radius, s.radius), spacing = std::max(spacing, s.spacing), sigma = std::max(sigma, s.sigma);
   const double coarse_cell = std::max(radius / 12, 2 * spacing), reach = (round_axis ? 2 : 1) * confirm_reach(surfaces);
   std::vector<Surfels> few, many;
   std::vector<std::unique_ptr<PlacedModel>> coarse, fine;
@@ -194,8 +274,9 @@ std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterVie
     context.say("step " + print_number(rotation_vector(s.step.rotation).norm() * 180 / pi) + " degrees, score " + print_number(s.score));
   }
   std::stable_sort(best.begin(), best.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
-  if (best.empty() || best[0].score < 0.25) return {};
+  if (best.empty() || best[0].score < 0.25) return none();
   TurntableStart result;
+  result.trouble = left_out;
   Turntable& table = result.table;
   FixedLine line = fixed_line(best[0].step, surfaces[0].center);
   table.step = line.angle;
@@ -203,7 +284,7 @@ std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterVie
   for (std::size_t k = 1; k < best.size(); ++k) table.step_observed = table.step_observed && best[k].score < best[0].score - 0.05;
   if (!table.step_observed) {
     // Only a part that is round about the axis may look the same after any step; the steps are taken as parts of a turn.
-    if (!round_axis) return {};
+    if (!round_axis) return none();
     TurntableStart by_relief = turned_by_relief(views, surfaces, *round_axis, options, context);
     if (!by_relief.start.poses.empty()) return by_relief;
     result.trouble = std::move(by_relief.trouble);
@@ -211,7 +292,7 @@ std::optional<TurntableStart> start_from_turntable(const std::vector<RegisterVie
     const Pose step = align_symmetric(exact_pairs, rotation_about(line.point, line.axis, full), exact);
     const double score = score_of(surfaces, step, 1.5 * reach, 500);
     context.say("one turn in all, score " + print_number(score));
-    if (score < 0.25) return {};
+    if (score < 0.25) return none();
     line = fixed_line(step, surfaces[0].center);
     table.step = full, table.step_sigma = std::numeric_limits<double>::infinity();
   }

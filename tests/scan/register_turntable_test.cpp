@@ -23,9 +23,12 @@ struct Table {
   int pixels = 100;             ///< across 45 mm
 };
 
-std::vector<RegisterView> seen_on(const Table& table, const Surface& part) {
+/// `plate`: mm below the middle of the part, where the table's own surface ends what the sensor sees; 0: it does not show.
+std::vector<RegisterView> seen_on(const Table& table, const Surface& part, double plate = 0, double width = 45) {
   std::vector<RegisterView> views(table.turned.size());
   Random random(7);
+  const Vec3 up = table.axis.z() < 0 ? table.axis : Vec3(-table.axis);  // towards the sensor
+  const Vec3 foot = table.point - plate * up;
   for (std::size_t k = 0; k < views.size(); ++k) {
     // The part was turned backwards as seen from the next view.
     const Mat3 turn = rotation_of(-table.turned[k] * table.axis);
@@ -34,10 +37,12 @@ std::vector<RegisterView> seen_on(const Table& table, const Surface& part) {
     const int size = table.pixels;
     views[k].width = views[k].height = size;
     for (int pixel = 0; pixel < size * size; ++pixel) {
-      const Vec3 from((pixel % size - 0.5 * (size - 1)) * 45 / size + 2, (pixel / size - 0.5 * (size - 1)) * 45 / size, 0);
+      const Vec3 from((pixel % size - 0.5 * (size - 1)) * width / size + 2, (pixel / size - 0.5 * (size - 1)) * width / size, 0);
       const auto hit = part.first_hit(part_from_view * from, part_from_view.rotation * Vec3::UnitZ());
-      if (!hit) continue;
-      const double depth = hit->distance + (table.sigma > 0 ? table.sigma * random.normal() : 0);
+      double distance = hit ? hit->distance : 1e30;
+      if (plate > 0) distance = std::min(distance, up.dot(foot - from) / up.z());
+      if (distance > 1e29) continue;
+      const double depth = distance + (table.sigma > 0 ? table.sigma * random.normal() : 0);
       views[k].cloud.points.push_back(from + table.depth_scale * depth * Vec3::UnitZ());
       views[k].cloud.pixel.push_back(pixel), views[k].cloud.rays.push_back(Vec3::UnitZ());
     }
@@ -93,6 +98,32 @@ TEST_CASE("register: a turntable's axis and step are found from views without po
   CHECK(found.turntable->axis.dot(axis) > 0.9999);
   CHECK((found.turntable->point - point).cross(axis).norm() < 0.2);
   CHECK(count(found, ViewStatus::registered) == 3);
+}
+
+TEST_CASE("register: a table that shows in every view tells no step, the part on it does") {
+  const double step = 35 * pi / 180;
+  Table table{Vec3(4, -3, 60), Vec3(0.05, 0.7, -0.7).normalized(), {Mat3::Identity(), Vec3(0, 0, 60)}, {0, step, 2 * step, 3 * step}};
+  table.sigma = 0.02;
+  const Registration found = run(seen_on(table, balls(), 12, 90), on_table());
+  REQUIRE(found.turntable);
+  CHECK(found.turntable->step_observed);
+  CHECK(std::abs(found.turntable->step) * 180 / pi == Approx(35).margin(0.5));
+  CHECK(std::abs(found.turntable->axis.dot(table.axis)) > 0.9995);
+  CHECK((found.turntable->point - table.point).cross(table.axis).norm() < 0.3);
+  CHECK(count(found, ViewStatus::registered) == 3);
+  CHECK(std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& w) { return w.find("stands still") != std::string::npos; }));
+}
+
+TEST_CASE("register: a table with nothing on it, or with what looks alike from all sides, is no turntable of steps 0") {
+  const double step = 35 * pi / 180;
+  Table table{Vec3(4, -3, 60), Vec3(0.05, 0.7, -0.7).normalized(), {}, {0, step, 2 * step, 3 * step}};
+  table.sigma = 0.02, table.table_from_part.translation = table.point;
+  for (const Surface& part : {ball(0.1), ball(10)}) {
+    Context context;
+    const auto found = register_views(seen_on(table, part, 5, 90), on_table(), context);
+    if (!found.ok()) CHECK(found.error().message.find("no such axis") != std::string::npos);
+    else CHECK_FALSE(found->turntable->step_observed);
+  }
 }
 
 TEST_CASE("register: the relief of a round part tells unequal steps of its turntable") {
