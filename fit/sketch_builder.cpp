@@ -31,6 +31,7 @@ class Builder {
     for (std::size_t l = 0; l < pieces_.size(); ++l) solve_arcs(pieces_[l], loops_[l].axis_to_axis);
     for (std::size_t l = 0; l < pieces_.size(); ++l) emit(pieces_[l], loops_[l]);
     result_.parameters = std::move(numbers_.parameters);
+    tell_chamfers();
     name_parameters(result_, numbers_.slots, levels_, pieces_, o_);
     result_.origin = origin_;
     return std::move(result_);
@@ -73,13 +74,6 @@ class Builder {
 
   std::string text(double v) const {
     return print_number(snapped(v, power_of_ten_below(std::max(o_.tolerance, 1e-6))));
-  }
-
-  const Piece* neighbour(const std::vector<Piece>& pieces, std::size_t i, int step, bool axis_to_axis) const {
-    const std::size_t n = pieces.size();
-    if (n == 1) return nullptr;
-    if (axis_to_axis && ((i == 0 && step < 0) || (i + 1 == n && step > 0))) return nullptr;
-    return &pieces[(i + n + static_cast<std::size_t>(step + static_cast<int>(n))) % n];
   }
 
   void mark_tangents(std::vector<Piece>& pieces, bool axis_to_axis) {
@@ -196,7 +190,7 @@ class Builder {
     Piece& a = pieces[i];
     a.solved = true;
     const bool convex = a.s.sweep > 0;
-    if (pieces.size() == 1) return full_circle(a);
+    if (pieces.size() == 1) return full_circle(a, loops_[static_cast<std::size_t>(&pieces - pieces_.data())].name);
     const bool centred = centred_on_axis(a, o_);
     const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
     const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
@@ -272,15 +266,18 @@ class Builder {
     a.cx = *cx, a.cy = *cy;
   }
 
-  void full_circle(Piece& a) {
+  /// Numbers of the second hole and on are its loop's, so that hole_3_radius is of hole 3.
+  void full_circle(Piece& a, const std::string& loop) {
     const bool hole = a.s.sweep < 0;
-    const std::string role = hole ? "hole" : "disc";
+    const std::string kind = hole ? "hole" : "disc";
+    const std::string number = loop.starts_with(kind + " ") ? loop.substr(kind.size() + 1) : "";
+    const std::string role = number.empty() || number == "1" ? kind : kind + "_" + number;
     a.name = "";
     a.r = radius(a.s.radius, role + "_radius", hole ? "radius of the hole" : "radius of the disc");
     a.cx = coordinate(0, a.s.center.x(), o_.revolve ? "ring_radius" : role + "_x",
-                      o_.revolve ? "distance of the centre from the axis" : "x of the " + role);
+                      o_.revolve ? "distance of the centre from the axis" : "x of the " + kind);
     a.cy = coordinate(1, a.s.center.y(), role + (o_.revolve ? "_z" : "_y"),
-                      (o_.revolve ? "height of the " : "y of the ") + role);
+                      (o_.revolve ? "height of the " : "y of the ") + kind);
     a.from = Expr(hole ? 2 * pi : 0.0);
     a.to = Expr(hole ? 0.0 : 2 * pi);
   }
@@ -350,15 +347,21 @@ class Builder {
   // ---- elements
   // -------------------------------------------------------------------------------------------------------
 
+  /// Faces are named after their parameters once those have their names: of level 3 "#3", of the chamfer that is the second piece of the
+  /// first loop "/0 1".
   std::string edge_role(const Piece& p) const {
     if (p.curved()) return "";
     if (!p.s.supported) return "unseen end";
+    if (p.way == Way::oblique)
+      for (std::size_t l = 0; l < pieces_.size(); ++l)
+        if (&p >= pieces_[l].data() && &p < pieces_[l].data() + pieces_[l].size() &&
+            is_chamfer(pieces_[l], static_cast<std::size_t>(&p - pieces_[l].data()), loops_[l].axis_to_axis))
+          return "/" + std::to_string(l) + " " + std::to_string(&p - pieces_[l].data());
     if (!o_.revolve) {
       if (p.way == Way::horizontal) return p.s.direction.x() > 0 ? "front" : "back";
       if (p.way == Way::vertical) return p.s.direction.y() > 0 ? "right" : "left";
       return "slope";
     }
-    // Faces are named after the parameter of their level, once that has its name.
     if (p.way != Way::oblique) return "#" + std::to_string(p.level);
     return "cone";
   }
@@ -439,19 +442,6 @@ class Builder {
     const double y = p.s.point.y() -
                      (std::abs(p.s.direction.x()) > 1e-9 ? p.s.point.x() / p.s.direction.x() * p.s.direction.y() : 0);
     return coordinate(1, y, "tip_z", "height of the tip on the axis");
-  }
-
-  /// A short oblique edge between a horizontal and a vertical one.
-  bool is_chamfer(const std::vector<Piece>& pieces, std::size_t i, bool axis_to_axis) const {
-    const Piece& p = pieces[i];
-    if (p.curved() || p.way != Way::oblique) return false;
-    const Piece* before = neighbour(pieces, i, -1, axis_to_axis);
-    const Piece* after = neighbour(pieces, i, +1, axis_to_axis);
-    if (!before || !after || before->curved() || after->curved()) return false;
-    if (!((before->way == Way::horizontal && after->way == Way::vertical) ||
-          (before->way == Way::vertical && after->way == Way::horizontal)))
-      return false;
-    return p.s.length() < before->s.length() + after->s.length();
   }
 
   /// The two legs of a chamfer: along x and along y; equal legs are one parameter.
@@ -541,6 +531,18 @@ class Builder {
       y = coordinate(1, safe.y(), o_.revolve ? "corner_z" : "corner_y",
                      o_.revolve ? "height of a corner" : "y of a corner");
     add_point(loop, *x, *y, edge);
+  }
+
+  /// Edges of chamfers, found under "/0 1", are told by the parameter that their legs got: "/#7".
+  void tell_chamfers() {
+    const auto told = [&](std::string& edge) {
+      if (!edge.starts_with('/')) return;
+      const std::size_t space = edge.find(' ');
+      const auto found = chamfers_.find(&pieces_[std::stoul(edge.substr(1, space - 1))][std::stoul(edge.substr(space + 1))]);
+      edge = found != chamfers_.end() ? "/" + found->second.first.parameter : o_.revolve ? "cone" : "slope";
+    };
+    for (auto& loop : result_.sketch.loops)
+      for (auto& element : loop.elements) std::visit([&](auto& e) { told(e.edge); }, element);
   }
 
   std::vector<LoopPieces> loops_;

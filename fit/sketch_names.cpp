@@ -85,19 +85,30 @@ void name_parameters(BuiltSketch& built, std::vector<SketchSlot> slots, const st
     if (e.is_parameter()) e.parameter = names.at(e.parameter);
     for (auto& a : e.arguments) rename(a);
   };
+  const auto without = [](std::string name, std::initializer_list<const char*> suffixes) {
+    for (const char* suffix : suffixes)
+      if (name.ends_with(suffix)) name.resize(name.size() - std::string(suffix).size());
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
+  };
   auto face_name = [&](const std::string& edge) -> std::string {
+    if (edge.starts_with('/')) return without(names.at(edge.substr(1)), {"_width"});  // of a chamfer: its parameter
     if (edge.empty() || edge[0] != '#') return edge;
     const SketchLevel& level = levels[std::stoul(edge.substr(1))];
     if (level.axis == 1 && level.expr == Expr(0)) return "bottom face";
     std::string name = level.expr.is_parameter() ? names.at(level.expr.parameter) : level.axis == 0 ? "wall" : "face";
     if (name == "total_length") return "top face";
-    for (const char* suffix : {"_radius", "_z"})
-      if (name.ends_with(suffix)) name.resize(name.size() - std::string(suffix).size());
-    std::replace(name.begin(), name.end(), '_', ' ');
-    return name;
+    return without(std::move(name), {"_radius", "_z"});
   };
   for (auto& loop : built.sketch.loops)
-    for (auto& element : loop.elements) std::visit([&](auto& e) { e.edge = face_name(e.edge); }, element);
+    for (auto& element : loop.elements) {
+      std::visit([&](auto& e) { e.edge = face_name(e.edge); }, element);
+      // Of several fillets each is called as its radius is.
+      auto* arc = std::get_if<SketchArc>(&element);
+      if (!arc || !arc->radius.is_parameter()) continue;
+      const std::string called = without(names.at(arc->radius.parameter), {"_radius"});
+      if (!arc->name.empty() && called.starts_with(arc->name + " ")) arc->name = called;
+    }
   Shape shape = Extrude{std::move(built.sketch), Expr(1)};
   visit_expressions(shape, [&](Expr& e, Domain) { rename(e); });
   built.sketch = std::move(std::get<Extrude>(shape).sketch);

@@ -183,4 +183,23 @@ std::optional<Vec2> crossing_of(const ProfileSegment& a, const ProfileSegment& b
   return Vec2(a.point + a.direction * (cross(b.point - a.point, b.direction) / c));
 }
 
+const SketchPiece* neighbour(const std::vector<SketchPiece>& pieces, std::size_t i, int step, bool axis_to_axis) {
+  const std::size_t n = pieces.size();
+  if (n == 1) return nullptr;
+  if (axis_to_axis && ((i == 0 && step < 0) || (i + 1 == n && step > 0))) return nullptr;
+  return &pieces[(i + n + static_cast<std::size_t>(step + static_cast<int>(n))) % n];
+}
+
+bool is_chamfer(const std::vector<SketchPiece>& pieces, std::size_t i, bool axis_to_axis) {
+  const SketchPiece& p = pieces[i];
+  if (p.curved() || p.way != Way::oblique) return false;
+  const SketchPiece* before = neighbour(pieces, i, -1, axis_to_axis);
+  const SketchPiece* after = neighbour(pieces, i, +1, axis_to_axis);
+  if (!before || !after || before->curved() || after->curved()) return false;
+  if (!((before->way == Way::horizontal && after->way == Way::vertical) ||
+        (before->way == Way::vertical && after->way == Way::horizontal)))
+    return false;
+  return p.s.length() < before->s.length() + after->s.length();
+}
+
 }  // namespace partscribe

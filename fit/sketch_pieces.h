@@ -68,6 +68,12 @@ bool touches(const SketchPiece& arc, double end_angle, const SketchPiece& edge, 
 /// Do two arcs in a row meet without a corner?
 bool arcs_tangent(const SketchPiece& first, const SketchPiece& second, const SketchOptions& options);
 
+/// The piece before (step -1) or after (+1) one of a loop; null where there is none. `axis_to_axis`: the loop is open.
+const SketchPiece* neighbour(const std::vector<SketchPiece>& pieces, std::size_t i, int step, bool axis_to_axis);
+
+/// A short oblique edge between a horizontal and a vertical one.
+bool is_chamfer(const std::vector<SketchPiece>& pieces, std::size_t i, bool axis_to_axis);
+
 /// Where two lines cross, unless they are nearly parallel.
 std::optional<Vec2> crossing_of(const ProfileSegment& a, const ProfileSegment& b);
 

@@ -38,7 +38,7 @@ module turned_body_profile()
     [head_radius, shoulder_z],               // shoulder
     // fillet, then shank
     each arc([shank_radius + fillet_radius, shoulder_z + fillet_radius], fillet_radius, -90, -180),
-    [shank_radius, total_length - chamfer],  // cone
+    [shank_radius, total_length - chamfer],  // chamfer
     [shank_radius - chamfer, total_length],  // top face
     [0, total_length]                        // axis
   ]);
