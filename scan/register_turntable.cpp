@@ -100,16 +100,33 @@ bool seen_from_origin(const ViewSurface& surface) {
   return surface.center.norm() > outside * surface.radius && bulge > 0;
 }
 
-/// The views without what stands still, where that is most of every view and the rest still has a surface; else nothing.
+struct Standing {
+  bool most = true;   ///< of what every view shows
+  bool flat = false;  ///< nearly all of that faces one way, as a table does
+};
+
+Standing standing(const std::vector<ViewSurface>& surfaces, double reach) {
+  constexpr std::size_t asked = 1000;           // of each view
+  constexpr double facing = 0.94, nearly = 0.9;  // cosine of 20 degrees
+  Standing result;
+  std::vector<Vec3> normals;
+  Mat3 spread = Mat3::Zero();
+  for (std::size_t v = 0; v < surfaces.size(); ++v) {
+    const std::size_t stride = surfaces[v].points.size() / asked + 1, before = normals.size();
+    std::size_t all = 0;
+    for (std::size_t i = 0; i < surfaces[v].points.size(); i += stride, ++all)
+      if (stands_still(surfaces, v, i, reach)) normals.push_back(surfaces[v].normals[i]), spread += normals.back() * normals.back().transpose();
+    result.most = result.most && 2 * (normals.size() - before) >= all;
+  }
+  const Vec3 way = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(2);
+  const auto there = std::ranges::count_if(normals, [&](const Vec3& normal) { return std::abs(normal.dot(way)) > facing; });
+  result.flat = result.most && double(there) > nearly * double(normals.size());
+  return result;
+}
+
+/// The views without what stands still; nothing where the rest has no surface.
 std::optional<std::vector<ViewSurface>> what_moves(const std::vector<RegisterView>& views, const std::vector<ViewSurface>& surfaces, bool contours, double reach,
                                                    const RegisterOptions& options, Context& context) {
-  constexpr std::size_t asked = 1000;  // of each view, to see whether it is worth asking all
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const std::size_t stride = surfaces[v].points.size() / asked + 1;
-    std::size_t still = 0, all = 0;
-    for (std::size_t i = 0; i < surfaces[v].points.size(); i += stride, ++all) still += stands_still(surfaces, v, i, reach);
-    if (2 * still < all) return {};
-  }
   std::vector<RegisterView> moving = views;
   for (std::size_t v = 0; v < views.size(); ++v) {
     std::vector<std::uint8_t> moves(surfaces[v].points.size()), keep(views[v].cloud.size());
@@ -199,10 +216,19 @@ Result<TurntableStart> start_from_turntable(const std::vector<RegisterView>& vie
   };
   if (n < 2 || !std::ranges::all_of(surfaces, &ViewSurface::usable)) return none();
   context.report("looking for the axis", 0);
+  // A smooth round part stands still as well, but it is not flat, and nothing of it moves.
+  const Standing still = standing(surfaces, confirm_reach(surfaces));
+  std::optional<std::vector<ViewSurface>> moving;
+  if (still.flat) moving = what_moves(views, surfaces, contours, confirm_reach(surfaces), options, context);
+  const auto round_axis = moving ? std::optional<AxisLine>() : axis_of_normals(surfaces);
+  if (still.most && !moving && !round_axis) {
+    if (!still.flat) moving = what_moves(views, surfaces, contours, confirm_reach(surfaces), options, context);
+    left_out = "nearly all that the views show stands still, such as the table, and tells no step";
+    if (!moving) return none();
+  }
   // What stands still beside a round part, such as the foot of the table, is not round about its axis and left out.
-  const auto round_axis = axis_of_normals(surfaces);
   if (round_axis) keep_round(surfaces, *round_axis);
-  else if (auto moving = what_moves(views, surfaces, contours, confirm_reach(surfaces), options, context)) {
+  if (moving) {
     std::size_t before = 0, after = 0;
     for (std::size_t v = 0; v < n; ++v) before += surfaces[v].points.size(), after += (*moving)[v].points.size();
     left_out = in_percent(1 - double(after) / double(before)) + " of what the views show stands still in most of them, such as the table: it tells no step and was left out";
@@ -214,11 +240,11 @@ Result<TurntableStart> start_from_turntable(const std::vector<RegisterView>& vie
   const double coarse_cell = std::max(radius / 12, 2 * spacing), reach = (round_axis ? 2 : 1) * confirm_reach(surfaces);
   std::vector<Surfels> few, many;
   std::vector<std::unique_ptr<PlacedModel>> coarse, fine;
-  const std::vector<Pose> still(n);
+  const std::vector<Pose> unmoved(n);
   for (std::size_t v = 0; v < n; ++v) {
     few.push_back(sample_surfels(surfaces[v], 300)), many.push_back(sample_surfels(surfaces[v], 1200));
-    coarse.push_back(place_surfaces(surfaces, still, {v}, coarse_cell));
-    fine.push_back(place_surfaces(surfaces, still, {v}, 1.5 * spacing));
+    coarse.push_back(place_surfaces(surfaces, unmoved, {v}, coarse_cell));
+    fine.push_back(place_surfaces(surfaces, unmoved, {v}, 1.5 * spacing));
   }
   const auto pairs_of = [&](const std::vector<Surfels>& sources, const std::vector<std::unique_ptr<PlacedModel>>& targets) {
     std::vector<AlignPair> pairs;
