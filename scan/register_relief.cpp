@@ -117,7 +117,7 @@ std::optional<Shift> best_shift(const Relief& a, const Relief& b, Context& conte
   const double usual = median(std::move(sizes));
   context.say("relief alike after " + print_number(best.columns * 360.0 / columns) + " degrees, correlation " + print_number(best.correlation) +
               ", significance " + print_number(best.significance) + "; elsewhere " + print_number(second.significance) + ", usually " + print_number(usual));
-  if (best.significance < clear * second.significance || best.significance < over_usual * usual) return {};
+  if (!(best.significance > 0) || best.significance < clear * second.significance || best.significance < over_usual * usual) return {};
   return best;
 }
 
