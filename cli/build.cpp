@@ -139,6 +139,7 @@ struct Trials {
     if (!scripts->empty()) {
       VerifyOptions options;
       options.tolerance = tolerance;
+      options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*model));
       auto judged = verify(*scripts, scan, *model, options, session.context);
       if (!judged) return judged.error();
       verdict = std::move(*judged);

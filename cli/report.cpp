@@ -50,6 +50,7 @@ Result<Done> evaluate_for_pictures(Material& material, Session& session) {
     if (!std::filesystem::is_regular_file(file)) continue;
     VerifyOptions options;
     options.tolerance = material.verdict.tolerance;
+    if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
     auto again = verify({file}, material.scan, material.model, options, session.context);
     if (!again) return again.error();
     ArtifactVerdict& fresh = again->artifacts.front();
@@ -120,6 +121,7 @@ Result<Material> verified_material(const std::vector<Path>& files, Session& sess
     options.tolerance = tolerance.tolerance;
     session.print("T" + tolerance.reason.substr(1) + ".\n");
   }
+  if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
   if (auto ok = session.stage("verify"); !ok) return ok.error();
   auto verdict = verify(material.artifacts, material.scan, material.model, options, session.context);
   if (!verdict) return verdict.error();

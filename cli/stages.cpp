@@ -105,6 +105,11 @@ Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts
   return scripts;
 }
 
+double outlier_rate_of(const Model& model) {
+  const auto& p = model.provenance;
+  return p.points == 0 ? 0 : static_cast<double>(p.rejected) / static_cast<double>(p.points);
+}
+
 std::string seconds_line(const Session& session) {
   double total = 0;
   std::string text;

@@ -56,6 +56,9 @@ Result<Emitted> emit_all(const CheckedModel& model, const std::vector<std::strin
 /// other backends are removed, so that all files of a folder belong together.
 Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts, const Path& folder);
 
+/// The share of its points that the fit of a model set aside as outliers: so many the verifier may set aside too.
+double outlier_rate_of(const Model& model);
+
 /// Where each stage's seconds went, in one line.
 std::string seconds_line(const Session& session);
 

@@ -101,6 +101,7 @@ ArtifactVerdict artifact_of(const Json& json) {
   if (const auto found = json.find("data_to_model"); found != json.end() && found->is_object()) {
     auto& d = artifact.data_to_model;
     d.points = count(*found, "points"), d.rejected = count(*found, "rejected");
+    d.set_aside = count(*found, "set_aside");
     d.local_max = number(*found, "local_max"), d.rms = number(*found, "rms"), d.p50 = number(*found, "p50");
     d.p95 = number(*found, "p95"), d.p99 = number(*found, "p99"), d.max = number(*found, "max");
     d.worst = vector(*found, "worst");

@@ -19,6 +19,7 @@ constexpr const char* help =
   partscribe verify edited.stl scan.ply --strict                 a mesh as the artifact comes first
   partscribe verify part.scad scan.ply --json | jq .verdict      for a program
   partscribe verify part.step scan.ply --align best-fit          the scan has a frame of its own
+  partscribe verify pin.scad raw.xyz --outliers 0.2              up to a fifth of the points may be outliers
   partscribe verify part.igs scan.ply --junit out.xml --csv out.csv
 
 Artifacts are .scad .scl .igs .iges .step .stp files; everything else is a scan. Where no such file is given, the first
@@ -32,6 +33,7 @@ struct Options {
   bool strict = false;
   std::string rule = "local", align = "none";
   double seconds = 600;
+  std::optional<double> outliers;
   bool second_opinion = false;
 };
 
@@ -102,6 +104,13 @@ Result<int> run(const Options& given, Session& session) {
     options.tolerance = tolerance.tolerance;
     if (!session.options.tolerance) session.print("T" + tolerance.reason.substr(1) + ".\n");
   }
+  if (given.outliers) {
+    options.outlier_rate = *given.outliers;
+  } else if (*model && outlier_rate_of(**model) > options.outlier_rate) {
+    options.outlier_rate = outlier_rate_of(**model);
+    session.print("Up to " + print_number(snapped(100 * options.outlier_rate, 0.1)) +
+                  " % of the points may be outliers, as many as the fit of the model beside the artifact set aside.\n");
+  }
   options.rule = given.rule == "max" ? Rule::max : Rule::local;
   options.strict = given.strict;
   options.align = given.align == "best-fit" ? AlignBy::best_fit : given.align == "datums" ? AlignBy::datums : AlignBy::none;
@@ -147,6 +156,9 @@ Command verify_command() {
             a.choice(options->align, "--align", {"none", "best-fit", "datums"},
                      "move the scan onto the artifact first: by least squares, or by its three largest flat faces "
                      "(default none: both lie in one frame); the verdict tells the motion");
+            a.number(options->outliers, "--outliers", "SHARE", 0, 1,
+                     "share of the points that may be outliers (default: as many as the fit set aside, or 0.02); more "
+                     "than that refuse the artifact, and so do those that stand together");
             a.number(options->seconds, "--time-limit", "SECONDS", 1, 1e6,
                      "for each program that is run (default 600); more lets slow scripts finish");
           },

@@ -16,6 +16,7 @@
 #include "verify/facets.h"
 #include "verify/model_to_data.h"
 #include "verify/samples.h"
+#include "verify/words.h"
 
 namespace partscribe {
 namespace {
@@ -26,6 +27,7 @@ constexpr std::size_t finalists = 6;
 constexpr double trimmed = 0.8;        // share of the points that a start is judged by: a scan has strays, and gaps none
 constexpr double off_by_frame = 0.2;   // share of the points beyond the tolerance; less is damage in some place
 constexpr double equally_good = 1.05;  // ratio of the errors of two fits that the scan cannot tell apart
+constexpr double hardly = 0.02;        // of the tolerance: differences that nobody asked about
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -155,7 +157,7 @@ void measure(Alignment& alignment, const std::vector<Vec3>& points, const MeshDi
 }
 
 Alignment best_fit(const std::vector<Vec3>& points, const TriangleMesh& mesh, const MeshDistance& surface, double noise,
-                   int threads) {
+                   double tolerance, int threads) {
   std::vector<Vec3> samples;
   for (const auto& s : even_samples(mesh, mesh_samples)) samples.push_back(s.point);
   const Frame scan = principal_frame(points), part = principal_frame(samples);
@@ -171,21 +173,24 @@ Alignment best_fit(const std::vector<Vec3>& points, const TriangleMesh& mesh, co
   for (auto& trial : trials) trial = fitting.run(points, trial.pose, fine_steps);
   double least = trials.front().error;
   for (const auto& trial : trials) least = std::min(least, trial.error);
+  // What starts as it lies ends in the nearest position: it is kept if no other one is better. Between exact meshes all
+  // errors are next to nothing, and their ratio says nothing.
+  const double limit = equally_good * least + hardly * tolerance;
   Alignment best;
   double best_turn = 0;
   std::vector<Mat3> different;
   for (const auto& trial : trials) {
-    if (trial.error > equally_good * least + 1e-9 * mesh.bounds().diagonal()) continue;
+    if (trial.error > limit) continue;
     const double turn = turn_of(trial.pose.rotation);
-    if (different.empty() || turn < best_turn) best.scan_to_artifact = trial.pose, best_turn = turn;
+    if (different.empty() || (trials.front().error > limit && turn < best_turn)) best.scan_to_artifact = trial.pose, best_turn = turn;
     if (std::all_of(different.begin(), different.end(),
                     [&](const Mat3& other) { return turn_of(other.transpose() * trial.pose.rotation) > 0.02; }))
       different.push_back(trial.pose.rotation);
   }
   best.method = AlignBy::best_fit;
   if (different.size() > 1)
-    best.remark = "the part fits as well in " + std::to_string(different.size() - 1) +
-                  (different.size() > 2 ? " other positions" : " other position") + "; this one turns it least";
+    best.remark = "the part fits as well in at least " + counted(different.size() - 1, "other position") +
+                  "; this one is the nearest to how it lay";
   return best;
 }
 
@@ -291,10 +296,10 @@ std::string shown(double v, double resolution) { return print_number(snapped(v, 
 }  // namespace
 
 Result<Alignment> align(const ScanSource& source, const TriangleMesh& mesh, const MeshDistance& surface, AlignBy by,
-                        Context& context) {
+                        double tolerance, Context& context) {
   context.report("align", 0);
   const auto points = spread(source.points, fine_points);
-  Alignment best = best_fit(points, mesh, surface, source.noise, context.threads);
+  Alignment best = best_fit(points, mesh, surface, source.noise, tolerance, context.threads);
   measure(best, points, surface, source.noise);
   if (by == AlignBy::datums) {
     auto found = by_datums(points, mesh, surface, best, source.noise);
@@ -302,13 +307,17 @@ Result<Alignment> align(const ScanSource& source, const TriangleMesh& mesh, cons
     best = *found;
     measure(best, points, surface, source.noise);
   }
+  // A part that lies right already stays where it is.
+  double farthest = 0;
+  for (const auto& p : points) farthest = std::max(farthest, (best.scan_to_artifact * p - p).norm());
+  if (farthest < hardly * tolerance) best.scan_to_artifact = {};
   describe(best, points);
   return best;
 }
 
 Result<bool> lay_onto_scan(const ScanSource& source, const VerifyOptions& options, ArtifactVerdict& verdict,
                            Context& context) {
-  auto found = align(source, verdict.mesh, MeshDistance(verdict.mesh), options.align, context);
+  auto found = align(source, verdict.mesh, MeshDistance(verdict.mesh), options.align, options.tolerance, context);
   if (!found) return found.error();
   verdict.mesh = transformed(verdict.mesh, found->scan_to_artifact.inverse());
   verdict.alignment = std::move(*found);
@@ -323,7 +332,7 @@ std::optional<std::string> hint_at_frame(const ScanSource& source, const VerifyO
   const auto off = std::count_if(points.begin(), points.end(),
                                  [&](const Vec3& p) { return as_it_is.closest(p).distance > options.tolerance; });
   if (static_cast<double>(off) < off_by_frame * static_cast<double>(points.size())) return {};
-  const auto found = align(source, verdict.mesh, as_it_is, AlignBy::best_fit, context);
+  const auto found = align(source, verdict.mesh, as_it_is, AlignBy::best_fit, options.tolerance, context);
   if (!found) return {};
   const auto moved = transformed(verdict.mesh, found->scan_to_artifact.inverse());
   const MeshDistance surface(moved);
@@ -337,6 +346,7 @@ std::optional<std::string> hint_at_frame(const ScanSource& source, const VerifyO
 
 std::string words_for(const Alignment& alignment) {
   const auto& t = alignment.translation;
+  if (!alignment.moves()) return "left where it lies";
   return "turned by " + shown(degrees(alignment.rotation), 0.001) + " degrees and moved by " + shown(t.norm(), 0.001) + " mm (" +
          shown(t.x(), 0.001) + ", " + shown(t.y(), 0.001) + ", " + shown(t.z(), 0.001) + ")";
 }

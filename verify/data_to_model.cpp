@@ -266,6 +266,7 @@ class Comparison {
       if (std::abs(d) > off_by) take(p, ScanSource::nowhere, d, hit);
     }
     judge_rate(far);
+    scene.most_strays = std::max(scene.most_strays, options_.outlier_rate);
     scene.source = &source_, scene.is_off = &is_off, scene.triangle = &field_.triangle, scene.normals = &normals_;
     const auto clusters = clusters_beyond_chance(scene, 0.5 * false_alarm, context_.threads);
     std::vector<double> values;
@@ -273,20 +274,21 @@ class Comparison {
       const auto& members = clusters[c].members;
       values.clear();
       Vec3 middle = Vec3::Zero();
-      for (const auto m : members) values.push_back(distance[m]), middle += scene.off[m];
+      std::size_t outside = 0;
+      for (const auto m : members) values.push_back(std::abs(distance[m])), middle += scene.off[m], outside += distance[m] > 0;
       middle /= static_cast<double>(members.size());
-      const double mean = robust_mean(values).mean;
+      const double off = robust_mean(values).mean;  // of sizes: points on either side do not make up for each other
       std::uint32_t nearest = members.front();
       for (const auto m : members) {
         if ((scene.off[m] - middle).squaredNorm() < (scene.off[nearest] - middle).squaredNorm()) nearest = m;
         if (index[m] != ScanSource::nowhere) field_.stray[index[m]] = 0, field_.crowded[index[m]] = 1;
       }
-      take_worst(mean, scene.off[nearest]);
+      take_worst(off, scene.off[nearest]);
       if (c < most_clusters_told)
-        field_.faults.push_back(std::to_string(members.size()) + " points together at " + shown(scene.off[nearest]) + " are " +
-                                shown(std::abs(mean)) + " mm off the model, too many for rejected strays: " +
-                                std::to_string(clusters[c].most) + " where this scan's strays explain " +
-                                print_number(snapped(clusters[c].expected, 0.01)));
+        field_.faults.push_back(std::to_string(members.size()) + " points stand together at " + shown(scene.off[nearest]) + ", " + shown(off) +
+                                " mm off the artifact" + (outside > 0 && outside < members.size() ? " on both sides of it" : "") +
+                                ": too close to one another for outliers, of which chance puts " +
+                                print_number(snapped(clusters[c].expected, 0.01)) + " where there are " + std::to_string(clusters[c].most));
     }
     if (clusters.size() > most_clusters_told)
       field_.faults.push_back(std::to_string(clusters.size() - most_clusters_told) + " more such groups of points");
@@ -295,10 +297,11 @@ class Comparison {
   void judge_rate(std::size_t far) {
     const double total = static_cast<double>(source_.kept + source_.set_aside.size());
     const double rate = options_.outlier_rate;
+    auto percent = [](double share) { return print_number(snapped(100 * share, 0.1)) + " %"; };
     if (static_cast<double>(far) > rate * total + 4 * std::sqrt(rate * total) + 3)
-      field_.faults.push_back(std::to_string(far) + " rejected points are farther than the tolerance from the model; " +
-                              "an outlier rate of " + print_number(rate) + " explains " +
-                              std::to_string(static_cast<std::size_t>(rate * total)));
+      field_.faults.push_back(std::to_string(far) + " points (" + percent(static_cast<double>(far) / total) +
+                              ") were set aside as outliers and lie farther than the tolerance from the artifact; " + percent(rate) +
+                              " of the scan may be outliers");
   }
 
   void take_worst(double mean, const Vec3& place) {
@@ -323,7 +326,8 @@ class Comparison {
       sizes.push_back(std::abs(field_.distance[i]));
       squares += sizes.back() * sizes.back();
     }
-    summary.rejected += source_.set_aside.size();
+    summary.set_aside = source_.set_aside.size();
+    summary.rejected += summary.set_aside;
     if (!sizes.empty()) {
       std::sort(sizes.begin(), sizes.end());
       auto share = [&](double q) { return sizes[std::min(sizes.size() - 1, std::size_t(q * double(sizes.size())))]; };
@@ -332,7 +336,7 @@ class Comparison {
     }
     if (summary.local_max > tolerance_)
       field_.faults.push_back(std::string(options_.rule == Rule::max ? "a scanned point is " : "the scanned surface is ") +
-                              shown(summary.local_max) + " mm from the model at " + shown(summary.worst));
+                              shown(summary.local_max) + " mm off the artifact at " + shown(summary.worst));
   }
 };
 

@@ -18,6 +18,8 @@ namespace {
 constexpr double widest_bend = 0.81;       // rad: eight facets close a circle
 constexpr double fine_bend = 0.55;         // rad; coarser than this, three equal facets may be a chamfered edge
 constexpr double similar_width = 0.45;     // facets of one round surface are nearly equally wide
+constexpr double sharpest_bend = 1.6;      // rad: four facets close a circle
+constexpr double alike_bend = 0.02;        // rad, between the corners of a regular polygon
 constexpr double least_turning = 0.35;     // rad that a patch of a piece must turn to be more than chance
 constexpr std::size_t most_failures = 60;  // seeds of one piece in a row that lead nowhere
 constexpr std::size_t most_planes = 400;
@@ -37,8 +39,8 @@ struct Patch {
 
 class Recogniser {
  public:
-  Recogniser(const TriangleMesh& mesh, double tolerance)
-      : mesh_(mesh), tolerance_(tolerance), size_(mesh.bounds().diagonal()),
+  Recogniser(const TriangleMesh& mesh, double tolerance, const IsRound& is_round)
+      : mesh_(mesh), is_round_(is_round), tolerance_(tolerance), size_(mesh.bounds().diagonal()),
         corner_error_(std::max(4e-6 * size_, 0.01 * tolerance)),
         parts_(flat_pieces(mesh, std::max(2e-6 * size_, 1e-3 * tolerance))) {}
 
@@ -46,6 +48,7 @@ class Recogniser {
     prepare();
     find_pieces();
     for (const auto& piece : pieces_) take_piece(piece);
+    if (is_round_) take_coarse_circles();
     absorb_strips();
     merge_round();
     take_planes();
@@ -55,6 +58,7 @@ class Recogniser {
 
  private:
   const TriangleMesh& mesh_;
+  const IsRound& is_round_;
   double tolerance_, size_, corner_error_;
   Facets parts_;
   double total_area_ = 0, small_area_ = 0;
@@ -307,6 +311,53 @@ class Recogniser {
     const Vec3 across = apart - apart.dot(a.axis) * a.axis;
     if (a.kind == PrimitiveKind::torus) return apart.norm() <= within;
     return across.norm() <= within && (a.kind == PrimitiveKind::cylinder);
+  }
+
+  /// Four to seven equal walls that close a circle, where the part is round: what a program makes of a small circle.
+  void take_coarse_circles() {
+    for (std::uint32_t seed = 0; seed < parts_.facets.size(); ++seed)
+      for (std::size_t i = 0; i < links_of_[seed].size() && patch_of_[seed] == none; ++i) {
+        const auto& link = parts_.links[links_of_[seed][i]];
+        if (link.angle <= widest_bend || link.angle > sharpest_bend) continue;
+        const Members ring = ring_from(seed, links_of_[seed][i]);
+        if (ring.empty()) continue;
+        const auto cylinder = FacetGroup(mesh_, parts_, ring).fit(PrimitiveKind::cylinder, corner_error_, link.angle);
+        if (!cylinder) continue;
+        double low = 1e300, high = -1e300;
+        for (const auto f : ring)
+          for (const auto v : facet(f).vertices) {
+            const double t = (mesh_.vertices[v] - cylinder->point).dot(cylinder->axis);
+            low = std::min(low, t), high = std::max(high, t);
+          }
+        if (!is_round_(*cylinder, low, high)) continue;
+        Patch patch;
+        patch.facets = ring, patch.primitive = *cylinder, patch.hollow = is_hollow(*cylinder, ring);
+        keep(std::move(patch));
+      }
+  }
+
+  /// The facets about the axis that the seed and its neighbour across `link` turn about, each bent like these two; empty if
+  /// they do not close a circle.
+  Members ring_from(std::uint32_t seed, std::uint32_t link) const {
+    const double bend = parts_.links[link].angle;
+    const bool convex = parts_.links[link].convex;
+    const Vec3 axis = facet(seed).normal.cross(facet(other(link, seed)).normal).normalized();
+    Members ring = {seed};
+    while (ring.size() < 8) {
+      const auto here = other(link, ring.back());
+      if (here == seed) return std::abs(bend - 2 * pi / static_cast<double>(ring.size())) < alike_bend ? ring : Members{};
+      if (patch_of_[here] != none || std::find(ring.begin(), ring.end(), here) != ring.end()) return {};
+      ring.push_back(here);
+      std::uint32_t next = none;
+      for (const auto l : links_of_[here]) {
+        const auto& p = parts_.links[l];
+        if (l == link || p.convex != convex || std::abs(p.angle - bend) > alike_bend) continue;
+        if (facet(here).normal.cross(facet(other(l, here)).normal).normalized().dot(axis) > 0.99) next = l;
+      }
+      if (next == none) return {};
+      link = next;
+    }
+    return {};
   }
 
   /// Pieces of one cylinder or sphere that slots divide are one feature if they overlap along the axis.
@@ -596,6 +647,15 @@ Vec3 surface_normal(const Primitive& primitive, const Vec3& point) {
   }
 }
 
-MeshFeatures recognise_features(const TriangleMesh& mesh, double tolerance) { return Recogniser(mesh, tolerance).run(); }
+MeshFeatures recognise_features(const TriangleMesh& mesh, double tolerance, const IsRound& is_round) {
+  return Recogniser(mesh, tolerance, is_round).run();
+}
+
+int sides_of(const MeshFeature& feature) {
+  if (!feature.primitive || feature.primitive->kind != PrimitiveKind::cylinder) return 0;
+  const double radius = feature.primitive->radius;
+  if (!(feature.sagitta > 1e-6 * radius) || !(feature.sagitta < radius)) return 0;
+  return static_cast<int>(std::lround(pi / std::acos(1 - feature.sagitta / radius)));
+}
 
 }  // namespace partscribe

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,9 +33,16 @@ struct MeshFeatures {
   std::vector<std::uint32_t> feature_of;    ///< of each triangle
 };
 
-/// Facets of a polygon are one round surface if at least eight would close the circle. Corners must be shared.
-/// `tolerance` decides what is too small to be named.
-MeshFeatures recognise_features(const TriangleMesh& mesh, double tolerance);
+/// Told a cylinder that stands between `low` and `high` along its axis: is the part round there?
+using IsRound = std::function<bool(const Primitive& cylinder, double low, double high)>;
+
+/// Facets of a polygon are one round surface if at least eight would close the circle; four to seven equal walls are a
+/// square to a heptagon unless `is_round` knows better. Corners must be shared. `tolerance` decides what is too small to
+/// be named.
+MeshFeatures recognise_features(const TriangleMesh& mesh, double tolerance, const IsRound& is_round = {});
+
+/// How many flat sides the circle of a cylinder is drawn with; 0 if it has none to speak of, or is no cylinder.
+int sides_of(const MeshFeature& feature);
 
 /// Unit normal of a primitive's surface near `point`, on the side where distance() is positive.
 Vec3 surface_normal(const Primitive& primitive, const Vec3& point);

@@ -3,15 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "verify/absences.h"
 #include "verify/clusters.h"
-#include "verify/inspect.h"
 #include "verify/words.h"
 
 namespace partscribe {
@@ -22,29 +20,6 @@ constexpr double flattest_sight = 0.26;      // cosine of 75 degrees
 constexpr std::size_t fewest_points = 9;     // that can prove a deviation
 constexpr std::size_t most_unscanned = 20;   // regions that are listed
 constexpr std::size_t asked_for_reasons = 60;
-
-/// A place of the scan that lies too far from the artifact.
-struct Spot {
-  std::uint32_t point = 0, place = 0;
-  Vec3 foot = Vec3::Zero();     // nearest on the artifact
-  Vec3 normal = Vec3::Zero();   // of the artifact there
-  double deviation = 0;         // mm, signed
-  double weight = 1;            // points that it stands for
-  double area = 0;              // mm^2
-  double reach = 0;             // mm, to the next spot of the same patch
-  std::int32_t row = -1;
-  bool foreign = false;         // the artifact has no such surface, not even elsewhere
-};
-
-/// A round feature that only one side has, and the room that it takes.
-struct Absence {
-  Finding finding;
-  Primitive axis;          // a cylinder
-  Vec3 center = Vec3::Zero();
-  double low = 0, high = 0;
-  bool hollow = true;
-  std::int32_t row = -1;
-};
 
 class Finder {
  public:
@@ -57,17 +32,20 @@ class Finder {
   std::vector<Finding> run() {
     find_spots();
     tell_foreign_spots();
-    find_missing_features();
-    find_extra_features();
-    join_moved_features();
-    for (const auto* list : {&missing_, &extra_})
-      for (const auto& f : *list) found_.push_back(f.finding);
-    std::erase_if(spots_, [&](const Spot& s) { return spoken_of(c_.source.points[s.point]); });
+    const Absences absences(c_, spots_, options_);
+    absences_ = &absences;
+    // What is said of a whole feature comes first, patches and rejected points after it.
+    for (const auto& f : absences.findings()) found_.push_back(f);
+    sort_by_badness(found_, true);
+    std::vector<Finding> faults = std::move(found_);
+    found_.clear();
+    any_ = !faults.empty();
+    std::erase_if(spots_, [&](const Spot& s) { return absences.speak_of(c_.source.points[s.point]); });
     group_spots();
     group_samples(Support::contradicted);
     group_rejected();
-    sort_by_badness();
-    std::vector<Finding> faults = std::move(found_);
+    sort_by_badness(found_, false);
+    faults.insert(faults.end(), found_.begin(), found_.end());
     found_.clear();
     group_samples(Support::not_scanned);
     std::stable_sort(found_.begin(), found_.end(), [](const Finding& a, const Finding& b) { return a.area > b.area; });
@@ -84,7 +62,8 @@ class Finder {
   Words words_;
   std::vector<Spot> spots_;
   std::vector<Finding> found_;
-  std::vector<Absence> missing_, extra_, moved_from_;
+  const Absences* absences_ = nullptr;
+  bool any_ = false;  // something was said of a whole feature
 
   std::string name_of_row(std::int32_t row) const { return row < 0 ? "" : c_.rows[static_cast<std::size_t>(row)].name; }
 
@@ -171,7 +150,7 @@ class Finder {
         if (std::abs(s.deviation) > std::abs(worst->deviation)) worst = &s;
       }
       const bool few = weight < static_cast<double>(options_.rule == Rule::max ? 1 : fewest_points);
-      if (few && (groups.size() > 1 || !found_.empty())) continue;
+      if (few && (groups.size() > 1 || any_)) continue;
       middle /= weight;
       f.points = static_cast<std::size_t>(weight);
       f.extent = box.diagonal();
@@ -202,202 +181,10 @@ class Finder {
         f.reason = "the scan has this face elsewhere";
         f.text = (f.feature.empty() ? std::string("the surface") : f.feature) + ": " + words_.mm(f.deviation) +
                  " mm too far " +
-                 (f.direction.squaredNorm() > 0.5 ? "in " + direction_text(-f.direction) : outside ? "in" : "out") + where;
+                 (f.direction.squaredNorm() > 0.5 ? "in " + direction_text(-f.direction) : outside ? "inside" : "outside") + where;
       }
       found_.push_back(std::move(f));
     }
-  }
-
-  /// Walls of holes and bosses that the scan shows and the artifact lacks.
-  void find_missing_features() {
-    for (const auto& group : foreign_groups()) {
-      std::vector<Vec3> points, normals;
-      std::vector<Neighbour> near;
-      const std::size_t step = group.size() / 1500 + 1;
-      for (std::size_t i = 0; i < group.size(); i += step) {
-        const auto p = spots_[group[i]].point;
-        const Vec3 normal = scanned_normal(c_.source, p, near);
-        if (normal.squaredNorm() < 0.5) continue;
-        points.push_back(c_.source.points[p]), normals.push_back(normal);
-      }
-      if (points.size() < 20) continue;
-      const auto wall = round_wall(points, normals);
-      if (!wall) continue;
-      Absence a = *wall;
-      a.hollow = spots_[group.front()].deviation < 0;
-      Finding& f = a.finding;
-      f.kind = Finding::Kind::missing_material;
-      double weight = 0;
-      std::map<std::int32_t, double> rows;
-      for (const auto i : group) {
-        const Spot& s = spots_[i];
-        f.deviation = std::max(f.deviation, std::abs(s.deviation));
-        f.area += s.area, weight += s.weight, rows[s.row] += s.weight;
-      }
-      f.points = static_cast<std::size_t>(weight);
-      f.feature = name_of_row(most_of(rows));
-      a.center = a.axis.point + 0.5 * (a.low + a.high) * a.axis.axis;
-      f.place = nearest_member(group, a.center);
-      f.extent = std::hypot(2 * a.axis.radius, a.high - a.low);
-      f.reason = "the scan shows a cylindrical wall, the artifact has none";
-      f.text = std::string(a.hollow ? "missing hole" : "missing boss") + ": the scan shows a cylindrical wall of diameter " +
-               words_.mm(2 * a.axis.radius) + " about " + words_.place(a.center) + " along " + axis_text(a.axis.axis) +
-               ", the artifact has none";
-      missing_.push_back(std::move(a));
-    }
-  }
-
-  static std::string axis_text(const Vec3& axis) {
-    const std::string text = direction_text(axis);
-    return text.size() == 2 ? text.substr(1) : text;
-  }
-
-  /// Spots that no face of the artifact explains, connected.
-  std::vector<std::vector<std::uint32_t>> foreign_groups() const {
-    std::vector<Vec3> places;
-    std::vector<double> reach;
-    std::vector<std::uint32_t> index;
-    for (std::uint32_t i = 0; i < spots_.size(); ++i)
-      if (spots_[i].foreign) places.push_back(c_.source.points[spots_[i].point]), reach.push_back(spots_[i].reach), index.push_back(i);
-    auto groups = clusters_of(places, reach, [&](std::uint32_t a, std::uint32_t b) {
-      return (spots_[index[a]].deviation > 0) == (spots_[index[b]].deviation > 0);
-    });
-    for (auto& group : groups)
-      for (auto& i : group) i = index[i];
-    return groups;
-  }
-
-  /// A cylinder that at least half of the points with normals across its axis lie on, all around.
-  std::optional<Absence> round_wall(const std::vector<Vec3>& points, const std::vector<Vec3>& normals) const {
-    std::vector<Vec3> axes = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-    Mat3 moments = Mat3::Zero();
-    for (const auto& n : normals) moments += n * n.transpose();
-    axes.push_back(Eigen::SelfAdjointEigenSolver<Mat3>(moments).eigenvectors().col(0));
-    std::optional<Absence> best;
-    std::size_t most = 0;
-    const double close = std::max(4 * c_.source.noise, tolerance_);
-    for (const auto& axis : axes) {
-      std::vector<Vec3> wall, outward;
-      for (std::size_t i = 0; i < points.size(); ++i)
-        if (std::abs(normals[i].dot(axis)) < 0.26) wall.push_back(points[i]), outward.push_back(normals[i]);
-      if (wall.size() < 20 || 4 * wall.size() < points.size()) continue;
-      PrimitiveFitOptions how;
-      how.robust = 2.5;
-      const auto fit = fit_primitive(PrimitiveKind::cylinder, wall, outward, how);
-      if (!fit || !fit->determined || fit->sigma_radius > tolerance_ || std::abs(fit->primitive.axis.dot(axis)) < 0.94) continue;
-      Absence a;
-      a.axis = fit->primitive;
-      Eigen::Index along;
-      a.axis.axis.cwiseAbs().maxCoeff(&along);
-      if (a.axis.axis[along] < 0) a.axis.axis = -a.axis.axis;
-      const Mat3 frame = rotation_onto_axis(a.axis.axis);
-      std::array<bool, 36> seen{};
-      std::size_t on_it = 0;
-      a.low = 1e300, a.high = -1e300;
-      for (const auto& p : wall) {
-        if (std::abs(distance(a.axis, p)) > close) continue;
-        ++on_it;
-        const Vec3 q = frame.transpose() * (p - a.axis.point);
-        a.low = std::min(a.low, q.z()), a.high = std::max(a.high, q.z());
-        seen[std::min<std::size_t>(35, static_cast<std::size_t>((std::atan2(q.y(), q.x()) + pi) / (2 * pi) * 36))] = true;
-      }
-      if (2 * on_it < wall.size() || std::count(seen.begin(), seen.end(), true) < 18 || on_it <= most) continue;
-      most = on_it, best = a;
-    }
-    return best;
-  }
-
-  /// Holes and bosses of the artifact that the scan shows nothing of, or an unbroken face across.
-  void find_extra_features() {
-    std::vector<std::array<std::size_t, 3>> states(c_.rows.size(), {0, 0, 0});
-    std::vector<std::map<std::int32_t, double>> rows(c_.features.features.size());  // where each feature's samples are
-    for (std::size_t i = 0; i < c_.field.samples.size(); ++i) {
-      if (c_.sample_row[i] < 0) continue;
-      ++states[static_cast<std::size_t>(c_.sample_row[i])][static_cast<std::size_t>(c_.field.support[i])];
-      ++rows[c_.features.feature_of[c_.field.samples[i].triangle]][c_.sample_row[i]];
-    }
-    for (std::size_t r = 0; r < c_.rows.size(); ++r) {
-      const auto number = c_.feature_of_row[r];
-      if (number < 0 || c_.explained_row[r]) continue;
-      const MeshFeature& feature = c_.features.features[static_cast<std::size_t>(number)];
-      if ((feature.kind != "hole" && feature.kind != "boss") || !feature.primitive) continue;
-      const auto& s = states[r];
-      const auto total = static_cast<double>(s[0] + s[1] + s[2]);
-      if (total == 0 || static_cast<double>(s[0]) > 0.35 * total) continue;
-      Absence a;
-      a.axis = *feature.primitive, a.low = feature.low, a.high = feature.high, a.hollow = feature.hollow;
-      a.row = static_cast<std::int32_t>(r);
-      // Scanned surface in the mouth of a hole, or where a boss should be.
-      double area = 0;
-      std::size_t inside = 0;
-      for (const auto& spot : spots_)
-        if (holds(a, c_.source.points[spot.point], -0.1 * a.axis.radius)) area += spot.area, inside += static_cast<std::size_t>(spot.weight);
-      const double mouth = pi * a.axis.radius * a.axis.radius;
-      const bool across = inside >= fewest_points && area > 0.3 * mouth;
-      const bool refuted = static_cast<double>(s[2]) > 0.3 * total;
-      if (!across && !refuted) continue;
-      Finding& f = a.finding;
-      f.kind = Finding::Kind::invented_material;
-      f.feature = name_of_row(most_of(rows[static_cast<std::size_t>(number)]));
-      a.center = feature.middle;
-      f.place = c_.surface.closest(a.center).point;
-      f.area = feature.area, f.deviation = a.axis.radius, f.points = inside;
-      f.extent = std::hypot(2 * a.axis.radius, a.high - a.low);
-      f.reason = across ? "the scan shows surface across it" : "the scan contradicts its wall";
-      f.text = "extra " + with_size(f.feature, feature, tolerance_) + " at " + words_.place(a.center) + ": the scan shows " +
-               (feature.hollow ? across ? "an unbroken face there" : "no such wall" : across ? "a face in its place" : "nothing there");
-      extra_.push_back(std::move(a));
-    }
-  }
-
-  /// Inside the room that the feature takes, widened by `margin`.
-  bool holds(const Absence& a, const Vec3& point, double margin) const {
-    const Vec3 d = point - a.axis.point;
-    const double t = d.dot(a.axis.axis);
-    return t > a.low - far_ && t < a.high + far_ && (d - t * a.axis.axis).norm() < a.axis.radius + margin;
-  }
-
-  bool spoken_of(const Vec3& point) const {
-    const double margin = far_ + c_.source.spacing;
-    for (const auto* list : {&missing_, &extra_, &moved_from_})
-      for (const auto& a : *list)
-        if (holds(a, point, margin)) return true;
-    return false;
-  }
-
-  /// A missing and an extra feature of one size are one that stands in the wrong place.
-  void join_moved_features() {
-    for (auto& gone : missing_)
-      for (auto& extra : extra_) {
-        if (gone.hollow != extra.hollow || extra.finding.text.empty() || gone.finding.text.empty()) continue;
-        if (std::abs(gone.axis.radius - extra.axis.radius) > 3 * tolerance_) continue;
-        if (std::abs(gone.axis.axis.dot(extra.axis.axis)) < 0.985) continue;
-        Vec3 apart = gone.center - extra.center;
-        apart -= apart.dot(extra.axis.axis) * extra.axis.axis;
-        Finding& f = extra.finding;
-        f.kind = Finding::Kind::displaced;
-        f.direction = apart.normalized(), f.deviation = apart.norm();
-        f.reason = "the scan shows it in another place";
-        const auto& feature = c_.features.features[static_cast<std::size_t>(c_.feature_of_row[static_cast<std::size_t>(extra.row)])];
-        f.text = with_size(f.feature, feature, tolerance_) + ": centre " + words_.mm(apart.norm()) + " mm too far in " +
-                 direction_text(-apart) + ", at " + words_.place(extra.center);
-        gone.finding.text.clear();
-        break;
-      }
-    std::vector<Absence> rest;
-    for (auto& a : missing_) {
-      if (a.finding.text.empty()) moved_from_.push_back(a);
-      else rest.push_back(std::move(a));
-    }
-    missing_ = std::move(rest);
-  }
-
-  static std::int32_t most_of(const std::map<std::int32_t, double>& rows) {
-    std::int32_t best = -1;
-    double most = -1;
-    for (const auto& [row, weight] : rows)
-      if (row >= 0 && weight > most) most = weight, best = row;
-    return best;
   }
 
   Vec3 nearest_member(const std::vector<std::uint32_t>& group, const Vec3& middle) const {
@@ -412,7 +199,8 @@ class Finder {
   /// A finding about a whole feature speaks of this sample of the artifact's surface.
   bool told(std::uint32_t sample) const {
     const auto row = c_.sample_row[sample];
-    return (row >= 0 && c_.explained_row[static_cast<std::size_t>(row)]) || spoken_of(c_.field.samples[sample].point);
+    return (row >= 0 && c_.explained_row[static_cast<std::size_t>(row)]) || c_.explained_sample[sample] ||
+           absences_->speak_of(c_.field.samples[sample].point);
   }
 
   void group_samples(Support state) {
@@ -541,7 +329,7 @@ class Finder {
     std::vector<Vec3> places;
     for (std::uint32_t i = 0; i < c_.points.distance.size(); ++i)
       if (c_.points.stray[i] && c_.source.kept_place[i] != ScanSource::nowhere && std::abs(c_.points.distance[i]) > far_ &&
-          !spoken_of(c_.source.points[i]))
+          !absences_->speak_of(c_.source.points[i]))
         places.push_back(c_.source.points[i]);
     for (const auto& p : c_.source.set_aside)
       if (c_.surface.closest(p).distance > far_) places.push_back(p);
@@ -572,19 +360,21 @@ class Finder {
       f.area = static_cast<double>(f.points) * c_.source.spacing * c_.source.spacing;
       f.feature = name_of_row(most_of(rows));
       f.reason = "its points were set aside as outliers although they crowd";
-      f.text = (f.feature.empty() ? "the surface" : f.feature) + ": " + counted(f.points, "rejected point") +
-               " crowd " + words_.mm(f.deviation) + " mm away at " + words_.place(member);
+      f.text = (f.feature.empty() ? "the surface" : f.feature) + ": " + counted(f.points, "point") +
+               " set aside as outliers crowd " + words_.mm(f.deviation) + " mm away at " + words_.place(member);
       found_.push_back(std::move(f));
     }
   }
 
-  void sort_by_badness() {
+  /// The worst first: how far off, over how much. A whole feature that only one side has is off by all of its size.
+  void sort_by_badness(std::vector<Finding>& findings, bool whole) const {
     auto badness = [&](const Finding& f) {
-      const double size = f.kind == Finding::Kind::rejected ? 0.1 * f.deviation : std::max(f.deviation, tolerance_);
+      const bool one_sided = whole && (f.kind == Finding::Kind::missing_material || f.kind == Finding::Kind::invented_material);
+      const double size = f.kind == Finding::Kind::rejected ? 0.1 * f.deviation
+                                                            : std::max({f.deviation, tolerance_, one_sided ? f.extent : 0.0});
       return size * std::sqrt(f.area);
     };
-    std::stable_sort(found_.begin(), found_.end(),
-                     [&](const Finding& a, const Finding& b) { return badness(a) > badness(b); });
+    std::stable_sort(findings.begin(), findings.end(), [&](const Finding& a, const Finding& b) { return badness(a) > badness(b); });
   }
 };
 

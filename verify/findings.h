@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "verify/features.h"
@@ -22,13 +23,15 @@ struct Compared {
   const std::vector<std::int32_t>& feature_of_row;  ///< index into features or -1
   const std::vector<std::int32_t>& place_row;       ///< of each place, index into rows or -1
   const std::vector<std::int32_t>& sample_row;      ///< of each surface sample
+  std::string backend;                              ///< that the artifact is written for: it knows how to mend coarse facets
   std::vector<std::uint8_t> explained_place;        ///< 1: a finding about a whole feature speaks of it
   std::vector<std::uint8_t> explained_row;
+  std::vector<std::uint8_t> explained_sample;
 };
 
-/// `whole`, the findings about displaced features, and all others: features that the scan lacks, features that the
-/// artifact lacks, patches. Faults first, the worst first (by deviation and area); then what was not scanned, the
-/// largest first.
+/// `whole`, the findings about displaced features, and all others. First what is said of whole features: displaced, of the
+/// wrong size, missing, invented; then patches; in either the worst first, by size of the fault and area. Last what was not
+/// scanned, the largest first.
 std::vector<Finding> all_findings(const Compared& compared, const std::vector<Finding>& whole,
                                   const VerifyOptions& options, int threads);
 

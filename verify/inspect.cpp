@@ -16,6 +16,9 @@ namespace {
 constexpr std::size_t most_points = 2500;    // that one fit takes
 constexpr double same_face = 0.85;           // cosine between scanned and true normal of a point on the feature
 constexpr double fine_facets = 0.15;         // of the tolerance: by how much they may lie inside
+constexpr double coarse_facets = 0.5;        // of the tolerance: by how much they must lie inside to be blamed
+constexpr double wanted_facets = 0.25;       // of the tolerance: by how much they may lie inside after they are mended
+constexpr double least_arc = 0.6;            // of the feature's own arc that a radius of quite another size must be seen over
 constexpr double known_well = 0.5;           // of the tolerance: a number less certain says nothing
 
 /// A scanned point as it would lie if the facets of a coarse polygon were the true surface: moved by as much as the facet
@@ -31,7 +34,6 @@ Vec3 without_facets(const Compared& c, const MeshFeature& feature, double tolera
 struct Fitted {
   PrimitiveFit fit;
   std::vector<Vec3> points;
-  std::vector<std::uint32_t> index;  // of the points in the source
   double inflation = 1;              // sigma grows so much because neighbours err together
   double shift = 0, sigma_shift = 0; // mm, largest distance between nominal and measured surface at the points
 };
@@ -75,8 +77,8 @@ std::size_t unknowns_of(PrimitiveKind kind) {
 
 class Inspector {
  public:
-  Inspector(const Compared& compared, const MeshFeature& feature, const std::string& name, const VerifyOptions& options)
-      : c_(compared), feature_(feature), nominal_(*feature.primitive), name_(name), tolerance_(options.tolerance),
+  Inspector(const Compared& compared, const MeshFeature& feature, const FeatureVerdict& row, const VerifyOptions& options)
+      : c_(compared), feature_(feature), nominal_(*feature.primitive), row_(row), name_(row.name), tolerance_(options.tolerance),
         words_(options.tolerance) {}
 
   Inspection run(const std::vector<std::uint32_t>& points) {
@@ -87,24 +89,48 @@ class Inspector {
     if (found_.shift > limit) {
       blame(limit);
       tell();
+    } else if (row_.verdict != Outcome::verified && feature_.sagitta > coarse_facets * tolerance_) {
+      tell_coarse();
     }
-    result_.measured = found_.fit.primitive;
-    result_.close = std::max(4 * c_.source.noise, tolerance_);
-    for (const auto& p : found_.points) result_.reach = std::max(result_.reach, (p - feature_.middle).norm());
-    return std::move(result_);
+    return finished();
+  }
+
+  Inspection run_anew(const std::vector<std::uint32_t>& points) {
+    anew_ = true;
+    const std::size_t every = points.size() / most_points + 1;
+    for (std::size_t i = 0; i < points.size(); i += every) found_.points.push_back(c_.source.points[points[i]]);
+    if (!enough() || !measure()) return {};
+    describe();
+    const double limit = std::max(tolerance_, 3 * found_.sigma_shift);
+    if (result_.dimensions.empty() || found_.shift <= limit) return {};
+    blame(limit);
+    tell();
+    return finished();
   }
 
  private:
   const Compared& c_;
   const MeshFeature& feature_;
   const Primitive nominal_;
+  const FeatureVerdict& row_;
   const std::string& name_;
+  bool anew_ = false;
   double tolerance_;
   Words words_;
   Fitted found_;
   Inspection result_;
   std::vector<double> moves_;        // mm, how far each dimension moves the surface; as result_.dimensions
   Vec3 displacement_ = Vec3::Zero(); // of the measured axis, centre or plane
+
+  Inspection finished() {
+    result_.measured = found_.fit.primitive;
+    result_.close = std::max(4 * c_.source.noise, tolerance_);
+    result_.shift = found_.shift;
+    for (const auto& p : found_.points) result_.reach = std::max(result_.reach, (p - feature_.middle).norm());
+    return std::move(result_);
+  }
+
+  bool enough() const { return found_.points.size() >= std::max<std::size_t>(12, 3 * unknowns_of(nominal_.kind)); }
 
   bool gather(const std::vector<std::uint32_t>& points) {
     std::vector<std::uint32_t> usable;
@@ -117,17 +143,14 @@ class Inspector {
       usable.push_back(p);
     }
     const std::size_t every = usable.size() / most_points + 1;
-    for (std::size_t i = 0; i < usable.size(); i += every) {
-      found_.index.push_back(usable[i]);
-      const Vec3& p = c_.source.points[usable[i]];
-      found_.points.push_back(without_facets(c_, feature_, tolerance_, p));
-    }
-    return found_.points.size() >= std::max<std::size_t>(12, 3 * unknowns_of(nominal_.kind));
+    for (std::size_t i = 0; i < usable.size(); i += every)
+      found_.points.push_back(without_facets(c_, feature_, tolerance_, c_.source.points[usable[i]]));
+    return enough();
   }
 
   bool measure() {
     PrimitiveFitOptions how;
-    how.start = nominal_;
+    if (!anew_) how.start = nominal_;
     const auto first = fit_primitive(nominal_.kind, found_.points, {}, how);
     if (!first) return false;
     how.start = first->primitive;
@@ -141,7 +164,7 @@ class Inspector {
       if (m.kind == PrimitiveKind::cone) return false;
     }
     const bool turned = nominal_.kind != PrimitiveKind::sphere && m.axis.dot(nominal_.axis) < std::cos(radians(20));
-    if (turned || std::abs(m.radius - nominal_.radius) > 0.6 * nominal_.radius + 10 * tolerance_) return false;
+    if (turned || (anew_ ? !may_be(m) : std::abs(m.radius - nominal_.radius) > 0.6 * nominal_.radius + 10 * tolerance_)) return false;
     // Most points must lie on what was fitted, or it is no such surface.
     const double close = std::max(4 * c_.source.noise, 0.7 * tolerance_);
     std::size_t on_it = 0;
@@ -170,6 +193,25 @@ class Inspector {
     if (feature_.arc < radians(180) && nominal_.kind != PrimitiveKind::plane && nominal_.kind != PrimitiveKind::sphere)
       found_.sigma_shift = std::min(found_.sigma_shift, 0.5 * tolerance_);  // radius and place err together
     return true;
+  }
+
+  /// The feature itself with another radius, and no other one: a round or fillet keeps to its edge, so that its axis moves
+  /// as its radius grows; a hole or boss stands about the same axis. Seen over most of the arc that it should have.
+  bool may_be(const Primitive& m) const {
+    Vec3 moved = m.point - nominal_.point;
+    moved -= moved.dot(nominal_.axis) * nominal_.axis;
+    const double grown = std::abs(m.radius - nominal_.radius);
+    const bool full = feature_.arc > radians(240);
+    if (moved.norm() > (full ? 0.5 * std::max(m.radius, nominal_.radius) : 1.6 * grown + 0.5 * nominal_.radius + 10 * tolerance_)) return false;
+    const Mat3 frame = rotation_onto_axis(m.axis);
+    std::vector<char> seen(72, 0);
+    const double close = std::max(4 * c_.source.noise, 0.7 * tolerance_);
+    for (const auto& p : found_.points) {
+      if (std::abs(distance(m, p)) > close) continue;
+      const Vec3 q = frame.transpose() * (p - m.point);
+      seen[std::min<std::size_t>(71, static_cast<std::size_t>((std::atan2(q.y(), q.x()) + pi) / (2 * pi) * 72))] = 1;
+    }
+    return static_cast<double>(std::count(seen.begin(), seen.end(), 1)) / 72 * 2 * pi > least_arc * feature_.arc;
   }
 
   /// mm, of what the fit covers: along the axis, or across a plane.
@@ -326,18 +368,41 @@ class Inspector {
     if (!any) result_.dimensions[worst].within = false;
   }
 
-  void tell() {
+  Finding about_it() const {
     Finding f;
     f.kind = Finding::Kind::displaced;
     f.feature = name_;
-    f.deviation = found_.shift;
     f.points = found_.points.size();
     f.place = c_.surface.closest(feature_.middle).point;
-    f.reason = "the surface fitted to its scanned points lies elsewhere";
     f.area = feature_.area;
     Box3 box;
     for (const auto& p : found_.points) box.add(p);
     f.extent = box.diagonal();
+    return f;
+  }
+
+  /// The scan is where the corners are; the flat facets between them lie too far inside.
+  void tell_coarse() {
+    Finding f = about_it();
+    f.deviation = feature_.sagitta;
+    f.reason = "its flat facets leave the round surface that the scan shows";
+    const int sides = sides_of(feature_);
+    std::string mend;
+    if (c_.backend == "openscad") {
+      const double radius = std::max(nominal_.radius, nominal_.tube), inside = std::min(1.0, wanted_facets * tolerance_ / radius);
+      mend = ": raise $fn to " + std::to_string(4 * static_cast<int>(std::ceil(pi / std::acos(1 - inside) / 4)));
+    } else if (c_.backend == "mesh") {
+      mend = ": export it with finer facets";
+    }
+    f.text = with_size(name_, feature_, tolerance_) + ": drawn " + (sides > 0 ? "with " + std::to_string(sides) + " sides" : "too coarse") +
+             ", up to " + words_.mm(feature_.sagitta) + " mm inside" + mend + ", at " + words_.place(feature_.middle);
+    result_.finding = f;
+  }
+
+  void tell() {
+    Finding f = about_it();
+    f.deviation = found_.shift;
+    f.reason = "the surface fitted to its scanned points lies elsewhere";
     std::string text;
     auto say = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
     bool moved = false;
@@ -380,12 +445,18 @@ std::string with_size(const std::string& name, const MeshFeature& feature, doubl
   return name;
 }
 
-Inspection inspect(const Compared& compared, const MeshFeature& feature, const std::string& name,
+Inspection inspect(const Compared& compared, const MeshFeature& feature, const FeatureVerdict& row,
                    const std::vector<std::uint32_t>& points, const VerifyOptions& options) {
   if (!feature.primitive || feature.primitive->kind == PrimitiveKind::line || feature.primitive->kind == PrimitiveKind::circle ||
       points.size() < 12)
     return {};
-  return Inspector(compared, feature, name, options).run(points);
+  return Inspector(compared, feature, row, options).run(points);
+}
+
+Inspection inspect_anew(const Compared& compared, const MeshFeature& feature, const FeatureVerdict& row,
+                        const std::vector<std::uint32_t>& points, const VerifyOptions& options) {
+  if (!feature.primitive || feature.primitive->kind != PrimitiveKind::cylinder) return {};
+  return Inspector(compared, feature, row, options).run_anew(points);
 }
 
 }  // namespace partscribe

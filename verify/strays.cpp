@@ -18,7 +18,7 @@ constexpr std::size_t fewest_in_ring = 30;
 constexpr double curtain_of_alone = 50;  // density of the densest curtain of a scan to its share of strays that stand alone
 constexpr double least_curtain = 0.01;
 constexpr double densest_over_surface = 0.06;  // share of a patch of scanned surface that curtains from its edges reach
-constexpr double fewest_strays = 0.001, most_strays = 0.02;  // share of the points that is believed to be stray
+constexpr double fewest_strays = 0.001;  // share of the points that is believed to be stray
 
 /// The window about one point that is least likely by chance.
 struct Alarm {
@@ -31,7 +31,7 @@ class Judge {
   explicit Judge(const StrayScene& scene)
       : scene_(scene), off_(scene.off), feet_(scene.feet), spacing_(scene.source->spacing) {
     const auto total = static_cast<double>(std::max<std::size_t>(scene.source->points.size(), 1));
-    share_ = std::clamp(static_cast<double>(scene.off.size()) / total, fewest_strays, most_strays);
+    share_ = std::clamp(static_cast<double>(scene.off.size()) / total, fewest_strays, scene.most_strays);
     // Real strays stand alone for the most part: how many do tells how dense a curtain of them can be.
     std::size_t alone = 0;
     std::vector<Neighbour> near;

@@ -17,6 +17,7 @@ struct StrayScene {
   const std::vector<std::uint8_t>* is_off = nullptr;       ///< per kept point: 1 if it is among `off`
   const std::vector<std::uint32_t>* triangle = nullptr;    ///< per kept point: its nearest facet
   const std::vector<Vec3>* normals = nullptr;              ///< per facet
+  double most_strays = 0.02;                               ///< share of the points that is believed to be stray, at most
 };
 
 /// A group that chance does not explain.

@@ -110,7 +110,8 @@ std::string main_reason(const Verdict& verdict) {
 std::string failure_of(const ArtifactVerdict& artifact, const FeatureVerdict& feature) {
   std::vector<std::string> lines;
   for (const auto& f : artifact.findings)
-    if (f.feature == feature.name && f.kind != Finding::Kind::not_scanned) lines.push_back(f.text);
+    if (f.kind != Finding::Kind::not_scanned && (f.feature == feature.name || f.text.find(feature.name + " at (") != std::string::npos))
+      lines.push_back(f.text);
   if (lines.empty())
     lines.push_back("deviates by " + fixed(feature.max, 0.0001) + " mm, covered " + fixed(feature.covered, 0.001));
   return joined(lines);
@@ -253,10 +254,33 @@ Json alignment_json(const Alignment& alignment) {
 std::string alignment_lines(const ArtifactVerdict& artifact) {
   if (!artifact.alignment) return "";
   const Alignment& a = *artifact.alignment;
-  return wrapped("ALIGNED (" + std::string(name_of(a.method)) + "): before it was compared with " + artifact.file + ", the scan was " +
-                     words_for(a) + "; rms " + fixed(a.rms, 0.0001) + " mm over " + std::to_string(a.points) + " points" +
-                     (a.remark.empty() ? "" : "; " + a.remark),
+  const std::string motion = a.moves() ? "before it was compared with " + artifact.file + ", the scan was " + words_for(a)
+                                       : "the scan lies on " + artifact.file + " as it should and was not moved";
+  return wrapped("ALIGNED (" + std::string(name_of(a.method)) + "): " + motion + "; rms " + fixed(a.rms, 0.0001) + " mm over " +
+                     std::to_string(a.points) + " points" + (a.remark.empty() ? "" : "; " + a.remark),
                  2);
+}
+
+/// What the scan is good for, and how much of it was not believed.
+std::string scan_lines(const Verdict& verdict) {
+  std::string text = snapped(verdict.smallest_honest_tolerance, 0.0001) > 0
+                         ? "The scan's local noise is " + fixed(verdict.noise, 0.0001) + " mm; it can decide tolerances from " +
+                               fixed(verdict.smallest_honest_tolerance, 0.0001) + " mm.\n"
+                         : "The scan has no noise that could be measured; it can decide any tolerance.\n";
+  const DataToModel* most = nullptr;
+  for (const auto& a : verdict.artifacts)
+    if (was_compared(a) && a.data_to_model.rejected > 0 && (!most || a.data_to_model.rejected > most->rejected)) most = &a.data_to_model;
+  if (!most) return text;
+  const auto all = static_cast<double>(most->points + most->rejected);
+  const std::size_t here = most->rejected - std::min(most->set_aside, most->rejected);
+  return text + wrapped(std::to_string(most->rejected) + " of " + print_number(all) + " points (" + percent(static_cast<double>(most->rejected), all) +
+                            ") were set aside as outliers" +
+                            (most->set_aside == 0 ? std::string(", since they stand alone off the artifact")
+                             : here == 0          ? ", by a filter or by the fit"
+                                                  : ": " + std::to_string(most->set_aside) + " by a filter or by the fit, " +
+                                                        std::to_string(here) + " since they stand alone off the artifact") +
+                            ".",
+                        2);
 }
 
 }  // namespace
@@ -282,8 +306,8 @@ std::string write_verdict_json(const Verdict& verdict) {
     if (was_compared(a)) {
       const auto& d = a.data_to_model;
       const Vec3& w = d.worst;
-      entry["data_to_model"] = {{"points", d.points}, {"rejected", d.rejected}, {"local_max", rounded(d.local_max)},
-                                {"rms", rounded(d.rms)}, {"p50", rounded(d.p50)}, {"p95", rounded(d.p95)},
+      entry["data_to_model"] = {{"points", d.points}, {"rejected", d.rejected}, {"set_aside", d.set_aside},
+                                {"local_max", rounded(d.local_max)}, {"rms", rounded(d.rms)}, {"p50", rounded(d.p50)}, {"p95", rounded(d.p95)},
                                 {"p99", rounded(d.p99)}, {"max", rounded(d.max)},
                                 {"worst", {rounded(w.x()), rounded(w.y()), rounded(w.z())}}};
       const auto& m = a.model_to_data;
@@ -400,8 +424,7 @@ std::string verdict_table(const Verdict& verdict) {
   text += same_surface_lines(verdict, like);
   text += agreement_lines(verdict);
   for (const auto& a : verdict.artifacts) text += opinion_lines(a);
-  text += "\nThe scan's local noise is " + fixed(verdict.noise, 0.0001) + " mm; it can decide tolerances from " +
-          fixed(verdict.smallest_honest_tolerance, 0.0001) + " mm.\n";
+  text += "\n" + scan_lines(verdict);
   if (verdict.verdict == Outcome::verified) {
     double unseen = 0;
     for (const auto& a : verdict.artifacts)

@@ -31,13 +31,14 @@ struct VerifyOptions {
   bool strict = false;        ///< true: surface that was not scanned fails too
   double seconds = 600;
   double memory_mb = 8192;
-  double outlier_rate = 0.02; ///< expected share of outliers in the scan
+  double outlier_rate = 0.02; ///< share of the scan's points that may be outliers
   AlignBy align = AlignBy::none;  ///< none: both are in one frame
   bool second_opinion = false; ///< ask other programs, where installed, what a script describes
 };
 
 struct DataToModel {
-  std::size_t points = 0, rejected = 0;
+  std::size_t points = 0, rejected = 0;  ///< judged, and set aside as outliers
+  std::size_t set_aside = 0;             ///< of these, before the comparison: by a filter or by the fit
   double local_max = 0, rms = 0, p50 = 0, p95 = 0, p99 = 0, max = 0;  ///< mm
   Vec3 worst = Vec3::Zero();  ///< where local_max is
 };
@@ -98,6 +99,7 @@ struct Alignment {
   double rms = 0;                      ///< mm, of the points that count
   std::size_t points = 0;              ///< that count
   std::string remark;                  ///< what a person must know: "the part fits as well in 3 other positions ..."
+  bool moves() const { return rotation != 0 || translation.squaredNorm() != 0; }  ///< false: it lay right already
 };
 
 struct ArtifactVerdict {

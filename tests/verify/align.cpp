@@ -105,3 +105,18 @@ TEST_CASE("align: a part without three flat faces has no datums, and the verdict
   CHECK(all_reasons(verdict).find("three flat faces") != std::string::npos);
   CHECK(all_reasons(verdict).find("--align best-fit needs none") != std::string::npos);
 }
+
+TEST_CASE("align: a part that lies right stays where it is, however symmetric, and exact meshes too") {
+  const auto truth = turned({{0, 0}, {14, 0}, {14, 7}, {0, 7}}, 5);
+  for (const double noise : {0.0, sigma}) {
+    const auto verdict = verdict_on(truth, scanned(truth, 20000, noise), by(AlignBy::best_fit));
+    CHECK(verdict.verdict == Outcome::verified);
+    REQUIRE(verdict.artifacts[0].alignment.has_value());
+    const Alignment& a = *verdict.artifacts[0].alignment;
+    CHECK(a.rotation < 1e-3);
+    CHECK(a.translation.norm() < 0.01);
+    if (noise == 0) CHECK_FALSE(a.moves());
+    if (noise == 0) CHECK(verdict_table(verdict).find("as it should and was not moved") != std::string::npos);
+    CHECK(a.remark.find("the nearest to how it lay") != std::string::npos);
+  }
+}

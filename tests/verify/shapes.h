@@ -98,6 +98,70 @@ inline TriangleMesh holed_plate(double half, double thickness, double radius, do
   return mesh;
 }
 
+/// A hole in the middle of a cell, or as far aside; radius 0: none.
+struct Hole {
+  double radius = 0, x = 0, y = 0;
+};
+
+/// A row along x of square cells of edge 2 `half`, the first about the origin; bottom in z = 0.
+inline TriangleMesh holed_strip(const std::vector<Hole>& cells, double half, double thickness, int sectors = 64) {
+  TriangleMesh mesh;
+  const auto n = static_cast<std::uint32_t>(sectors);
+  auto exact = [](double v) { return std::round(v * 1e6) / 1e6; };  // so that neighbours share their corners
+  auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    mesh.triangles.push_back({a, b, c});
+    if (c != d) mesh.triangles.push_back({a, c, d});
+  };
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Hole& hole = cells[i];
+    const double middle = 2 * half * static_cast<double>(i);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const double z : {0.0, thickness})
+      for (const bool outer : {false, true})
+        for (std::uint32_t j = 0; j < n; ++j) {
+          const double a = 2 * pi * j / n;
+          const Vec2 d(std::cos(a), std::sin(a));
+          const double t = outer ? half / std::max(std::abs(d.x()), std::abs(d.y())) : hole.radius;
+          mesh.vertices.emplace_back(middle + exact(t * d.x() + (outer ? 0 : hole.x)), exact(t * d.y() + (outer ? 0 : hole.y)), z);
+        }
+    const std::uint32_t bi = first, bo = first + n, ti = first + 2 * n, to = first + 3 * n;
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t k = (j + 1) % n;
+      const double across = std::cos(2 * pi * (j + 0.5) / n);
+      const bool inner = (across > std::sqrt(0.5) && i + 1 < cells.size()) || (across < -std::sqrt(0.5) && i > 0);
+      if (hole.radius > 0) {
+        quad(bi + j, bi + k, bo + k, bo + j), quad(ti + j, to + j, to + k, ti + k);
+        quad(bi + k, bi + j, ti + j, ti + k);
+      } else {
+        quad(bi, bo + k, bo + j, bo + j), quad(ti, to + j, to + k, to + k);
+      }
+      if (!inner) quad(bo + j, bo + k, to + k, to + j);
+    }
+  }
+  return mesh;
+}
+
+/// A square block of edge `edge` whose vertical edge at the origin is rounded.
+inline TriangleMesh rounded_block(double edge, double radius, double height, int steps = 32) {
+  std::vector<Vec2> outline;
+  for (int i = 0; i <= steps; ++i) {
+    const double a = pi + pi / 2 * i / steps;
+    outline.emplace_back(radius + radius * std::cos(a), radius + radius * std::sin(a));
+  }
+  outline.emplace_back(edge, 0), outline.emplace_back(edge, edge), outline.emplace_back(0, edge);
+  TriangleMesh mesh;
+  const auto n = static_cast<std::uint32_t>(outline.size());
+  for (const double z : {0.0, height})
+    for (const auto& p : outline) mesh.vertices.emplace_back(p.x(), p.y(), z);
+  const std::uint32_t far = n - 2;  // the corner across: the caps are fans about it
+  for (std::uint32_t j = 0; j < n; ++j) {
+    const std::uint32_t k = (j + 1) % n;
+    mesh.triangles.push_back({j, k, n + k}), mesh.triangles.push_back({j, n + k, n + j});
+    if (j != far && k != far) mesh.triangles.push_back({far, k, j}), mesh.triangles.push_back({n + far, n + j, n + k});
+  }
+  return mesh;
+}
+
 inline TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
   const auto shift = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
