@@ -40,52 +40,15 @@ double unsupported_bodies(const TriangleMesh& mesh, const SurfaceField& field) {
   return sum;
 }
 
-/// True if the point is on the surface that was measured of a displaced feature.
-bool on_measured(const MeshFeature& feature, const Inspection& inspection, const Vec3& point) {
-  if (std::abs(distance(inspection.measured, point)) > inspection.close) return false;
+/// True if the point is on the surface that was measured of a displaced feature, or `or_inside` it.
+bool on_measured(const MeshFeature& feature, const Inspection& inspection, const Vec3& point, bool or_inside = false) {
+  const double off = distance(inspection.measured, point);
+  if ((or_inside ? off : std::abs(off)) > inspection.close) return false;
   const Vec3 d = point - feature.primitive->point;
   const auto kind = feature.primitive->kind;
   if (kind != PrimitiveKind::cylinder && kind != PrimitiveKind::cone) return (point - feature.middle).norm() < inspection.reach + 10 * inspection.close;
   const double along = d.dot(feature.primitive->axis);
   return along > feature.low - 10 * inspection.close && along < feature.high + 10 * inspection.close;
-}
-
-/// Where a feature stands in the wrong place, points near its rim are nearest to its neighbours. A place is not held
-/// against its row if the finding about another feature explains it, or if it lies on the row's own surface and only
-/// beyond its rim.
-void exonerate(Compared& compared, const RowOf& row, const std::vector<Inspection>& found, const VerifyOptions& options,
-               std::vector<FeatureVerdict>& rows) {
-  auto feature_of = [&](std::size_t r) -> const MeshFeature& {
-    return compared.features.features[static_cast<std::size_t>(row.feature[r])];
-  };
-  std::vector<std::size_t> guilty;
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    if (found[r].finding) guilty.push_back(r);
-  std::vector<double> left(rows.size(), 0);
-  for (std::size_t p = 0; p < compared.points.places.size(); ++p) {
-    const Place& place = compared.points.places[p];
-    const auto r = row.place[p];
-    if (r < 0 || !place.surface) continue;
-    const auto own = static_cast<std::size_t>(r);
-    const double off = std::abs(place.mean);
-    if (off > options.tolerance) {
-      const Vec3& point = compared.source.points[place.point];
-      bool explained = row.feature[own] >= 0 && feature_of(own).primitive && !found[own].finding &&
-                       std::abs(distance(*feature_of(own).primitive, point)) <= options.tolerance;
-      for (const auto g : guilty) explained = explained || on_measured(feature_of(g), found[g], point);
-      if (explained) {
-        compared.explained_place[p] = 1;
-        continue;
-      }
-    }
-    left[own] = std::max(left[own], off);
-  }
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (rows[r].verdict == Outcome::verified || found[r].finding || left[r] > options.tolerance) continue;
-    if (options.strict && rows[r].covered == 0) continue;
-    rows[r].max = left[r];
-    rows[r].verdict = Outcome::verified;
-  }
 }
 
 /// Of each feature those that share an edge with it.
@@ -113,6 +76,53 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const TriangleMesh& mesh, 
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
   return neighbours;
+}
+
+/// Where a feature stands in the wrong place, points near its rim are nearest to its neighbours, and theirs to it. A place is
+/// not held against its row if it lies where another feature was measured, on the row's own surface and only beyond its rim,
+/// or on a neighbour's surface that goes on where a displaced feature should not be.
+void exonerate(Compared& compared, const RowOf& row, const std::vector<std::vector<std::uint32_t>>& neighbours,
+               const std::vector<Inspection>& found, const VerifyOptions& options, std::vector<FeatureVerdict>& rows) {
+  const auto& features = compared.features.features;
+  auto lies_on = [&](std::uint32_t feature, const Vec3& point) {
+    const auto& primitive = features[feature].primitive;
+    return primitive && std::abs(distance(*primitive, point)) <= options.tolerance;
+  };
+  std::vector<std::size_t> guilty;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (found[r].finding) guilty.push_back(r);
+  auto explained = [&](std::uint32_t point, std::size_t own) {
+    const Vec3& p = compared.source.points[point];
+    for (const auto g : guilty)
+      if (on_measured(features[static_cast<std::size_t>(row.feature[g])], found[g], p)) return true;
+    if (row.feature[own] < 0) return false;
+    const auto feature = static_cast<std::uint32_t>(row.feature[own]);
+    if (!found[own].finding) return lies_on(feature, p);
+    const auto& around = neighbours[feature];
+    return std::any_of(around.begin(), around.end(), [&](std::uint32_t n) { return lies_on(n, p); });
+  };
+  std::vector<double> left(rows.size(), 0);
+  for (std::size_t p = 0; p < compared.points.places.size(); ++p) {
+    const Place& place = compared.points.places[p];
+    const auto r = row.place[p];
+    if (r < 0 || !place.surface) continue;
+    const auto own = static_cast<std::size_t>(r);
+    const double off = std::abs(place.mean);
+    if (off > options.tolerance && explained(place.point, own)) compared.explained_point[place.point] = 1;
+    else left[own] = std::max(left[own], off);
+  }
+  for (std::uint32_t i = 0; i < compared.points.crowded.size(); ++i) {
+    if (!compared.points.crowded[i] || row.point[i] < 0) continue;
+    const auto own = static_cast<std::size_t>(row.point[i]);
+    if (explained(i, own)) compared.explained_point[i] = 1;
+    else left[own] = std::max(left[own], std::abs(compared.points.distance[i]));
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].verdict == Outcome::verified || found[r].finding || left[r] > options.tolerance) continue;
+    if (options.strict && rows[r].covered == 0) continue;
+    rows[r].max = left[r];
+    rows[r].verdict = Outcome::verified;
+  }
 }
 
 /// Connected points about a feature that lie neither on the artifact, nor where its neighbours go on, nor on what was
@@ -161,9 +171,8 @@ std::vector<std::uint32_t> unexplained_about(const Compared& compared, std::uint
 }
 
 /// Features that are off, but not as a whole by what is nearest to them: their radius may be quite another one.
-void look_again(const Compared& compared, const RowOf& row, const VerifyOptions& options, const std::vector<FeatureVerdict>& rows,
-                std::vector<Inspection>& found) {
-  std::vector<std::vector<std::uint32_t>> neighbours;
+void look_again(const Compared& compared, const RowOf& row, const std::vector<std::vector<std::uint32_t>>& neighbours,
+                const VerifyOptions& options, const std::vector<FeatureVerdict>& rows, std::vector<Inspection>& found) {
   std::vector<const Inspection*> measured(compared.features.features.size(), nullptr);
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (row.feature[r] >= 0 && !found[r].dimensions.empty()) measured[static_cast<std::size_t>(row.feature[r])] = &found[r];
@@ -174,7 +183,6 @@ void look_again(const Compared& compared, const RowOf& row, const VerifyOptions&
     const auto& primitive = compared.features.features[number].primitive;
     if (!primitive || primitive->kind != PrimitiveKind::cylinder) continue;
     if (rows[r].verdict == Outcome::verified && rows[r].covered > hardly_covered) continue;
-    if (neighbours.empty()) neighbours = neighbours_of(compared.mesh, compared.features);
     ++tried;
     const auto points = unexplained_about(compared, number, neighbours[number], measured, options.tolerance);
     auto again = inspect_anew(compared, compared.features.features[number], rows[r], points, options);
@@ -209,16 +217,17 @@ void tell_apart(const Compared& compared, const RowOf& row, std::vector<Inspecti
     }
 }
 
-/// Surface of the artifact between where a feature is and where it should be is explained by its finding.
+/// Surface of the artifact between where a feature is and where it should be, or in its mouth, is explained by its finding.
 void explain_samples(Compared& compared, const RowOf& row, const std::vector<Inspection>& found) {
   compared.explained_sample.assign(compared.field.samples.size(), 0);
   for (std::size_t r = 0; r < found.size(); ++r) {
     if (!found[r].finding) continue;
     const MeshFeature& feature = compared.features.features[static_cast<std::size_t>(row.feature[r])];
+    const bool full = feature.kind == "hole" || feature.kind == "boss";
     Inspection wider = found[r];
     wider.close += found[r].shift;
     for (std::size_t i = 0; i < compared.field.samples.size(); ++i)
-      if (compared.field.support[i] == Support::contradicted && on_measured(feature, wider, compared.field.samples[i].point))
+      if (compared.field.support[i] == Support::contradicted && on_measured(feature, wider, compared.field.samples[i].point, full))
         compared.explained_sample[i] = 1;
   }
 }
@@ -242,10 +251,11 @@ std::vector<Finding> inspect_rows(Compared& compared, const RowOf& row, const Ve
         found[r] = inspect(compared, compared.features.features[static_cast<std::size_t>(row.feature[r])], rows[r],
                            points[r], options);
   }, 1);
-  look_again(compared, row, options, rows, found);
+  const auto neighbours = neighbours_of(compared.mesh, compared.features);
+  look_again(compared, row, neighbours, options, rows, found);
   tell_apart(compared, row, found);
   std::vector<Finding> findings;
-  compared.explained_place.assign(compared.points.places.size(), 0);
+  compared.explained_point.assign(compared.source.points.size(), 0);
   compared.explained_row.assign(rows.size(), 0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     rows[r].dimensions = std::move(found[r].dimensions);
@@ -255,7 +265,7 @@ std::vector<Finding> inspect_rows(Compared& compared, const RowOf& row, const Ve
     compared.explained_row[r] = 1;
   }
   explain_samples(compared, row, found);
-  if (!findings.empty()) exonerate(compared, row, found, options, rows);
+  if (!findings.empty()) exonerate(compared, row, neighbours, found, options, rows);
   return findings;
 }
 

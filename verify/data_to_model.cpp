@@ -252,24 +252,21 @@ class Comparison {
       scene.off.push_back(p), scene.feet.push_back(hit.point), scene.foot_normals.push_back(normals_[hit.triangle]);
       index.push_back(from), distance.push_back(d);
     };
-    std::size_t far = 0;
     for (std::uint32_t i = 0; i < size(); ++i) {
       if (!field_.stray[i] || std::abs(field_.distance[i]) <= off_by) continue;
       is_off[i] = 1;
-      far += std::abs(field_.distance[i]) > far_ && source_.kept_place[i] != ScanSource::nowhere;
       take(source_.points[i], i, field_.distance[i], surface_.closest(source_.points[i]));
     }
     for (const auto& p : source_.set_aside) {
       MeshHit hit;
       const double d = surface_.signed_distance(p, hit);
-      far += std::abs(d) > far_;
       if (std::abs(d) > off_by) take(p, ScanSource::nowhere, d, hit);
     }
-    judge_rate(far);
     scene.most_strays = std::max(scene.most_strays, options_.outlier_rate);
     scene.source = &source_, scene.is_off = &is_off, scene.triangle = &field_.triangle, scene.normals = &normals_;
     const auto clusters = clusters_beyond_chance(scene, 0.5 * false_alarm, context_.threads);
     std::vector<double> values;
+    std::vector<char> crowded(scene.off.size(), 0);
     for (std::size_t c = 0; c < clusters.size(); ++c) {
       const auto& members = clusters[c].members;
       values.clear();
@@ -281,6 +278,7 @@ class Comparison {
       std::uint32_t nearest = members.front();
       for (const auto m : members) {
         if ((scene.off[m] - middle).squaredNorm() < (scene.off[nearest] - middle).squaredNorm()) nearest = m;
+        crowded[m] = 1;
         if (index[m] != ScanSource::nowhere) field_.stray[index[m]] = 0, field_.crowded[index[m]] = 1;
       }
       take_worst(off, scene.off[nearest]);
@@ -292,6 +290,10 @@ class Comparison {
     }
     if (clusters.size() > most_clusters_told)
       field_.faults.push_back(std::to_string(clusters.size() - most_clusters_told) + " more such groups of points");
+    std::size_t far = 0;
+    for (std::size_t i = 0; i < scene.off.size(); ++i)
+      far += !crowded[i] && std::abs(distance[i]) > far_ && (index[i] == ScanSource::nowhere || source_.kept_place[index[i]] != ScanSource::nowhere);
+    judge_rate(far);
   }
 
   void judge_rate(std::size_t far) {

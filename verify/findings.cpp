@@ -18,6 +18,7 @@ namespace {
 constexpr double same_face = 0.7071;         // cosine of 45 degrees
 constexpr double flattest_sight = 0.26;      // cosine of 75 degrees
 constexpr std::size_t fewest_points = 9;     // that can prove a deviation
+constexpr double smallest_said = 0.05;       // mm^2; less is a place, no area
 constexpr std::size_t most_unscanned = 20;   // regions that are listed
 constexpr std::size_t asked_for_reasons = 60;
 
@@ -72,16 +73,16 @@ class Finder {
     std::vector<double> members(places.size(), 0);
     for (std::size_t i = 0; i < c_.points.place.size(); ++i)
       if (!c_.points.stray[i]) members[c_.points.place[i]] += 1;
-    auto explained = [&](std::uint32_t place) { return c_.explained_place[place] != 0; };
+    auto explained = [&](std::uint32_t point) { return c_.explained_point[point] != 0; };
     for (std::uint32_t p = 0; p < places.size(); ++p) {
-      if (!places[p].surface || !(std::abs(places[p].mean) > tolerance_) || members[p] == 0 || explained(p)) continue;
+      if (!places[p].surface || !(std::abs(places[p].mean) > tolerance_) || members[p] == 0 || explained(places[p].point)) continue;
       Spot spot;
       spot.point = places[p].point, spot.place = p, spot.deviation = places[p].mean, spot.weight = members[p];
       spots_.push_back(spot);
     }
     // Strays that were found to be a surface of their own stand for themselves.
     for (std::uint32_t i = 0; i < c_.points.distance.size(); ++i) {
-      if (!c_.points.crowded[i] || explained(c_.points.place[i])) continue;
+      if (!c_.points.crowded[i] || explained(i)) continue;
       Spot spot;
       spot.point = i, spot.place = c_.points.place[i], spot.deviation = c_.points.distance[i];
       spots_.push_back(spot);
@@ -135,6 +136,7 @@ class Finder {
       if (p.foreign != q.foreign || (p.deviation > 0) != (q.deviation > 0)) return false;
       return p.foreign || p.row == q.row;
     });
+    std::vector<Finding> minor;
     for (const auto& group : groups) {
       Finding f;
       double weight = 0;
@@ -150,7 +152,6 @@ class Finder {
         if (std::abs(s.deviation) > std::abs(worst->deviation)) worst = &s;
       }
       const bool few = weight < static_cast<double>(options_.rule == Rule::max ? 1 : fewest_points);
-      if (few && (groups.size() > 1 || any_)) continue;
       middle /= weight;
       f.points = static_cast<std::size_t>(weight);
       f.extent = box.diagonal();
@@ -168,22 +169,26 @@ class Finder {
       const bool foreign = spots_[group.front()].foreign;
       const bool outside = spots_[group.front()].deviation > 0;
       f.kind = foreign ? Finding::Kind::missing_material : Finding::Kind::displaced;
-      const std::string where = " over " + words_.area(f.area) + " mm^2 at " + words_.place(f.place);
+      auto over = [&] { return (f.area >= smallest_said ? " over " + words_.area(f.area) + " mm^2" : std::string()) + " at " + words_.place(f.place); };
       if (foreign) {
         f.place = nearest_member(group, middle);
         f.reason = outside ? "the scan shows surface outside of the artifact's material"
                            : "the scan shows surface inside the artifact's material";
         f.text = (f.feature.empty() ? std::string() : "near " + f.feature + ": ") + "the scan shows surface up to " +
                  words_.mm(f.deviation) + " mm " +
-                 (outside ? "outside of the artifact (material is missing)" : "inside the artifact (a recess is missing)") +
-                 " over " + words_.area(f.area) + " mm^2 at " + words_.place(f.place);
+                 (outside ? "outside of the artifact (material is missing)" : "inside the artifact (a recess is missing)") + over();
       } else {
         f.reason = "the scan has this face elsewhere";
         f.text = (f.feature.empty() ? std::string("the surface") : f.feature) + ": " + words_.mm(f.deviation) +
                  " mm too far " +
-                 (f.direction.squaredNorm() > 0.5 ? "in " + direction_text(-f.direction) : outside ? "inside" : "outside") + where;
+                 (f.direction.squaredNorm() > 0.5 ? "in " + direction_text(-f.direction) : outside ? "inside" : "outside") + over();
       }
-      found_.push_back(std::move(f));
+      (few ? minor : found_).push_back(std::move(f));
+    }
+    // A few points are worth a word only where nothing else is.
+    if (!any_ && found_.empty() && !minor.empty()) {
+      sort_by_badness(minor, false);
+      found_.push_back(minor.front());
     }
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "core/number.h"
@@ -22,11 +23,8 @@ constexpr double least_arc = 0.6;            // of the feature's own arc that a 
 constexpr double known_well = 0.5;           // of the tolerance: a number less certain says nothing
 
 /// A scanned point as it would lie if the facets of a coarse polygon were the true surface: moved by as much as the facet
-/// below it lies inside. So a scan of the same polygon deviates by nothing. Where facets are fine, what was scanned is
-/// measured as it is, independently of the artifact.
-Vec3 without_facets(const Compared& c, const MeshFeature& feature, double tolerance, const Vec3& point) {
-  const Primitive& nominal = *feature.primitive;
-  if (feature.sagitta <= fine_facets * tolerance) return point;
+/// below it lies inside. So a scan of the same polygon deviates by nothing.
+Vec3 without_facets(const Compared& c, const Primitive& nominal, const Vec3& point) {
   const MeshHit hit = c.surface.closest(point);
   return point - distance(nominal, hit.point) * surface_normal(nominal, hit.point);
 }
@@ -89,7 +87,7 @@ class Inspector {
     if (found_.shift > limit) {
       blame(limit);
       tell();
-    } else if (row_.verdict != Outcome::verified && feature_.sagitta > coarse_facets * tolerance_) {
+    } else if (round_ && row_.verdict != Outcome::verified && feature_.sagitta > coarse_facets * tolerance_) {
       tell_coarse();
     }
     return finished();
@@ -115,6 +113,7 @@ class Inspector {
   const FeatureVerdict& row_;
   const std::string& name_;
   bool anew_ = false;
+  bool round_ = false;               // the scan shows no facets where the artifact has coarse ones
   double tolerance_;
   Words words_;
   Fitted found_;
@@ -143,9 +142,28 @@ class Inspector {
       usable.push_back(p);
     }
     const std::size_t every = usable.size() / most_points + 1;
-    for (std::size_t i = 0; i < usable.size(); i += every)
-      found_.points.push_back(without_facets(c_, feature_, tolerance_, c_.source.points[usable[i]]));
-    return enough();
+    for (std::size_t i = 0; i < usable.size(); i += every) found_.points.push_back(c_.source.points[usable[i]]);
+    if (!enough()) return false;
+    if (feature_.sagitta > fine_facets * tolerance_) judge_facets();
+    return true;
+  }
+
+  /// Where facets are coarse, the scan shows the polygon itself or the round surface that it stands for: what fits better.
+  void judge_facets() {
+    std::vector<Vec3> as_facets;
+    for (const auto& p : found_.points) as_facets.push_back(without_facets(c_, nominal_, p));
+    auto scatter = [&](const std::vector<Vec3>& points) {
+      PrimitiveFitOptions how;
+      how.start = nominal_;
+      how.robust = 2.5;
+      const auto fit = fit_primitive(nominal_.kind, points, {}, how);
+      if (!fit) return std::numeric_limits<double>::infinity();
+      std::vector<double> sizes;
+      for (const auto& p : points) sizes.push_back(std::abs(distance(fit->primitive, p)));
+      return quantile(std::move(sizes), 0.7);
+    };
+    if (scatter(as_facets) < scatter(found_.points)) found_.points = std::move(as_facets);
+    else round_ = true;
   }
 
   bool measure() {

@@ -43,9 +43,12 @@ RowOf fill_rows(const ScanSource& source, const FaceNames& faces, const MeshFeat
       auto& row = result[static_cast<std::size_t>(place_face[i])];
       row.max = std::max(row.max, std::abs(points.places[i].mean));
     }
+  std::vector<double> crowd(count, 0);  // points that stand together off it, and how far
+  std::vector<std::size_t> crowded(count, 0);
   for (std::size_t i = 0; i < points.distance.size(); ++i) {
     const int f = place_face[points.place[i]];
     if (f < 0 || points.stray[i]) continue;
+    if (points.crowded[i]) crowd[static_cast<std::size_t>(f)] += std::abs(points.distance[i]), ++crowded[static_cast<std::size_t>(f)];
     ++result[static_cast<std::size_t>(f)].points;
     squares[static_cast<std::size_t>(f)] += points.distance[i] * points.distance[i];
   }
@@ -58,6 +61,7 @@ RowOf fill_rows(const ScanSource& source, const FaceNames& faces, const MeshFeat
   for (std::size_t f = 0; f < count; ++f) {
     auto& row = result[f];
     if (row.points == 0 && samples[f] == 0) continue;
+    if (crowded[f]) row.max = std::max(row.max, crowd[f] / static_cast<double>(crowded[f]));
     if (row.points) row.rms = std::sqrt(squares[f] / static_cast<double>(row.points));
     if (samples[f]) row.covered = static_cast<double>(covered[f]) / static_cast<double>(samples[f]);
     const bool bad = row.max > options.tolerance || (options.strict && samples[f] && row.covered == 0);

@@ -18,6 +18,8 @@ constexpr std::size_t fewest_in_ring = 30;
 constexpr double curtain_of_alone = 50;  // density of the densest curtain of a scan to its share of strays that stand alone
 constexpr double least_curtain = 0.01;
 constexpr double densest_over_surface = 0.06;  // share of a patch of scanned surface that curtains from its edges reach
+constexpr double usual_share = 0.02;      // of strays, unless more were announced
+constexpr double over_share = 2, most_over_surface = 0.4;  // where strays fill the room about the part: times their share of the points
 constexpr double fewest_strays = 0.001;  // share of the points that is believed to be stray
 
 /// The window about one point that is least likely by chance.
@@ -40,6 +42,8 @@ class Judge {
       alone += near.size() < 2 || near[1].sq_distance > scales[0] * scales[0] * spacing_ * spacing_;
     }
     densest_ = std::clamp(curtain_of_alone * static_cast<double>(alone) / total, least_curtain, densest_curtain);
+    over_surface_ = std::min(densest_, densest_over_surface);
+    if (share_ > usual_share) over_surface_ = std::max(over_surface_, std::min(over_share * share_, most_over_surface));
   }
 
   std::vector<StrayCluster> run(double false_alarm, int threads) const {
@@ -61,7 +65,7 @@ class Judge {
  private:
   const StrayScene& scene_;
   KdTree off_, feet_;
-  double spacing_, share_ = 0, densest_ = densest_curtain;
+  double spacing_, share_ = 0, densest_ = densest_curtain, over_surface_ = densest_over_surface;
 
   Alarm in_space(std::size_t i) const {
     Alarm best;
@@ -100,7 +104,7 @@ class Judge {
       }
       if (off < 3 || on_ring < fewest_in_ring) continue;  // not scanned all around: nothing to miss
       const double share = std::clamp(static_cast<double>(off_ring + 1) / static_cast<double>(off_ring + on_ring + 2),
-                                      std::min(share_, densest_), std::min(densest_, densest_over_surface));
+                                      std::min(share_, densest_), over_surface_);
       const double chance = binomial_tail(off, off + on, share);
       if (chance < best.probability) best = {chance, share * static_cast<double>(off + on), radius, off};
     }

@@ -273,7 +273,8 @@ std::string scan_lines(const Verdict& verdict) {
   if (!most) return text;
   const auto all = static_cast<double>(most->points + most->rejected);
   const std::size_t here = most->rejected - std::min(most->set_aside, most->rejected);
-  return text + wrapped(std::to_string(most->rejected) + " of " + print_number(all) + " points (" + percent(static_cast<double>(most->rejected), all) +
+  return text + wrapped(std::to_string(most->rejected) + " of " + print_number(all) + " points (" +
+                            (2000 * static_cast<double>(most->rejected) < all ? std::string("under 0.1 %") : percent(static_cast<double>(most->rejected), all)) +
                             ") were set aside as outliers" +
                             (most->set_aside == 0 ? std::string(", since they stand alone off the artifact")
                              : here == 0          ? ", by a filter or by the fit"
