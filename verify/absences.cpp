@@ -173,9 +173,15 @@ void Absences::find_missing() {
       f.extent = std::hypot(2 * std::max(low, high), a.high - a.low);
       const bool cone = a.axis.kind == PrimitiveKind::cone;
       const std::string what = cone ? "conical" : "cylindrical";
+      // A boss has an end; without one it is the wall of a hole that the artifact has too wide.
+      const bool open = !a.hollow && std::none_of(others.begin(), others.end(), [&](std::uint32_t i) {
+        return spots_[i].foreign && holds(a, c_.source.points[spots_[i].point], -0.3 * a.axis.radius);
+      });
+      if (open) a.hollow = true;
       f.reason = "the scan shows a " + what + " wall, the artifact has none";
-      f.text = "missing " + noun_of(a) + ": the scan shows a " + what + " wall of " +
-               (cone ? print_number(snapped(degrees(2 * a.axis.half_angle), 0.1)) + " degrees, diameter " + words.mm(2 * low) + " to " + words.mm(2 * high)
+      f.text = (open ? "missing material about a " : "missing ") + noun_of(a) + ": the scan shows a " + what + " wall of " +
+               (cone ? print_number(snapped(degrees(2 * a.axis.half_angle), 0.1)) + " degrees, diameter " + words.mm(2 * low) + " to " +
+                           words.mm(2 * high)
                      : "diameter " + words.mm(2 * a.axis.radius)) +
                " about " + words.place(a.center) + " along " + axis_text(a.axis.axis) + ", the artifact has none";
       missing_.push_back(std::move(a));
@@ -303,7 +309,9 @@ void Absences::count_equal() {
       for (std::size_t k = i + 1; k < list->size(); ++k)
         if (!(*list)[k].finding.text.empty() && equal(first, (*list)[k])) alike.push_back(&(*list)[k]);
       auto told = [&](std::int32_t row) {
-        auto has = [&](const std::vector<Absence>& some) { return std::any_of(some.begin(), some.end(), [&](const Absence& a) { return a.row == row; }); };
+        auto has = [&](const std::vector<Absence>& some) {
+          return std::any_of(some.begin(), some.end(), [&](const Absence& a) { return a.row == row; });
+        };
         return c_.explained_row[static_cast<std::size_t>(row)] || has(extra_) || has(moved_);
       };
       std::size_t here = 0;  // in the artifact

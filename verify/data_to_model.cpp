@@ -291,8 +291,10 @@ class Comparison {
     if (clusters.size() > most_clusters_told)
       field_.faults.push_back(std::to_string(clusters.size() - most_clusters_told) + " more such groups of points");
     std::size_t far = 0;
-    for (std::size_t i = 0; i < scene.off.size(); ++i)
-      far += !crowded[i] && std::abs(distance[i]) > far_ && (index[i] == ScanSource::nowhere || source_.kept_place[index[i]] != ScanSource::nowhere);
+    for (std::size_t i = 0; i < scene.off.size(); ++i) {
+      const bool added = index[i] != ScanSource::nowhere && source_.kept_place[index[i]] == ScanSource::nowhere;
+      far += !crowded[i] && !added && std::abs(distance[i]) > far_;
+    }
     judge_rate(far);
   }
 

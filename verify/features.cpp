@@ -20,6 +20,7 @@ constexpr double fine_bend = 0.55;         // rad; coarser than this, three equa
 constexpr double similar_width = 0.45;     // facets of one round surface are nearly equally wide
 constexpr double sharpest_bend = 1.6;      // rad: four facets close a circle
 constexpr double alike_bend = 0.02;        // rad, between the corners of a regular polygon
+constexpr double enough_turning = 0.6;     // rad that a strip turns before it is believed
 constexpr double least_turning = 0.35;     // rad that a patch of a piece must turn to be more than chance
 constexpr std::size_t most_failures = 60;  // seeds of one piece in a row that lead nowhere
 constexpr std::size_t most_planes = 400;
@@ -196,7 +197,7 @@ class Recogniser {
         const double unlike = std::abs(p.angle - q.angle) / (p.angle + q.angle) - 1e-3 * (p.length + q.length) / size_;
         if (unlike < least_unlike) least_unlike = unlike, strip = {a, seed, b};
       }
-    if (!strip.empty()) groups.push_back(strip);
+    if (!strip.empty()) groups.push_back(strip), groups.push_back(longer(strip, inside));
     groups.push_back(around(seed, inside, 1, 16));
     groups.push_back(around(seed, inside, 2, 32));
     // A few strips of a torus pass for a cylinder: of all kinds the one that goes furthest is taken.
@@ -216,6 +217,37 @@ class Recogniser {
       if (best && (!found || 4 * best->facets.size() > 5 * found->facets.size())) found = std::move(best);
     }
     return found;
+  }
+
+  /// A strip goes on at both ends, bent alike, until it turns enough to tell a cone from a cylinder: facets may be fine.
+  Members longer(const Members& strip, const std::vector<char>& inside) const {
+    auto link_between = [&](std::uint32_t a, std::uint32_t b) {
+      for (const auto l : links_of_[a])
+        if (other(l, a) == b) return l;
+      return none;
+    };
+    Members group = strip;
+    double turning = 0;
+    for (const auto& [from, to] : {std::pair(strip[1], strip[0]), std::pair(strip[1], strip[2])}) {
+      std::uint32_t here = to, link = link_between(from, to);
+      if (link == none) continue;
+      const double bend = parts_.links[link].angle;
+      const bool convex = parts_.links[link].convex;
+      for (double turned = bend; turned < 0.5 * enough_turning;) {
+        std::uint32_t next = none;
+        for (const auto l : links_of_[here]) {
+          const auto g = other(l, here);
+          const auto& p = parts_.links[l];
+          if (l == link || !smooth_[l] || !inside[g] || patch_of_[g] != none || p.convex != convex) continue;
+          if (std::abs(p.angle - bend) < 0.1 * bend && std::find(group.begin(), group.end(), g) == group.end()) next = l;
+        }
+        if (next == none) break;
+        here = other(next, here), link = next, turned += parts_.links[next].angle;
+        group.push_back(here);
+        turning += parts_.links[next].angle;
+      }
+    }
+    return turning > 0 ? group : Members{};
   }
 
   /// Everything connected that lies on the patch's surface, fitted again; nothing if that is too little to be sure.

@@ -169,7 +169,9 @@ class Finder {
       const bool foreign = spots_[group.front()].foreign;
       const bool outside = spots_[group.front()].deviation > 0;
       f.kind = foreign ? Finding::Kind::missing_material : Finding::Kind::displaced;
-      auto over = [&] { return (f.area >= smallest_said ? " over " + words_.area(f.area) + " mm^2" : std::string()) + " at " + words_.place(f.place); };
+      auto over = [&] {
+        return (f.area >= smallest_said ? " over " + words_.area(f.area) + " mm^2" : std::string()) + " at " + words_.place(f.place);
+      };
       if (foreign) {
         f.place = nearest_member(group, middle);
         f.reason = outside ? "the scan shows surface outside of the artifact's material"

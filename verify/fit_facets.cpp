@@ -155,7 +155,22 @@ bool facet_fits(const Primitive& primitive, const TriangleMesh& mesh, const Face
   return true;
 }
 
+/// A circle goes through any three corners of a profile: a countersink and its hole are no torus.
+bool FacetGroup::is_bent_along(const Primitive& torus) const {
+  std::vector<double> angles;
+  for (const auto& p : all_corners_) {
+    const Vec3 d = p - torus.point;
+    const double along = d.dot(torus.axis);
+    angles.push_back(std::atan2(along, (d - along * torus.axis).norm() - torus.radius));
+  }
+  std::sort(angles.begin(), angles.end());
+  std::size_t rings = angles.empty() ? 0 : 1;
+  for (std::size_t i = 1; i < angles.size(); ++i) rings += angles[i] - angles[i - 1] > 0.02;
+  return rings >= 4;
+}
+
 bool FacetGroup::passes(const Primitive& primitive, double corner_error, double largest_bend) const {
+  if (primitive.kind == PrimitiveKind::torus && !is_bent_along(primitive)) return false;
   for (const auto& p : corners_)
     if (!(std::abs(distance(primitive, p)) <= corner_error)) return false;
   int side = 0;

@@ -28,6 +28,7 @@ class FacetGroup {
   std::vector<Vec3> all_corners_, all_normals_;
   double turning_ = 0;
 
+  bool is_bent_along(const Primitive& torus) const;
   std::optional<Primitive> guess(PrimitiveKind kind, const std::vector<Vec3>& corners, const std::vector<Vec3>& normals) const;
   bool passes(const Primitive& primitive, double corner_error, double largest_bend) const;
 };

@@ -98,6 +98,11 @@ class Inspector {
     const std::size_t every = points.size() / most_points + 1;
     for (std::size_t i = 0; i < points.size(); i += every) found_.points.push_back(c_.source.points[points[i]]);
     if (!enough() || !measure()) return {};
+    // Where what was fitted runs into the artifact only points on one side of it were unexplained: without them.
+    const double close = 2 * std::max(3 * c_.source.noise, 0.3 * tolerance_);
+    const Primitive m = found_.fit.primitive;
+    std::erase_if(found_.points, [&](const Vec3& p) { return c_.surface.closest(p - distance(m, p) * surface_normal(m, p)).distance <= close; });
+    if (!enough() || !measure()) return {};
     describe();
     const double limit = std::max(tolerance_, 3 * found_.sigma_shift);
     if (result_.dimensions.empty() || found_.shift <= limit) return {};
@@ -460,6 +465,7 @@ std::string with_size(const std::string& name, const MeshFeature& feature, doubl
     return name + " (diameter " + words.mm(2 * p.radius) + ")";
   if (feature.kind == "fillet" || feature.kind == "round" || feature.kind == "cylinder")
     return name + " (radius " + words.mm(p.kind == PrimitiveKind::torus ? p.tube : p.radius) + ")";
+  if (feature.kind == "cone") return name + " (" + print_number(snapped(degrees(2 * p.half_angle), 0.1)) + " degrees)";
   return name;
 }
 

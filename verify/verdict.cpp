@@ -273,15 +273,14 @@ std::string scan_lines(const Verdict& verdict) {
   if (!most) return text;
   const auto all = static_cast<double>(most->points + most->rejected);
   const std::size_t here = most->rejected - std::min(most->set_aside, most->rejected);
-  return text + wrapped(std::to_string(most->rejected) + " of " + print_number(all) + " points (" +
-                            (2000 * static_cast<double>(most->rejected) < all ? std::string("under 0.1 %") : percent(static_cast<double>(most->rejected), all)) +
-                            ") were set aside as outliers" +
-                            (most->set_aside == 0 ? std::string(", since they stand alone off the artifact")
-                             : here == 0          ? ", by a filter or by the fit"
-                                                  : ": " + std::to_string(most->set_aside) + " by a filter or by the fit, " +
-                                                        std::to_string(here) + " since they stand alone off the artifact") +
-                            ".",
-                        2);
+  const auto rejected = static_cast<double>(most->rejected);
+  const std::string share = 2000 * rejected < all ? "under 0.1 %" : percent(rejected, all);
+  const std::string alone = "since they stand alone off the artifact";
+  const std::string why = most->set_aside == 0 ? ", " + alone
+                          : here == 0          ? std::string(", by a filter or by the fit")
+                                               : ": " + std::to_string(most->set_aside) + " by a filter or by the fit, " +
+                                                     std::to_string(here) + " " + alone;
+  return text + wrapped(std::to_string(most->rejected) + " of " + print_number(all) + " points (" + share + ") were set aside as outliers" + why + ".", 2);
 }
 
 }  // namespace
