@@ -178,6 +178,7 @@ void Absences::find_missing() {
         return spots_[i].foreign && holds(a, c_.source.points[spots_[i].point], -0.3 * a.axis.radius);
       });
       if (open) a.hollow = true;
+      a.open = open;
       f.reason = "the scan shows a " + what + " wall, the artifact has none";
       f.text = (open ? "missing material about a " : "missing ") + noun_of(a) + ": the scan shows a " + what + " wall of " +
                (cone ? print_number(snapped(degrees(2 * a.axis.half_angle), 0.1)) + " degrees, diameter " + words.mm(2 * low) + " to " +
@@ -232,13 +233,20 @@ void Absences::find_extra() {
              (feature->hollow ? across ? "an unbroken face there" : "no such wall" : across ? "a face in its place" : "nothing there");
     extra_.push_back(std::move(a));
   }
+  // The wall of a hole goes on where the artifact has a countersink too many.
+  std::erase_if(missing_, [&](const Absence& gone) {
+    return gone.open && std::any_of(extra_.begin(), extra_.end(), [&](const Absence& extra) {
+             return extra.axis.kind == PrimitiveKind::cone && holds(extra, gone.center, 0);
+           });
+  });
 }
 
 /// Inside the room that the feature takes, widened by `margin`.
 bool Absences::holds(const Absence& a, const Vec3& point, double margin) const {
   const Vec3 d = point - a.axis.point;
   const double t = d.dot(a.axis.axis);
-  return t > a.low - far_ && t < a.high + far_ && (d - t * a.axis.axis).norm() < radius_at(a.axis, t) + margin;
+  const double beyond = far_ + std::max(margin, 0.0);
+  return t > a.low - beyond && t < a.high + beyond && (d - t * a.axis.axis).norm() < radius_at(a.axis, t) + margin;
 }
 
 bool Absences::speak_of(const Vec3& point) const {
@@ -304,7 +312,7 @@ void Absences::count_equal() {
     const bool invented = list == &extra_;
     for (std::size_t i = 0; i < list->size(); ++i) {
       Absence& first = (*list)[i];
-      if (first.finding.text.empty()) continue;
+      if (first.finding.text.empty() || first.open) continue;
       std::vector<Absence*> alike = {&first};
       for (std::size_t k = i + 1; k < list->size(); ++k)
         if (!(*list)[k].finding.text.empty() && equal(first, (*list)[k])) alike.push_back(&(*list)[k]);

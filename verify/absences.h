@@ -30,6 +30,7 @@ struct Absence {
   Vec3 center = Vec3::Zero();
   double low = 0, high = 0;
   bool hollow = true;
+  bool open = false;       // material is missing about a hole that the artifact has too wide
   std::int32_t row = -1;
 };
 
