@@ -271,8 +271,9 @@ class Comparison {
       const auto& members = clusters[c].members;
       values.clear();
       Vec3 middle = Vec3::Zero();
-      std::size_t outside = 0;
+      std::size_t outside = 0, before = 0;
       for (const auto m : members) values.push_back(std::abs(distance[m])), middle += scene.off[m], outside += distance[m] > 0;
+      for (const auto m : members) before += index[m] == ScanSource::nowhere;
       middle /= static_cast<double>(members.size());
       const double off = robust_mean(values).mean;  // of sizes: points on either side do not make up for each other
       std::uint32_t nearest = members.front();
@@ -283,7 +284,9 @@ class Comparison {
       }
       take_worst(off, scene.off[nearest]);
       if (c < most_clusters_told)
-        field_.faults.push_back(std::to_string(members.size()) + " points stand together at " + shown(scene.off[nearest]) + ", " + shown(off) +
+        field_.faults.push_back(std::to_string(members.size()) + " points" +
+                                (before > 0 ? " (" + std::to_string(before) + " of them set aside by a filter or by the fit)" : std::string()) +
+                                " stand together at " + shown(scene.off[nearest]) + ", " + shown(off) +
                                 " mm off the artifact" + (outside > 0 && outside < members.size() ? " on both sides of it" : "") +
                                 ": too close to one another for outliers, of which chance puts " +
                                 print_number(snapped(clusters[c].expected, 0.01)) + " where there are " + std::to_string(clusters[c].most));
