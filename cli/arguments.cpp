@@ -6,6 +6,7 @@
 #include <new>
 
 #include "cli/commands.h"
+#include "cli/suggest.h"
 #include "core/number.h"
 
 namespace partscribe {
@@ -25,7 +26,7 @@ Examples
 constexpr const char* program_footer =
     R"(Exit codes: 0 verified, 1 out of tolerance, 2 usage, 3 input cannot be used, 4 a needed program is missing,
 5 cancelled or limit reached, 6 the scan cannot decide at this tolerance.
-'partscribe COMMAND --help' explains a command.)";
+'partscribe help COMMAND' explains a command.)";
 
 std::string range_text(double low, double high) {
   return "a number from " + print_number(low) + " to " + print_number(high);
@@ -47,10 +48,20 @@ std::string wrapped(const std::string& text) {
   return result;
 }
 
+/// How to write what somebody may have meant: a decimal comma, or a unit behind the number. Empty if nothing of the kind is in range.
+std::string written_right(const std::string& text, double low, double high) {
+  std::string number = text.substr(0, text.find_last_of("0123456789") + 1);  // npos + 1 is 0
+  const auto comma = number.find(',');
+  if (comma != std::string::npos) number[comma] = '.';
+  const auto value = parse_number(number);
+  return number != text && value && *value >= low && *value <= high ? "; write " + number : "";
+}
+
 /// Reads a number the way all files are read; the answer is CLI11's: an empty string is agreement.
 std::string parse_into(double& target, const std::string& text, double low, double high) {
   const auto value = parse_number(text);
-  if (!value || *value < low || *value > high) return "expected " + range_text(low, high) + ", found '" + text + "'";
+  if (!value || *value < low || *value > high)
+    return "expected " + range_text(low, high) + ", found '" + text + "'" + written_right(text, low, high);
   target = *value;
   return {};
 }
@@ -77,15 +88,47 @@ void declare_shared(Arguments& arguments, SharedOptions& options) {
   arguments.path(options.log, "--log", "FILE", "append what happened, with times, to this file");
 }
 
-/// The words of the command line. `verify` writes its JSON to a file when one is named: "--json verdict.json".
+/// The words of the command line as the parser wants them: "help build" is "build --help", and after "--" all words are files, whatever
+/// they begin with. `verify` writes its JSON to a file when one is named: "--json verdict.json".
 std::vector<std::string> words_of(int argc, const char* const* argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.front() == "help") {
+    words.erase(words.begin());
+    words.resize(std::min<std::size_t>(words.size(), 1));
+    words.push_back("--help");
+  }
+  if (const auto mark = std::find(words.begin(), words.end(), "--"); mark != words.end()) {
+    for (auto word = mark + 1; word != words.end(); ++word)
+      if (word->starts_with('-')) *word = "./" + *word;
+    words.erase(mark);
+  }
   if (words.empty() || words.front() != "verify") return words;
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (words[i].starts_with("--json=")) words[i] = "--json-file=" + words[i].substr(7);
     if (words[i] == "--json" && i + 1 < words.size() && words[i + 1].ends_with(".json")) words[i] = "--json-file";
   }
   return words;
+}
+
+/// Where to read on.
+std::string with_help(const std::string& message, const std::string& command) {
+  return message + (message.ends_with('?') ? " See" : "; see") + " 'partscribe help" + (command.empty() ? "" : " " + command) + "'";
+}
+
+/// What is wrong with a word that the parser knows no place for; empty if there is none.
+std::string about_unknown_word(const CLI::App& command) {
+  const auto left = command.remaining();
+  if (left.empty()) return {};
+  const auto option = std::find_if(left.begin(), left.end(), [](const std::string& word) { return word.starts_with('-'); });
+  if (option == left.end()) return "found '" + left.front() + "' where nothing more was expected";
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(*option, ignored))
+    return "found '" + *option + "', which reads as an option; write ./" + *option + " for the file";
+  std::vector<std::string> names;
+  for (const auto* known : command.get_options())
+    for (const auto& name : known->get_lnames()) names.push_back("--" + name);
+  const std::string given = option->substr(0, option->find('='));
+  return "there is no option " + given + did_you_mean(given, names);
 }
 
 int fail(const Error& error) {
@@ -108,10 +151,16 @@ void Arguments::choice(std::string& target, const std::string& name, const std::
                        const std::string& help) {
   std::string all;
   for (const auto& word : words) all += (all.empty() ? "" : "|") + word;
-  app_.add_option(name, target, wrapped(help))->type_name(all)->check([words, all](const std::string& text) {
-    for (const auto& word : words)
-      if (word == text) return std::string();
-    return "expected one of " + all + ", found '" + text + "'";
+  choice(target, name, all, words, [](const std::string&) { return false; }, help);
+}
+
+void Arguments::choice(std::string& target, const std::string& name, const std::string& value_name, const std::vector<std::string>& words,
+                       const std::function<bool(const std::string&)>& known, const std::string& help) {
+  app_.add_option(name, target, wrapped(help))->type_name(value_name)->check([words, known](const std::string& text) {
+    if (known(text) || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+    std::string all;
+    for (const auto& word : words) all += (all.empty() ? "" : ", ") + word;
+    return "expected one of " + all + ", found '" + text + "'" + did_you_mean(text, words);
   });
 }
 
@@ -211,14 +260,11 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
       return 0;
     }
     auto words = words_of(argc, argv);
-    std::string names;
-    bool known = words.front().starts_with('-');
-    for (const auto& command : commands) {
-      names += (names.empty() ? "" : ", ") + command.name;
-      known = known || words.front() == command.name;
-    }
-    if (!known)
-      return fail(usage_error("expected one of " + names + ", found '" + words.front() + "'; see 'partscribe --help'"));
+    std::string list;
+    std::vector<std::string> names = {"help"};
+    for (const auto& command : commands) list += (list.empty() ? "" : ", ") + command.name, names.push_back(command.name);
+    if (!words.empty() && !words.front().starts_with('-') && std::find(names.begin() + 1, names.end(), words.front()) == names.end())
+      return fail(usage_error(with_help("expected one of " + list + ", found '" + words.front() + "'" + did_you_mean(words.front(), names), "")));
     std::reverse(words.begin(), words.end());  // as the parser wants them
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
@@ -235,10 +281,10 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
     std::printf("%s\n", call.what());
     return 0;
   } catch (const CLI::ParseError& error) {
-    std::string where = "partscribe --help";
+    std::string given, what = about_unknown_word(app);
     for (const auto& command : commands)
-      if (app.get_subcommand(command.name)->parsed()) where = "partscribe " + command.name + " --help";
-    return fail(usage_error(one_line(error.what()) + "; see '" + where + "'"));
+      if (const auto* sub = app.get_subcommand(command.name); sub->parsed()) given = command.name, what = about_unknown_word(*sub);
+    return fail(usage_error(with_help(what.empty() ? one_line(error.what()) : what, given)));
   }
   for (const auto& command : commands) {
     if (!app.get_subcommand(command.name)->parsed()) continue;

@@ -2,10 +2,13 @@
 #include <memory>
 #include <optional>
 
+#include "cli/build_json.h"
 #include "cli/commands.h"
 #include "cli/describe.h"
 #include "cli/inputs.h"
+#include "cli/names.h"
 #include "cli/report_page.h"
+#include "cli/result_folder.h"
 #include "cli/stages.h"
 #include "cli/views.h"
 #include "core/number.h"
@@ -39,6 +42,16 @@ struct BuildArguments {
   Path templates;
 };
 
+/// What a build wrote, the artifacts first.
+std::vector<Path> files_in(const Path& folder) {
+  auto names = artifact_names();
+  for (const char* file : {"model.json", "cloud.ply", "poses.json", "verdict.json", "report.html"}) names.push_back(file);
+  std::vector<Path> files;
+  for (const auto& name : names)
+    if (std::filesystem::exists(folder / name)) files.push_back(folder / name);
+  return files;
+}
+
 /// What build says at the end.
 void print_result(const Model& model, const Verdict& verdict, const Path& folder, Session& session) {
   session.print("\n" + found_lines(model));
@@ -48,9 +61,8 @@ void print_result(const Model& model, const Verdict& verdict, const Path& folder
                   " points)\n");
   session.print("\n" + verdict_table(verdict));
   std::string names;
-  for (const auto& name : artifact_names())
-    if (std::filesystem::exists(folder / name)) names += " " + name;
-  session.print("\nFiles in " + folder.string() + ":" + names + " model.json cloud.ply verdict.json report.html\n");
+  for (const auto& file : files_in(folder)) names += " " + file.filename().string();
+  session.print("\nFiles in " + folder.string() + ":" + names + "\n");
   session.print("Open " + (folder / "report.html").string() + " for pictures and reasons.\n");
   session.print(seconds_line(session) + "\n");
 }
@@ -120,7 +132,7 @@ struct Trials {
   const Scan& scan;
   const std::vector<std::string>& backends;
   const Path& templates;
-  const Path& folder;
+  const Path folder;
   double tolerance;
   Session& session;
   std::vector<Trial> tried;
@@ -161,25 +173,11 @@ struct Trials {
   }
 };
 
-Result<int> run(const BuildArguments& arguments, Session& session) {
-  const auto backends = chosen_backends(arguments.to);
-  if (!backends) return backends.error();
-  const std::string name =
-      arguments.fit.name.empty() ? part_name(arguments.scans.front()) : part_name(arguments.fit.name);
-  // A build starts from scans, so an earlier run's cloud.ply is an input like any other: its folder is its own.
-  const Path folder = output_folder(session.options, arguments.scans.front(), name);
-  const Path cloud_file = folder / "cloud.ply";
-  std::error_code ignored;
-  bool reads_cloud = false;
-  for (const auto& scan : arguments.scans)
-    reads_cloud = reads_cloud || std::filesystem::equivalent(scan, cloud_file, ignored);
-  auto outputs = artifact_names();
-  for (const char* file : {"model.json", "verdict.json", "report.html"}) outputs.push_back(file);
+/// Reads, fits, writes and judges into `results`, whose files are `name`'s. `reads_cloud`: the cloud there is an input and stays.
+Result<int> work(const BuildArguments& arguments, const std::vector<std::string>& backends, const std::string& name, bool reads_cloud,
+                 ResultFolder& results, Session& session) {
+  const Path& folder = results.path();
   const bool registers = arguments.poses.poses != "given";
-  if (registers) outputs.push_back("poses.json");
-  if (!reads_cloud) outputs.push_back("cloud.ply");
-
-  if (auto ok = check_overwriting(folder, outputs, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto placed = read_views(arguments.scans, arguments.poses, Points::measured, session);
   if (!placed) return placed.error();
@@ -193,7 +191,9 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
       tolerance.reason + ".\n");
 
   if (auto ok = session.stage("fit"); !ok) return ok.error();
-  Trials trials{*scan, *backends, arguments.templates, folder, tolerance.tolerance, session, {}};
+  // Away from the folder of the results, which are written when the answer is known.
+  const TemporaryDirectory aside;
+  Trials trials{*scan, backends, arguments.templates, aside.path(), tolerance.tolerance, session, {}};
   const bool any_other = arguments.fit.procedure.empty();
   const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session,
                                any_other ? Refusal([&](const CheckedModel& m) { return trials.refusal(m); }) : Refusal());
@@ -202,10 +202,11 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   if (!trial) return trial.error();
   const Verdict& verdict = (*trial)->verdict;
   if (auto ok = session.stage("write"); !ok) return ok.error();
+  if (auto ok = results.begin(); !ok) return ok.error();
   std::string cloud_sha256;
   if (!reads_cloud) {
     const std::string cloud = write_cloud_ply(scan->cloud);
-    if (auto ok = write_file(cloud_file, cloud); !ok) return ok.error();
+    if (auto ok = write_file(folder / "cloud.ply", cloud); !ok) return ok.error();
     if (registers) cloud_sha256 = sha256(cloud);
   }
   if (registers)
@@ -213,6 +214,7 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
   if (auto ok = write_file(folder / "model.json", (*trial)->model); !ok) return ok.error();
   const auto scripts = write_artifacts((*trial)->emitted.artifacts, folder);
   if (!scripts) return scripts.error();
+  if (auto ok = results.mark(); !ok) return ok.error();
   const std::string json = write_verdict_json(verdict);
   if (auto ok = write_file(folder / "verdict.json", json); !ok) return ok.error();
 
@@ -229,8 +231,29 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
     session.print(wider_hint(verdict));
     session.print(scene_hint(arguments.scans.front(), session.options.units, *scan, session.context.threads));
   }
-  session.print_json(json);
+  session.print(no_procedure_line(**model, arguments.fit.procedure));
+  session.print_json(build_json(**model, arguments.fit.procedure, json, files_in(folder), scan->warnings));
   return exit_code_of(verdict.verdict);
+}
+
+Result<int> run(const BuildArguments& arguments, Session& session) {
+  const auto backends = chosen_backends(arguments.to);
+  if (!backends) return backends.error();
+  const Path named_after = arguments.fit.name.empty() ? arguments.scans.front() : Path(arguments.fit.name);
+  // A build starts from scans, so an earlier run's cloud.ply is an input like any other: its folder is its own.
+  const Path folder = output_folder(session.options, arguments.scans.front(), named_after);
+  std::error_code ignored;
+  bool reads_cloud = false;
+  for (const auto& scan : arguments.scans)
+    reads_cloud = reads_cloud || std::filesystem::equivalent(scan, folder / "cloud.ply", ignored);
+  auto outputs = artifact_names();
+  for (const char* file : {"model.json", "verdict.json", "report.html"}) outputs.push_back(file);
+  if (arguments.poses.poses != "given" || !reads_cloud) outputs.push_back("poses.json");
+  if (!reads_cloud) outputs.push_back("cloud.ply");
+  ResultFolder results(folder, outputs, "build", arguments.scans);
+  if (auto ok = check_same_part(session.options, folder, arguments.scans); !ok) return ok.error();
+  if (auto ok = results.check(session.options.force); !ok) return ok.error();
+  return results.close(work(arguments, *backends, part_name(named_after), reads_cloud, results, session));
 }
 
 }  // namespace
@@ -245,8 +268,7 @@ Command build_command() {
             a.text(arguments->fit.name, "--name", "NAME", "name of the part (default: from the first file)");
             a.flag(arguments->fit.no_nominal, "--no-nominal",
                    "keep every measured value; else a nominal size is taken where the data cannot tell the difference");
-            a.text(arguments->fit.procedure, "--procedure", "NAME",
-                   "only this procedure (sphere, cylinder, revolve, extrude, triangulation, ...); default: the best");
+            declare_procedure(arguments->fit, a);
             a.path(arguments->templates, "--templates", "DIR",
                    "a folder of template packs in place of the built-in ones");
           },

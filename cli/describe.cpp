@@ -36,6 +36,11 @@ int plainness(const std::string& procedure) {
   return static_cast<int>(at - plain_first.begin());
 }
 
+/// "an extrusion", "a box".
+std::string with_article(const std::string& noun) {
+  return (std::string("aeiou").find(noun.front()) != std::string::npos ? "an " : "a ") + noun;
+}
+
 /// mm, of the box around a triangulation; 0 for other shapes.
 double size_of(const Model& model) {
   const auto* surface = model.objects.empty() ? nullptr : std::get_if<TriSurface>(&model.objects.back().shape);
@@ -151,9 +156,19 @@ std::string nearest_procedure_line(const Model& model) {
     if (!nearest || std::pair(plainness(r.procedure), r.deviation) < std::pair(plainness(nearest->procedure), nearest->deviation)) nearest = &r;
   }
   if (!nearest) return {};
-  const bool vowel = std::string("aeiou").find(nearest->procedure[0]) != std::string::npos;
-  return "Nearest procedure: " + std::string(vowel ? "an " : "a ") + nearest->procedure + ", off by up to " + readable(nearest->deviation) +
+  return "Nearest procedure: " + with_article(nearest->procedure) + ", off by up to " + readable(nearest->deviation) +
          " mm; try --tolerance " + print_number(tolerance_that_lets(nearest->deviation)) + ".";
+}
+
+std::string no_procedure_line(const Model& model, const std::string& asked) {
+  if (!model.fallback || model.objects.empty()) return {};
+  const auto nearest = std::min_element(model.rivals.begin(), model.rivals.end(), [](const Rival& a, const Rival& b) { return a.deviation < b.deviation; });
+  std::string line = "No CAD procedure was found: " + (asked.empty() ? "no single extrusion or turned body describes it" : "no " + asked + " describes it");
+  line += " within " + print_number(model.tolerance) + " mm";
+  if (nearest != model.rivals.end())
+    line += "; the nearest, " + with_article(nearest->procedure) + ", " +
+            (nearest->deviation > model.tolerance ? "is off by up to " + readable(nearest->deviation) + " mm" : "is refused: " + nearest->reason);
+  return line + ". The files hold " + noun_of(model.objects.back().shape) + ", which has no dimensions to edit.\n";
 }
 
 double tolerance_that_lets(double deviation) {

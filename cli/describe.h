@@ -43,6 +43,10 @@ std::vector<std::string> rival_lines(const Model& model);
 /// Empty if nothing lies within three hundredths of the part's size.
 std::string nearest_procedure_line(const Model& model);
 
+/// Of such a triangulation, the last line: "No CAD procedure was found: ..." and why. `asked`: the only procedure that was allowed; may be
+/// empty. Empty if a procedure was found.
+std::string no_procedure_line(const Model& model, const std::string& asked);
+
 /// `deviation` and a little, mm, rounded up to two digits: the tolerance to ask for where something is that far off.
 double tolerance_that_lets(double deviation);
 

@@ -27,8 +27,9 @@ struct Options {
 Result<int> run(const Options& given, Session& session) {
   const auto chosen = chosen_backends(given.to);
   if (!chosen) return chosen.error();
-  const Path folder = output_folder(session.options, given.model, part_name(given.model));
-  if (auto ok = check_overwriting(folder, artifact_names(), session.options.force); !ok) return ok.error();
+  const Path folder = output_folder(session.options, given.model, given.model);
+  for (const auto& names : {artifact_names(), judgement_names})
+    if (auto ok = check_overwriting(folder, names, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   const auto model = read_model(given.model);
   if (!model) return model.error();

@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "cli/describe.h"
 #include "cli/inputs.h"
+#include "cli/names.h"
 #include "cli/stages.h"
 #include "geometry/read_geometry.h"
 #include "model/json.h"
@@ -26,8 +27,10 @@ struct Options {
 };
 
 Result<int> run(const Options& given, Session& session) {
-  const std::string name = given.fit.name.empty() ? part_name(given.scans.front()) : part_name(given.fit.name);
-  const Path folder = output_folder(session.options, given.scans.front(), name);
+  const Path named_after = given.fit.name.empty() ? given.scans.front() : Path(given.fit.name);
+  const std::string name = part_name(named_after);
+  const Path folder = output_folder(session.options, given.scans.front(), named_after);
+  if (auto ok = check_same_part(session.options, folder, given.scans); !ok) return ok.error();
   if (auto ok = check_overwriting(folder, {"model.json"}, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto scan = read_scans(given.scans, session);
@@ -43,7 +46,7 @@ Result<int> run(const Options& given, Session& session) {
   session.finish_stage();
   session.print("\n" + found_lines(**model) + "\n" + dimension_table(**model) + "\nModel in " +
                 (folder / "model.json").string() + "; next: partscribe emit " + (folder / "model.json").string() +
-                "\n" + seconds_line(session) + "\n");
+                "\n" + seconds_line(session) + "\n" + no_procedure_line(**model, given.fit.procedure));
   session.print_json(summary_json("fit", {folder / "model.json"}, scan->warnings));
   return 0;
 }
@@ -58,7 +61,7 @@ Command fit_command() {
             a.text(options->fit.name, "--name", "NAME", "name of the part (default: from the first file)");
             a.flag(options->fit.no_nominal, "--no-nominal",
                    "keep every measured value; else a nominal size is taken where the data cannot tell the difference");
-            a.text(options->fit.procedure, "--procedure", "NAME", "only this procedure; default: the best");
+            declare_procedure(options->fit, a);
           },
           [options](Session& session) { return run(*options, session); }};
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "cli/names.h"
 #include "core/number.h"
 #include "geometry/bulk_box.h"
 #include "geometry/kd_tree.h"
@@ -15,8 +16,8 @@
 namespace partscribe {
 namespace {
 
-const std::set<std::string> names_without_meaning = {"cloud", "scan", "merged", "model", "part"};
-constexpr const char* folder_ending = "-partscribe";
+/// Its folder is that of the other stages as well.
+bool written_by_a_stage(const Path& input) { return input.filename() == "cloud.ply" || input.filename() == "model.json"; }
 
 /// Noise on patches spread over the part: as good as on all points for choosing a tolerance, and quick for millions.
 double sampled_noise(const PointCloud& cloud, int threads) {
@@ -58,36 +59,23 @@ double rounded_up(double value) {
 
 }  // namespace
 
-std::string part_name(const Path& input) {
-  auto words = [](const std::string& text) {
-    std::string name;
-    for (const char c : text) {
-      const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'), digit = c >= '0' && c <= '9';
-      if (letter || digit)
-        name += letter ? static_cast<char>(c | 0x20) : c;
-      else if (!name.empty() && name.back() != '_')
-        name += '_';
-    }
-    while (!name.empty() && name.back() == '_') name.pop_back();
-    return name;
-  };
-  Path path = std::filesystem::absolute(input).lexically_normal();
-  if (!path.has_filename()) path = path.parent_path();
-  for (; path.has_relative_path(); path = path.parent_path()) {
-    std::string stem = std::filesystem::is_directory(path) ? path.filename().string() : path.stem().string();
-    if (stem.ends_with(folder_ending)) stem.resize(stem.size() - std::string_view(folder_ending).size());
-    std::string name = words(stem);
-    if (name.empty() || names_without_meaning.count(name)) continue;
-    return name.front() >= '0' && name.front() <= '9' ? "part_" + name : name;
-  }
-  return "part";
+Path output_folder(const SharedOptions& options, const Path& input, const Path& named_after) {
+  if (!options.out.empty()) return options.out;
+  if (written_by_a_stage(input)) return input.has_parent_path() ? input.parent_path() : Path(".");
+  return folder_name(named_after) + folder_ending;
 }
 
-Path output_folder(const SharedOptions& options, const Path& input, const std::string& name) {
-  if (!options.out.empty()) return options.out;
-  const auto file = input.filename();
-  if (file == "cloud.ply" || file == "model.json") return input.has_parent_path() ? input.parent_path() : Path(".");
-  return name + folder_ending;
+Result<Done> check_same_part(const SharedOptions& options, const Path& folder, const std::vector<Path>& inputs) {
+  if (!options.out.empty() || written_by_a_stage(inputs.front()) || !std::filesystem::is_regular_file(folder / "model.json")) return Done{};
+  const auto model = read_model(folder / "model.json");
+  if (!model || (*model)->provenance.sources.empty()) return Done{};
+  const auto& sources = (*model)->provenance.sources;
+  for (const auto& input : inputs) {
+    const std::string file = std::filesystem::is_directory(input) ? "scan.json" : input.filename().string();
+    if (std::any_of(sources.begin(), sources.end(), [&](const auto& source) { return source.file == file; })) return Done{};
+  }
+  return usage_error(folder.string() + " holds what was made from " + sources.front().file + ", not from " + inputs.front().filename().string() +
+                     "; give --out for another folder, or --out " + folder.string() + " to replace it");
 }
 
 Result<Done> check_overwriting(const Path& folder, const std::vector<std::string>& files, bool force) {

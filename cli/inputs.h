@@ -13,12 +13,12 @@
 
 namespace partscribe {
 
-/// A part's name made from an input file: "Pump cover (2).ply" is pump_cover_2. Files whose own name says nothing
-/// (cloud, scan, merged, model) take their folder's.
-std::string part_name(const Path& input);
+/// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder, named after the second file.
+Path output_folder(const SharedOptions& options, const Path& input, const Path& named_after);
 
-/// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder.
-Path output_folder(const SharedOptions& options, const Path& input, const std::string& name);
+/// A usage error if a folder that only the name of `inputs` led to holds a model made from other files: --force replaces older results
+/// of the same part, and no other's.
+Result<Done> check_same_part(const SharedOptions& options, const Path& folder, const std::vector<Path>& inputs);
 
 /// A usage error if the folder holds one of `files` and --force was not given; asked before the long work.
 Result<Done> check_overwriting(const Path& folder, const std::vector<std::string>& files, bool force);

@@ -4,6 +4,7 @@
 
 #include "cli/commands.h"
 #include "cli/inputs.h"
+#include "cli/names.h"
 #include "cli/report_page.h"
 #include "cli/stages.h"
 #include "cli/verdict_file.h"
@@ -113,7 +114,7 @@ Result<Material> verified_material(const std::vector<Path>& files, Session& sess
   const Path beside = material.artifacts.front().parent_path() / "model.json";
   if (std::filesystem::is_regular_file(beside))
     if (auto model = read_model(beside)) material.model = **model, material.name = material.model->name;
-  material.folder = material.name + "-report";
+  material.folder = folder_name(material.artifacts.front()) + "-report";
   if (material.model && !session.options.tolerance) {
     options.tolerance = material.model->tolerance;
   } else {

@@ -69,7 +69,7 @@ Result<std::string> cut_out(int which, SamplingSummary& sampling, PointCloud& cl
 
 Result<int> run(const ScanArguments& arguments, Session& session) {
   const auto& inputs = arguments.inputs;
-  const Path folder = output_folder(session.options, inputs.front(), part_name(inputs.front()));
+  const Path folder = output_folder(session.options, inputs.front(), inputs.front());
   if (auto ok = check_overwriting(folder, {"cloud.ply", "poses.json"}, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto placed = read_views(inputs, arguments.poses, arguments.all_points ? Points::measured : Points::filtered, session);

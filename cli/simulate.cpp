@@ -7,6 +7,7 @@
 #include "cli/commands.h"
 #include "cli/describe.h"
 #include "cli/inputs.h"
+#include "cli/names.h"
 #include "cli/stages.h"
 #include "core/number.h"
 #include "verify/evaluate.h"
@@ -67,8 +68,7 @@ Result<int> run(const Options& given, Session& session) {
         options.views + "'");
   if (given.sigma_codes > 0 && options.sigma > 0)
     return usage_error("--sigma and --sigma-codes say the same thing in two units: give one of them");
-  const std::string name = part_name(given.shape);
-  const Path folder = session.options.out.empty() ? Path(name + "-scan") : session.options.out;
+  const Path folder = session.options.out.empty() ? Path(folder_name(given.shape) + "-scan") : session.options.out;
   if (auto ok = check_overwriting(folder, {"scan.json", "merged.ply"}, session.options.force); !ok) return ok.error();
 
   if (auto ok = session.stage("shape"); !ok) return ok.error();

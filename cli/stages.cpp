@@ -7,6 +7,7 @@
 #include "core/json_text.h"
 #include "core/number.h"
 #include "fit/build.h"
+#include "fit/procedures.h"
 
 namespace partscribe {
 namespace {
@@ -22,6 +23,13 @@ std::string file_of(const std::string& backend) {
 }
 
 }  // namespace
+
+void declare_procedure(FitArguments& arguments, Arguments& options) {
+  std::string all;
+  for (const auto& word : procedure_words()) all += (all.empty() ? "" : ", ") + word;
+  options.choice(arguments.procedure, "--procedure", "NAME", procedure_words(), is_procedure,
+                 "only this procedure: " + all + " (default: the best)");
+}
 
 Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& name, const FitArguments& arguments,
                                Session& session, const Refusal& refusal) {
@@ -92,10 +100,9 @@ Result<Emitted> emit_all(const CheckedModel& model, const std::vector<std::strin
 }
 
 Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts, const Path& folder) {
-  for (const auto& name : artifact_names()) {
-    std::error_code ignored;
-    std::filesystem::remove(folder / name, ignored);
-  }
+  std::error_code ignored;
+  for (const auto& name : artifact_names()) std::filesystem::remove(folder / name, ignored);
+  for (const auto& name : judgement_names) std::filesystem::remove(folder / name, ignored);
   std::vector<Path> scripts;
   for (const auto& artifact : artifacts) {
     for (const auto& file : artifact.files)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/session.h"
 #include "core/files.h"
 #include "core/result.h"
@@ -23,6 +24,9 @@ struct FitArguments {
   std::string procedure;  ///< only this one; empty: the best
 };
 
+/// --procedure, which takes the names of procedures only.
+void declare_procedure(FitArguments& arguments, Arguments& options);
+
 /// Says why a model is none, or nothing (BuildOptions::refusal).
 using Refusal = std::function<Result<std::string>(const CheckedModel&)>;
 
@@ -33,8 +37,11 @@ Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& 
 /// The backends of --to in the program's order; empty names all. An unknown one is a usage error.
 Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names);
 
-/// The names of all files that emitting may write: what must not be overwritten, and what --force removes.
+/// The names of all files that emitting may write.
 std::vector<std::string> artifact_names();
+
+/// What was said of artifacts and does not hold of others.
+inline const std::vector<std::string> judgement_names = {"verdict.json", "report.html"};
 
 /// A file that could not be written, because its format has no such body.
 struct Unwritten {
@@ -53,7 +60,7 @@ Result<Emitted> emit_all(const CheckedModel& model, const std::vector<std::strin
                          Session& session);
 
 /// Writes the artifacts into `folder`; returns the files to run, in the same order. Files that an earlier run left for
-/// other backends are removed, so that all files of a folder belong together.
+/// other backends, and what was said of them, are removed, so that all files of a folder belong together.
 Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts, const Path& folder);
 
 /// The share of its points that the fit of a model set aside as outliers: so many the verifier may set aside too.

@@ -80,6 +80,22 @@ Result<std::optional<Model>> model_of(const Options& given, const Path& artifact
   return std::optional<Model>(**model);
 }
 
+/// A file that is judged by itself agrees, whatever it holds: one line for the user, or nothing.
+std::string judged_by_itself(const Operands& operands) {
+  std::error_code failure;
+  for (const auto& artifact : operands.artifacts)
+    for (const auto& scan : operands.scans) {
+      if (std::filesystem::equivalent(artifact, scan, failure) && !failure)
+        return artifact.string() + " is given as artifact and as scan: a file always agrees with itself, and nothing is verified by that";
+      const auto size = std::filesystem::file_size(artifact, failure);
+      if (failure || size != std::filesystem::file_size(scan, failure) || failure) continue;
+      const auto first = read_file(artifact), second = read_file(scan);
+      if (first && second && *first == *second)
+        return artifact.string() + " and " + scan.string() + " hold the same bytes: a file always agrees with itself, and nothing is verified by that";
+    }
+  return {};
+}
+
 Result<int> run(const Options& given, Session& session) {
   const auto operands = told_apart(given.files);
   if (!operands) return operands.error();
@@ -92,6 +108,7 @@ Result<int> run(const Options& given, Session& session) {
   const auto model = model_of(given, operands->artifacts.front());
   if (!model) return model.error();
 
+  if (const std::string remark = judged_by_itself(*operands); !remark.empty()) session.warn(remark);
   if (auto ok = session.stage("read"); !ok) return ok.error();
   const auto scan = read_scans(operands->scans, session);
   if (!scan) return scan.error();

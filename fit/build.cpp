@@ -187,6 +187,7 @@ class Offers {
 }  // namespace
 
 Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context) {
+  if (!options.force.empty() && !is_procedure(options.force)) return usage_error("expected the name of a procedure, found '" + options.force + "'");
   context.report("normals", 0.0);
   auto prepared = prepare(scan, options.tolerance, context);
   if (!prepared) return prepared.error();

@@ -209,10 +209,6 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   return "describes the part in " + longer;
 }
 
-bool asked_for(const std::string& force, const Candidate& c) {
-  return force.empty() || force == c.procedure || force == kind_of(c.shape);
-}
-
 using Proposals = std::vector<Candidate>;
 
 /// A maker of candidates.

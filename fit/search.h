@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "fit/procedures.h"
 #include "fit/build.h"
 #include "fit/candidate.h"
 #include "fit/coverage.h"
@@ -34,9 +35,6 @@ struct ProcedureSearch {
   CandidateEvidence evidence;       ///< of the winner as it will be printed
   double covered = 0;
 };
-
-/// Asked for by this name a triangulation needs no search: it is what is left where nothing was found.
-constexpr const char* only_a_mesh = "triangulation";
 
 /// Asks the makers and chooses: procedures of the trade first; superellipsoid and supertoroid, which serve as a last resort, where
 /// `last_resort` asks for them. Asked again it goes on from what is known.

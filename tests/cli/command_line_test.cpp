@@ -64,6 +64,108 @@ TEST_CASE("command line: bad usage ends with 2 and one line that says what to do
   }
 }
 
+TEST_CASE("command line: a misspelt command, option or name gets a suggestion") {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> misspelt = {
+      {{"buidl", "x.ply"}, "did you mean build?"},
+      {{"build", "x.ply", "--tolerence", "0.1"}, "there is no option --tolerence; did you mean --tolerance?"},
+      {{"build", "x.ply", "--tolerence=0.1"}, "there is no option --tolerence; did you mean --tolerance?"},
+      {{"build", "x.ply", "-tolerance", "0.1"}, "did you mean --tolerance?"},
+      {{"build", "--tol", "0.1", "x.ply"}, "did you mean --tolerance?"},
+      {{"build", "x.ply", "--procedure", "cilinder"}, "did you mean cylinder?"},
+      {{"build", "x.ply", "--units", "inches"}, "did you mean inch?"},
+      {{"help", "verfiy"}, "did you mean verify?"},
+  };
+  for (const auto& [arguments, suggestion] : misspelt) {
+    const auto output = run_partscribe(arguments);
+    INFO(output.err);
+    CHECK(output.exit_code == 2);
+    CHECK(output.err.find(suggestion) != std::string::npos);
+    check_one_line(output.err);
+  }
+  CHECK(run_partscribe({"build", "x.ply", "--catia"}).err.find("did you mean") == std::string::npos);
+}
+
+TEST_CASE("command line: an unknown procedure is refused before anything is read, with the names of those that exist") {
+  for (const char* command : {"build", "fit"}) {
+    const auto output = run_partscribe({command, "missing.ply", "--procedure", "foo"});
+    INFO(output.err);
+    CHECK(output.exit_code == 2);
+    for (const char* name : {"'foo'", "sphere", "cylinder", "revolve", "extrude", "triangulation"}) CHECK(output.err.find(name) != std::string::npos);
+    // What explain calls a rival may be asked for as well.
+    for (const char* name : {"extrude", "surface of revolution", "triangulation"})
+      CHECK(run_partscribe({command, "missing.ply", "--procedure", name}).exit_code == 3);
+  }
+}
+
+TEST_CASE("command line: numbers with a decimal comma or a unit are refused with the number to write") {
+  const std::vector<std::pair<std::string, std::string>> numbers = {{"0,1", "write 0.1"}, {"0.1mm", "write 0.1"}, {"0,1 mm", "write 0.1"}};
+  for (const auto& [given, advice] : numbers) {
+    const auto output = run_partscribe({"build", "x.ply", "--tolerance", given});
+    INFO(output.err);
+    CHECK(output.exit_code == 2);
+    CHECK(output.err.find(advice) != std::string::npos);
+  }
+  CHECK(run_partscribe({"build", "x.ply", "--tolerance", "fine"}).err.find("write") == std::string::npos);
+}
+
+TEST_CASE("command line: help explains the program and each command") {
+  CHECK(run_partscribe({"help"}).out == run_partscribe({"--help"}).out);
+  const auto build = run_partscribe({"help", "build"});
+  CHECK(build.exit_code == 0);
+  CHECK(build.out == run_partscribe({"build", "--help"}).out);
+}
+
+TEST_CASE("command line: a file whose name begins with a dash is read by its path or after --") {
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "-dash.off", tetrahedron_off()).ok());
+  const auto hint = run_partscribe({"scan", "-dash.off"}, folder.path());
+  CHECK(hint.exit_code == 2);
+  CHECK(hint.err.find("write ./-dash.off") != std::string::npos);
+  check_one_line(hint.err);
+  CHECK(run_partscribe({"scan", "./-dash.off", "--units", "mm", "--quiet"}, folder.path()).exit_code == 0);
+  CHECK(std::filesystem::is_regular_file(folder.path() / "dash-partscribe/cloud.ply"));
+  CHECK(run_partscribe({"scan", "--units", "mm", "--quiet", "--out", "out", "--", "-dash.off"}, folder.path()).exit_code == 0);
+}
+
+TEST_CASE("command line: --force replaces no other part's results in a folder that only a name led to") {
+  const TemporaryDirectory folder;
+  const auto cwd = folder.path();
+  for (const char* file : {"a b.off", "a_b.off"}) REQUIRE(write_file(cwd / file, tetrahedron_off()).ok());
+  REQUIRE(run_partscribe({"fit", "a b.off", "--units", "mm", "--quiet", "--procedure", "triangulation"}, cwd).exit_code == 0);
+  const auto refused = run_partscribe({"fit", "a_b.off", "--force", "--quiet"}, cwd);
+  CHECK(refused.exit_code == 2);
+  CHECK(refused.err.find("a b.off") != std::string::npos);
+  check_one_line(refused.err);
+  CHECK(run_partscribe({"fit", "a b.off", "--units", "mm", "--force", "--quiet", "--procedure", "triangulation"}, cwd).exit_code == 0);
+  CHECK(run_partscribe({"fit", "a_b.off", "--units", "mm", "--force", "--quiet", "--procedure", "triangulation", "--out", "a_b-partscribe"}, cwd).exit_code == 0);
+}
+
+TEST_CASE("command line: emitting takes the verdict on the old files away") {
+  const TemporaryDirectory folder;
+  const std::string model = source_file("corpus/pin/model.json").string(), out = folder.path().string();
+  REQUIRE(write_file(folder.path() / "verdict.json", "old").ok());
+  CHECK(run_partscribe({"emit", model, "--to", "openscad", "--out", out}).exit_code == 2);
+  CHECK(run_partscribe({"emit", model, "--to", "openscad", "--out", out, "--force"}).exit_code == 0);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "verdict.json"));
+}
+
+TEST_CASE("command line: that a file is judged by itself is remarked on") {
+  const TemporaryDirectory folder;
+  const auto file = [&](const std::string& name, const std::string& bytes) {
+    REQUIRE(write_file(folder.path() / name, bytes).ok());
+    return (folder.path() / name).string();
+  };
+  const std::string one = file("one.off", tetrahedron_off()), copy = file("copy.off", tetrahedron_off()), other = file("other.off", tetrahedron_off() + "# other\n");
+  const auto remarks = [&](const std::string& artifact, const std::string& scan) {
+    const auto output = run_partscribe({"verify", artifact, scan, "--units", "mm", "--tolerance", "0.1", "--quiet"});
+    INFO(output.err);
+    return std::pair(output.exit_code, output.err.find("agrees with itself") != std::string::npos);
+  };
+  CHECK(remarks(one, one) == std::pair(0, true));
+  CHECK(remarks(one, copy) == std::pair(0, true));
+  CHECK(remarks(one, other) == std::pair(0, false));
+}
+
 TEST_CASE("command line: hostile inputs end with 3 and one line") {
   const TemporaryDirectory folder;
   const auto file = [&](const std::string& name, const std::string& bytes) {

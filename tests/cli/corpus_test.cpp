@@ -3,11 +3,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "core/number.h"
 #include "core/random.h"
 #include "run.h"
+#include "tests/json_schema.h"
 
 namespace partscribe {
 namespace {
@@ -71,6 +73,13 @@ TEST_CASE("corpus: the pin is found as a surface of revolution with its sizes, a
   CHECK(verdict.at("verdict") == "verified");
   CHECK(verdict.at("artifacts").size() == 4);
   CHECK(bytes_of(out / "report.html").size() < 5'000'000);
+  // Rows are called as the parameters of their faces are.
+  const auto has_row = [&](const char* row) {
+    const auto& rows = verdict.at("artifacts").front().at("objects");
+    return std::any_of(rows.begin(), rows.end(), [&](const auto& r) { return r.at("name") == row; });
+  };
+  value_of(model, "chamfer"), value_of(model, "shank_radius"), value_of(model, "fillet_radius");
+  for (const char* row : {"chamfer", "shank", "head", "fillet"}) CHECK(has_row(row));
 
   // An edit by hand beyond the tolerance must turn the verdict red.
   const std::string script = bytes_of(out / "part.scad");
@@ -161,14 +170,64 @@ TEST_CASE("corpus: the single stages write what build writes") {
     CHECK(std::filesystem::is_regular_file(Path(out) / file));
 }
 
-TEST_CASE("corpus: with --json standard output holds the verdict and nothing else") {
+TEST_CASE("corpus: with --json standard output holds what was found, written and judged, and nothing else") {
   const TemporaryDirectory folder;
   REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(8, false)).ok());
   const auto output = run_partscribe({"build", (folder.path() / "rod.xyz").string(), "--json", "--units", "mm", "--to",
                                       "step", "--out", (folder.path() / "out").string()});
   INFO(output.out << output.err);
   CHECK(output.exit_code == 0);
-  CHECK(nlohmann::json::parse(output.out).at("artifacts").size() == 1);
+  const auto json = nlohmann::json::parse(output.out);
+  CHECK(JsonSchema(source_file("docs/verdict.schema.json")).fault(json, JsonSchema::Keys::named) == "");
+  CHECK(json.at("verdict") == "verified");
+  CHECK(json.at("artifacts").size() == 1);
+  CHECK(json.at("procedure") == "cylinder");
+  CHECK(json.at("fallback") == false);
+  const auto model = nlohmann::json::parse(bytes_of(folder.path() / "out/model.json"));
+  CHECK(json.at("parameters") == model.at("parameters"));
+  for (const auto& parameter : json.at("parameters")) CHECK(parameter.at("sigma") > 0);
+  std::set<std::string> there, told;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "out")) there.insert(entry.path().string());
+  for (const auto& file : json.at("files")) told.insert(file.get<std::string>());
+  CHECK(told == there);
+}
+
+TEST_CASE("corpus: a build that is interrupted while it verifies says what it leaves, and the next one replaces that") {
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(9, false)).ok());
+  const Path out = folder.path() / "out";
+  const std::vector<std::string> build = {PARTSCRIBE_PROGRAM, "build", (folder.path() / "rod.xyz").string(), "--units", "mm", "--quiet", "--out", out.string()};
+  std::vector<std::string> words = {"sh", "-c", "\"$@\" & child=$!; until [ -s \"$0\" ] || ! kill -0 $child; do sleep 0.01; done; kill -INT $child; wait $child",
+                                    (out / "part.step").string()};
+  words.insert(words.end(), build.begin(), build.end());
+  Context context;
+  const auto output = run_process(words, {.seconds = 300}, context);
+  REQUIRE(output.ok());
+  INFO(output->err);
+  CHECK(output->exit_code == 5);
+  CHECK(output->err.find("is unfinished and not verified, and the same command replaces it") != std::string::npos);
+  CHECK(std::count(output->err.begin(), output->err.end(), '\n') == 1);
+  CHECK_FALSE(std::filesystem::exists(out / "verdict.json"));
+  const auto again = run_process(build, {.seconds = 300}, context);
+  REQUIRE(again.ok());
+  CHECK(again->exit_code == 0);
+  CHECK(std::filesystem::exists(out / "verdict.json"));
+  CHECK_FALSE(std::filesystem::exists(out / "unfinished.json"));
+  const auto third = run_process(build, {.seconds = 300}, context);
+  REQUIRE(third.ok());
+  CHECK(third->exit_code == 2);
+}
+
+TEST_CASE("corpus: where no procedure describes a part, the last line says so and why") {
+  // A tetrahedron with a smaller one on a face: neither extruded nor turned, nor convex.
+  const TemporaryDirectory folder;
+  REQUIRE(write_file(folder.path() / "lump.off", "OFF\n5 6 0\n0 0 0\n30 0 0\n0 30 0\n0 0 30\n4 5 3\n0 2 1\n0 1 3\n0 3 2\n1 2 4\n2 3 4\n3 1 4\n").ok());
+  const auto output = run_partscribe({"build", (folder.path() / "lump.off").string(), "--units", "mm", "--tolerance", "0.05", "--to", "step", "--out", (folder.path() / "out").string()});
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 0);
+  const auto at = output.out.find("No CAD procedure was found: no single extrusion or turned body describes it");
+  REQUIRE(at != std::string::npos);
+  CHECK(output.out.find('\n', at) + 1 == output.out.size());
 }
 
 /// A build of a simulated pin into `out` that gets `interrupts` signals as soon as its log says that it is at work.

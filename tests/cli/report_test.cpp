@@ -315,11 +315,4 @@ TEST_CASE("verdict file: what was written is read back") {
   CHECK(bad.error().message.find("x/verdict.json: expected a verdict") == 0);
 }
 
-TEST_CASE("inputs: a part is named after its file, or its folder where the file's name says nothing") {
-  CHECK(part_name("scans/Pump cover (2).ply") == "pump_cover_2");
-  CHECK(part_name("bracket-partscribe/model.json") == "bracket");
-  CHECK(part_name("lever/scan/merged.ply") == "lever");
-  CHECK(part_name("3mm_plate.stl") == "part_3mm_plate");
-}
-
 }  // namespace partscribe

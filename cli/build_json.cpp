@@ -1,0 +1,30 @@
+#include "cli/build_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "cli/describe.h"
+#include "core/json_text.h"
+#include "fit/procedures.h"
+#include "model/json.h"
+
+namespace partscribe {
+
+std::string build_json(const Model& model, const std::string& asked, const std::string& verdict_json, const std::vector<Path>& files,
+                       const std::vector<std::string>& warnings) {
+  auto json = nlohmann::ordered_json::parse(verdict_json);
+  const auto& shape = model.objects.back().shape;
+  json["procedure"] = std::holds_alternative<TriSurface>(shape) ? std::string(only_a_mesh) : std::string(kind_of(shape));
+  json["description"] = procedure_text(model);
+  json["fallback"] = model.fallback;
+  if (std::string line = no_procedure_line(model, asked); !line.empty()) {
+    line.pop_back();
+    json["no_procedure"] = line;
+  }
+  json["parameters"] = nlohmann::ordered_json::parse(write_model_json(model)).at("parameters");
+  json["files"] = nlohmann::ordered_json::array();
+  for (const auto& file : files) json["files"].push_back(file.string());
+  json["warnings"] = warnings;
+  return json_text(json);
+}
+
+}  // namespace partscribe

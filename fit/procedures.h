@@ -1,0 +1,23 @@
+/// The procedures that a part can be described by, and the words by which one of them is asked for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace partscribe {
+
+struct Candidate;
+
+/// Asked for by this name a triangulation needs no search: it is what is left where nothing was found.
+inline constexpr const char* only_a_mesh = "triangulation";
+
+/// One word each, as BuildOptions::force takes it: mostly the kind of the shape. The plainest first.
+const std::vector<std::string>& procedure_words();
+
+/// Whether something can be asked for by this name: one of the words, or what a procedure is called in full ("surface of revolution").
+bool is_procedure(const std::string& name);
+
+/// Whether the candidate is what was asked for; an empty name asks for the best of all.
+bool asked_for(const std::string& name, const Candidate& candidate);
+
+}  // namespace partscribe
