@@ -212,9 +212,12 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   if (registers)
     if (auto ok = write_file(folder / "poses.json", poses_json(*placed, cloud_sha256)); !ok) return ok.error();
   if (auto ok = write_file(folder / "model.json", (*trial)->model); !ok) return ok.error();
+  if (auto ok = results.mark(); !ok) return ok.error();
+  session.if_cancelled(results.left());
   const auto scripts = write_artifacts((*trial)->emitted.artifacts, folder);
   if (!scripts) return scripts.error();
   if (auto ok = results.mark(); !ok) return ok.error();
+  session.if_cancelled(results.left());
   const std::string json = write_verdict_json(verdict);
   if (auto ok = write_file(folder / "verdict.json", json); !ok) return ok.error();
 
@@ -226,6 +229,7 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   if (auto ok = write_file(folder / "report.html", page); !ok) return ok.error();
   session.finish_stage();
 
+  session.if_cancelled("");
   print_result(**model, verdict, folder, session);
   if (verdict.verdict == Outcome::out_of_tolerance) {
     session.print(wider_hint(verdict));

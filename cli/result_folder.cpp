@@ -71,23 +71,19 @@ Result<Done> ResultFolder::mark() const {
   return write_file(folder_ / mark_name, json_text(json));
 }
 
-Result<int> ResultFolder::close(Result<int> outcome) const {
-  if (!begun_) return outcome;
-  std::error_code ignored;
-  if (outcome) {
-    std::filesystem::remove(folder_ / mark_name, ignored);
-    return outcome;
-  }
-  Error error = outcome.error();
+std::string ResultFolder::left() const {
   std::string names;
   for (const auto& file : present()) names += (names.empty() ? "" : " ") + file;
-  if (names.empty()) {
-    std::filesystem::remove(folder_ / mark_name, ignored);
-    return error;
-  }
-  if (auto marked = mark(); !marked) return error;
-  error.message += "; what is in " + folder_.string() + " (" + names + ") is unfinished and not verified, and the same command replaces it";
-  return error;
+  return names.empty() ? "" : "; what is in " + folder_.string() + " (" + names + ") is unfinished and not verified, and the same command replaces it";
+}
+
+Result<int> ResultFolder::close(Result<int> outcome) const {
+  if (!begun_) return outcome;
+  const std::string rest = outcome ? "" : left();
+  std::error_code ignored;
+  if (rest.empty()) std::filesystem::remove(folder_ / mark_name, ignored);
+  if (rest.empty() || !mark()) return outcome;
+  return Error{outcome.error().message + rest, outcome.error().kind};
 }
 
 }  // namespace partscribe

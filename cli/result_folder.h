@@ -25,6 +25,8 @@ class ResultFolder {
   Result<Done> begin();
   /// Tells whose the files are that were written so far: for a run that is killed.
   Result<Done> mark() const;
+  /// "; what is in DIR (part.step) is unfinished ...": the end of the line that says why. Empty if nothing was written yet.
+  std::string left() const;
   /// All files are there; or, if `outcome` is an error, it also says which of them are and what may be done with them.
   Result<int> close(Result<int> outcome) const;
 

@@ -105,8 +105,13 @@ void Session::end_when_cancelled() {
   std::unique_lock lock(mutex_);
   while (!ending_.wait_for(lock, 100ms, [this] { return ended_ || context.cancelled; })) {}
   if (ending_.wait_for(lock, 700ms, [this] { return ended_; })) return;
-  std::fprintf(stderr, "%spartscribe: cancelled%s\n", bar_shown_ ? "\r\033[K" : "", stage_.empty() ? "" : (" in: " + stage_).c_str());
+  std::fprintf(stderr, "%spartscribe: cancelled%s%s\n", bar_shown_ ? "\r\033[K" : "", stage_.empty() ? "" : (" in: " + stage_).c_str(), leaves_.c_str());
   ::_exit(static_cast<int>(ErrorKind::stopped));
+}
+
+void Session::if_cancelled(const std::string& leaves) {
+  const std::lock_guard lock(mutex_);
+  leaves_ = leaves;
 }
 
 Result<Done> Session::stage(const std::string& name) {

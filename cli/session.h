@@ -43,6 +43,8 @@ class Session {
 
   /// Opens the log and connects progress, threads and Ctrl-C.
   Result<Done> start();
+  /// What a run that is cancelled from now on leaves, as an end of the line that says so.
+  void if_cancelled(const std::string& leaves);
   /// Ends the running stage and starts the next; also the place where Ctrl-C is noticed.
   Result<Done> stage(const std::string& name);
   void finish_stage();
@@ -68,6 +70,7 @@ class Session {
   std::string stage_;
   std::vector<std::pair<std::string, double>> stages_;
   std::condition_variable ending_;
+  std::string leaves_;   ///< guarded by mutex_
   bool ended_ = false;   ///< guarded by mutex_
   std::thread watch_;    ///< over Ctrl-C
 };

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "fit/procedures.h"
 #include "fit/build.h"
 #include "fit/candidate.h"
 #include "fit/coverage.h"
 #include "fit/evidence.h"
+#include "fit/procedures.h"
 #include "fit/superellipsoid.h"
 #include "model/model.h"
 
