@@ -1,15 +1,13 @@
 #include "cli/inputs.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 
 #include "cli/names.h"
 #include "core/number.h"
 #include "geometry/bulk_box.h"
-#include "geometry/kd_tree.h"
-#include "geometry/normals.h"
+#include "geometry/local_noise.h"
 #include "model/json.h"
 #include "scan/read.h"
 
@@ -18,36 +16,6 @@ namespace {
 
 /// Its folder is that of the other stages as well.
 bool written_by_a_stage(const Path& input) { return input.filename() == "cloud.ply" || input.filename() == "model.json"; }
-
-/// Noise on patches spread over the part: as good as on all points for choosing a tolerance, and quick for millions.
-double sampled_noise(const PointCloud& cloud, int threads) {
-  constexpr std::size_t patches = 64, patch_points = 160;
-  if (cloud.size() < 10) return 0;
-  // Sorted, so that the order of points in the file cannot matter.
-  std::vector<std::uint32_t> order(cloud.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const Vec3 &p = cloud.points[a], &q = cloud.points[b];
-    return std::array{p.x(), p.y(), p.z()} < std::array{q.x(), q.y(), q.z()};
-  });
-  const KdTree tree(cloud.points);
-  std::set<std::uint32_t> chosen;
-  std::vector<Neighbour> neighbours;
-  for (std::size_t k = 0; k < patches; ++k) {
-    const auto seed = order[k * (order.size() - 1) / (patches - 1)];
-    tree.nearest(cloud.points[seed], patch_points, neighbours);
-    for (const auto& neighbour : neighbours) chosen.insert(neighbour.index);
-  }
-  PointCloud sample;
-  for (const auto i : order)
-    if (chosen.count(i)) {
-      sample.points.push_back(cloud.points[i]);
-      if (!cloud.rays.empty()) sample.rays.push_back(cloud.rays[i]);
-    }
-  Context silent;  // too short a piece of work to be told about
-  silent.threads = threads;
-  return estimate_normals(sample, {}, silent).sigma;
-}
 
 /// The least round number that is not below `value`.
 double rounded_up(double value) {
@@ -128,7 +96,7 @@ ChosenTolerance tolerance_for(const Scan& scan, Session& session) {
     chosen.reason = "tolerance " + print_number(chosen.tolerance) + " mm, as given";
     return chosen;
   }
-  chosen.noise = sampled_noise(scan.cloud, session.context.threads);
+  chosen.noise = noise_along_normals(scan.cloud, session.context.threads);
   const double diagonal = bulk_box(scan.cloud.points, 0.005).diagonal();
   const double from_noise = 5 * chosen.noise, from_size = diagonal / 1000;
   chosen.tolerance = rounded_up(std::max({from_noise, from_size, 1e-6}));

@@ -20,7 +20,10 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
   for (std::size_t i = 0; i < scan.files.size(); ++i)
     p.sources.push_back({scan.files[i], i < scan.sha256.size() ? scan.sha256[i] : ""});
   p.points = scan.cloud.size();
-  p.rejected = static_cast<std::size_t>(std::count(scan.cloud.rejected.begin(), scan.cloud.rejected.end(), 1));
+  // Strays are told among the points of the fit: each of these speaks for as many of the scan.
+  const auto rejected = static_cast<std::size_t>(std::count(scan.cloud.rejected.begin(), scan.cloud.rejected.end(), 1));
+  const std::size_t aside = input.set_aside.size(), looked_at = input.cloud.size() + aside, kept = scan.cloud.size() - rejected + aside;
+  p.rejected = rejected - aside + aside * kept / std::max<std::size_t>(looked_at, 1);
   p.views = static_cast<int>(scan.views.size());
   p.noise =
       input.sampling.sigma > 0 ? snapped(input.sampling.sigma, power_of_ten_below(input.sampling.sigma / 100)) : 0;

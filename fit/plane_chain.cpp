@@ -122,6 +122,18 @@ class PlaneGrid {
   std::map<CellKey, std::vector<std::size_t>> cells_;
 };
 
+/// Every how many points are enough for the mean of those within `reach`: of some 500 it is known to 5 % of the noise.
+std::size_t stride_for_mean(const std::vector<PlanePoint>& points, double reach) {
+  constexpr std::size_t samples = 100, enough = 500;
+  const PlaneGrid grid(points, reach);
+  std::vector<double> counts;
+  for (std::size_t i = 0; i < points.size(); i += points.size() / samples + 1) {
+    counts.push_back(0);
+    grid.near(points[i].position, [&](std::size_t j) { counts.back() += (points[j].position - points[i].position).norm() < reach; });
+  }
+  return std::max<std::size_t>(static_cast<std::size_t>(median(std::move(counts))) / enough, 1);
+}
+
 }  // namespace
 
 std::optional<NormalsMeeting> where_normals_meet(const PlanePoint& a, const PlanePoint& b, double least_sine) {
@@ -137,19 +149,23 @@ std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach, 
   constexpr int rounds = 3;
   constexpr double alike = 0.85;  // cosine between normals of one side of a corner
   constexpr std::size_t least = 4;
+  const std::size_t stride = stride_for_mean(points, reach);
   for (int round = 0; round < rounds; ++round) {
-    const PlaneGrid grid(points, reach);
+    std::vector<PlanePoint> asked;
+    for (std::size_t i = 0; i < points.size(); i += stride) asked.push_back(points[i]);
+    const PlaneGrid grid(asked, reach);
     std::vector<PlanePoint> moved = points;
     std::vector<double> support(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const PlanePoint& p = points[i];
       const auto of_same_side = [&](const auto& visit) {
         grid.near(p.position, [&](std::size_t j) {
-          if ((points[j].position - p.position).norm() < reach && std::abs(points[j].normal.dot(p.normal)) > alike) visit(points[j]);
+          if ((asked[j].position - p.position).norm() < reach && std::abs(asked[j].normal.dot(p.normal)) > alike) visit(asked[j]);
         });
       };
       Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
-      of_same_side([&](const PlanePoint& q) { normals += q.normal * q.normal.transpose(), support[i] += 1; });
+      of_same_side([&](const PlanePoint& q) { normals += q.normal * q.normal.transpose(), support[i] += double(stride); });
+      if (support[i] == 0) continue;
       const Vec2 n = main_direction(normals);
       std::vector<double> offsets;
       of_same_side([&](const PlanePoint& q) { offsets.push_back(n.dot(q.position - p.position)); });

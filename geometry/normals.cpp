@@ -1,6 +1,5 @@
 #include "geometry/normals.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
@@ -15,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "geometry/kd_tree.h"
+#include "geometry/local_noise.h"
 #include "geometry/thin.h"
 #include "geometry/weighted_planes.h"
 
@@ -51,117 +51,6 @@ std::vector<std::uint32_t> sample(std::size_t size, std::size_t count) {
 }
 
 constexpr std::size_t spacing_samples = 20000;
-
-/// What the neighbourhoods of one size say.
-struct Level {
-  double sigma = 0;     // of the residuals from a quadric
-  double flatness = 1;  // sigma / extent: near 1 the neighbourhood is a ball of noise, not a piece of surface
-  double pitch = 0;     // of an even grid with the same number of points per area
-};
-
-/// Residual scale of a quadric through the first `count` neighbours; nothing for degenerate ones.
-struct QuadricScale {
-  double sigma = -1, extent = 0, reach = 0;
-};
-
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
-
-/// Memory for quadrics, one after the other.
-struct QuadricScratch {
-  std::vector<Neighbour> near;
-  std::vector<Vec6> rows;
-  std::vector<double> heights, residuals, sizes;
-};
-
-QuadricScale quadric_scale(const Places& points, QuadricScratch& scratch, std::size_t count) {
-  auto& [near, rows, heights, residuals, sizes] = scratch;
-  QuadricScale result;
-  Vec3 mean = Vec3::Zero();
-  for (std::size_t k = 0; k < count; ++k) mean += points[near[k].index];
-  mean /= static_cast<double>(count);
-  Mat3 cov = Mat3::Zero();
-  for (std::size_t k = 0; k < count; ++k) {
-    const Vec3 d = points[near[k].index] - mean;
-    cov.noalias() += d * d.transpose();
-  }
-  cov /= static_cast<double>(count);
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(cov);
-  result.extent = std::sqrt(std::max(eigen.eigenvalues()[1], 0.0));
-  result.reach = std::sqrt(near[count - 1].sq_distance);
-  if (!(result.extent > 1e-3 * std::sqrt(eigen.eigenvalues()[2])) || result.extent <= 0) return result;
-  const double unit = std::sqrt(eigen.eigenvalues()[2]);
-  rows.resize(count), heights.resize(count), residuals.resize(count), sizes.resize(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const Vec3 d = eigen.eigenvectors().transpose() * (points[near[k].index] - mean) / unit;
-    const double u = d[2], v = d[1];
-    rows[k] << 1, u, v, u * u, u * v, v * v;
-    heights[k] = d[0];
-  }
-  double limit = std::numeric_limits<double>::infinity();
-  double sum = 0;
-  std::size_t used = 0;
-  for (int round = 0; round < 2; ++round) {
-    Mat6 a = Mat6::Zero();
-    Vec6 b = Vec6::Zero();
-    for (std::size_t k = 0; k < count; ++k) {
-      if (round > 0 && std::abs(residuals[k]) > limit) continue;
-      a.noalias() += rows[k] * rows[k].transpose();
-      b += rows[k] * heights[k];
-    }
-    const Vec6 x = a.ldlt().solve(b);
-    if (!x.allFinite()) return result;
-    sum = 0, used = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const bool in = round == 0 || std::abs(residuals[k]) <= limit;
-      residuals[k] = heights[k] - rows[k].dot(x);
-      sizes[k] = std::abs(residuals[k]);
-      if (in) sum += residuals[k] * residuals[k], ++used;
-    }
-    // A neighbourhood of few points has no scale of its own to trim by.
-    if (count < 24) break;
-    limit =
-        3.5 * 1.4826 * median_in_place(sizes) * std::sqrt(static_cast<double>(count) / static_cast<double>(count - 6));
-  }
-  if (used <= 7) return result;
-  const double freedom = static_cast<double>(used) - 6;
-  // The median of chi^2 / n lies below 1 (Wilson & Hilferty); medians over the samples are taken later.
-  result.sigma = unit * std::sqrt(sum / freedom / std::pow(1 - 2 / (9 * freedom), 3));
-  return result;
-}
-
-/// The noise along the normal and the pitch, from the smallest neighbourhoods that are wider than the noise is thick.
-/// `nearest(i, count, list)` gives the neighbours of a point, itself among them.
-template <class Nearest>
-Level sampling_level(const Places& points, const Nearest& nearest, int threads) {
-  Level best;
-  for (std::size_t count = 14; count <= 1000 && count <= points.size(); count *= 2) {
-    const auto chosen = sample(points.size(), count < 200 ? 1200 : 400);
-    std::vector<QuadricScale> scales(chosen.size());
-    parallel_for(
-        chosen.size(), threads,
-        [&](std::size_t begin, std::size_t end) {
-          QuadricScratch scratch;
-          for (std::size_t i = begin; i < end; ++i) {
-            nearest(chosen[i], count, scratch.near);
-            scales[i] = quadric_scale(points, scratch, count);
-          }
-        },
-        16);
-    std::vector<double> sigmas, ratios, pitches;
-    for (const QuadricScale& s : scales) {
-      if (s.sigma < 0) continue;
-      sigmas.push_back(s.sigma);
-      ratios.push_back(s.sigma / s.extent);
-      pitches.push_back(s.reach * std::sqrt(pi / static_cast<double>(count)));
-    }
-    if (sigmas.empty()) continue;
-    const Level level{median(sigmas), median(ratios), median(pitches)};
-    if (level.flatness < best.flatness || best.pitch == 0) best = level;
-    if (best.flatness < 0.22) break;
-  }
-  return best;
-}
 
 /// Diagonal of the box without the outermost hundredth on every side.
 double usual_size(const Places& points) {
@@ -496,22 +385,25 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
       if (count <= near.rows) near.nearest(i, count, found);
       else tree.nearest(in.points[i], count, found);
     };
-    Level level = sampling_level(in.points, nearest, context.threads);
+    LocalNoise level = local_noise(in.points, nearest, context.threads);
     summary.sigma = level.sigma;
     if (level.pitch == 0 && near.rows == 0) near = close(neighbours);
     if (level.pitch == 0) level.pitch = near.spacing;
     if (!all_known) {
-      // Radius: `neighbours` points, five times the noise, and noise that turns a plane by less than 0.03 rad (slope
-      // error sigma / (r / 2 sqrt(points in r))); a fixed number of points fails where they are dense and noisy.
-      const double by_count = std::sqrt(options.neighbours / pi) * level.pitch;
-      const double by_noise = std::max(5 * level.sigma, std::sqrt(2 * level.sigma * level.pitch / (1.77 * 0.03)));
-      const double radius =
-          by_noise > by_count ? std::max(by_count, std::min(by_noise, usual_size(in.points) / 50)) : by_count;
+      // Radius: `neighbours` points, and as far as the part is not small five times the noise and noise that turns a plane by less
+      // than 0.03 rad (slope error sigma / (r / 2 sqrt(points in r))); a fixed number of points fails where they are dense and
+      // noisy. What is narrower than the noise is thick is a ball of noise, whatever the part's size.
+      const double by_count = std::sqrt(options.neighbours / pi) * level.pitch, thickness = thickness_of_noise(level.sigma);
+      const double by_noise = std::max(thickness, std::sqrt(2 * level.sigma * level.pitch / (1.77 * 0.03)));
+      const double thick = level.dense ? thickness : 0;
+      const double radius = std::max({by_count, std::min(by_noise, usual_size(in.points) / 50), thick});
       const double in_radius = pi * radius * radius / (level.pitch * level.pitch);
       const auto slope_error = [&](double reach, double points) { return 2 * level.sigma / (reach * std::sqrt(points)); };
       if (radius < 1.45 * by_count) {
-        if (near.rows == 0) near = close(neighbours);
-        weighted_normals(near, neighbours, in.rays, level.sigma, slope_error(by_count, options.neighbours),
+        const double wider = std::max(by_count, thick) / by_count;
+        const auto wanted = static_cast<std::size_t>(static_cast<double>(neighbours) * wider * wider);
+        if (near.rows < wanted) near = close(wanted);
+        weighted_normals(near, wanted, in.rays, level.sigma, slope_error(by_count * wider, static_cast<double>(wanted)),
                          options.rounds, context.threads);
       } else {
         const double spacing = radius / 3.2;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "geometry/local_noise.h"
 #include "geometry/thin.h"
 
 using namespace partscribe;
@@ -119,6 +120,27 @@ TEST_CASE("normals: the order in the file and the number of threads change nothi
              kept_shuffled = thinned(shuffled.points, shuffled.rejected, 0.7);
   REQUIRE(kept.size() == kept_shuffled.size());
   for (std::size_t i = 0; i < kept.size(); ++i) REQUIRE(cloud.points[kept[i]] == shuffled.points[kept_shuffled[i]]);
+}
+
+TEST_CASE("normals: support follows the noise where points are far denser than it is thick") {
+  constexpr double noise = 0.5;
+  Context context;
+  PointCloud round = ball(20000, 10, noise, 13);  // the nearest 400 points lie within two sigmas
+  std::vector<Vec3> outward, faces;
+  for (const Vec3& p : round.points) outward.push_back(p.normalized());
+  PointCloud block = cube(20000, 10, noise, 13, faces);
+  const auto without_rays = [&](PointCloud cloud, const std::vector<Vec3>& truth) {
+    cloud.rays.clear();
+    const SamplingSummary summary = estimate_normals(cloud, {}, context);
+    CHECK(summary.sigma == Approx(noise).epsilon(0.1));
+    CHECK(noise_along_normals(cloud, 1) == Approx(summary.sigma).epsilon(0.02));
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (cloud.normals[i].dot(truth[i]) < 0) cloud.normals[i] = -cloud.normals[i];
+    CHECK(median_angle(cloud, truth) < 5);  // 42 degrees by the nearest 30, 60 would be chance
+    CHECK(summary.rejected < cloud.size() / 500);
+  };
+  without_rays(round, outward);
+  without_rays(block, faces);
 }
 
 TEST_CASE("normals: those that came with the data are kept") {
