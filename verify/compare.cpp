@@ -298,7 +298,7 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
           static_cast<float>(points.stray[i] ? points.distance[i] : points.places[points.place[i]].mean);
 
   std::vector<std::string> faults = points.faults;
-  if (field.summary.contradicted > field.allowed_contradiction)
+  if (field.summary.contradicted > field.allowed_contradiction || !field.in_plain_view.empty())
     faults.push_back(shown(field.summary.contradicted) + " mm^2 of the artifact's surface contradict the scan, near " +
                      shown(field.worst));
   for (const auto& cluster : field.passages.clusters)

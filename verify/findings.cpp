@@ -212,7 +212,7 @@ class Finder {
 
   void group_samples(Support state) {
     const bool contradicted = state == Support::contradicted;
-    const bool passed = !c_.field.passages.clusters.empty();
+    const bool passed = !c_.field.passages.clusters.empty() || !c_.field.in_plain_view.empty();
     if (contradicted && !passed && c_.field.summary.contradicted <= c_.field.allowed_contradiction) return;
     std::vector<Vec3> places;
     std::vector<std::uint32_t> index;
@@ -290,6 +290,10 @@ class Finder {
     if (count > 3) return counted(count, "view") + " saw what lies behind it";
     if (count > 0) return (count == 1 ? "view " : "views ") + views + " saw what lies behind it";
     if (const auto through = passages_near(some)) return counted(through, "point") + " were seen through it";
+    const auto& plain = c_.field.in_plain_view;
+    const auto in_plain_view = [&](std::uint32_t i) { return std::binary_search(plain.begin(), plain.end(), i); };
+    if (2 * std::count_if(some.begin(), some.end(), in_plain_view) > std::ssize(some))
+      return "it lies in plain view of the scanner, and nothing was scanned there";
     return "it would hide surface that was scanned";
   }
 

@@ -7,6 +7,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "geometry/mesh_facets.h"
+#include "verify/plain_view.h"
 
 namespace partscribe {
 namespace {
@@ -14,6 +15,8 @@ namespace {
 constexpr std::size_t sample_count = 60000;
 constexpr double widest_drop_out = 10;          // spacings, radius of a dark or shiny place that a scanner may lose
 constexpr double widest_drop_out_share = 0.03;  // of the part's size
+constexpr std::size_t outlook_count = 1000;     // directions, 6 degrees apart
+constexpr double flattest_outlook = 0.26;       // cosine of 75 degrees
 constexpr double passage_reach = 2;             // spacings around a passed place where surface is refuted with it
 constexpr double false_alarm = 0.0005;          // chance of refusing a true model because strays seem seen through it
 
@@ -22,7 +25,9 @@ class Coverage {
   Coverage(const ScanSource& source, const PointField& points, const MeshDistance& surface,
            const std::vector<Vec3>& normals, const MeshPieces& bodies, double tolerance, double size)
       : source_(source), points_(points), surface_(surface), normals_(normals), bodies_(bodies), tolerance_(tolerance), size_(size),
-        far_(tolerance + 3 * source.noise) {}
+        far_(tolerance + 3 * source.noise) {
+    if (source.sights.empty()) outlooks_ = even_directions(outlook_count);
+  }
 
   Support support_of(const Vec3& place, std::uint32_t triangle, std::vector<Neighbour>& near) const {
     const Vec3& normal = normals_[triangle];
@@ -56,6 +61,7 @@ class Coverage {
   const std::vector<Vec3>& normals_;
   const MeshPieces& bodies_;
   double tolerance_, size_, far_;
+  std::vector<Vec3> outlooks_;  // directions from which a scan without lines of sight may have been taken
 
   /// At least `wanted` points within reach along the surface and within the tolerance across it, on a face
   /// of the same body that looks the same way; a quarter of them belong to this very sheet, not to one in front of it
@@ -93,9 +99,15 @@ class Coverage {
     return count();
   }
 
-  /// Do lines of sight reach most of the points nearest to `place` although the model is there? False where none is known.
-  bool in_sight(const Vec3& place, std::vector<Neighbour>& near) const {
-    if (source_.sights.empty()) return false;
+  /// Do lines of sight reach most of the points nearest to `place` although the model is there? Where none is known: might
+  /// any, between what the model has?
+  bool in_sight(const Vec3& place, const Vec3& normal, std::vector<Neighbour>& near) const {
+    if (source_.sights.empty()) {
+      const Vec3 from = place + 1e-6 * size_ * normal;
+      return std::any_of(outlooks_.begin(), outlooks_.end(), [&](const Vec3& d) {
+        return normal.dot(d) > flattest_outlook && !surface_.first_hit(from, d, 2 * size_);
+      });
+    }
     constexpr int asked = 9;
     source_.tree->nearest(place, asked, near);
     int free = 0, known = 0;
@@ -122,7 +134,7 @@ class Coverage {
       passed += hit->distance + step;
       if (passed >= deepest) return false;
       if (passed > far_ && normals_[hit->triangle].dot(normal) > 0.7 && points_near(hit->point, hit->triangle, 5, near) &&
-          !in_sight(hit->point, near))
+          !in_sight(hit->point, normals_[hit->triangle], near))
         return true;
       from = hit->point;
     }
@@ -238,6 +250,8 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
     for (std::size_t i = begin; i < end; ++i)
       field.support[i] = coverage.support_of(field.samples[i].point, field.samples[i].triangle, near);
   }, 256);
+  if (!source.surface || !source.closed_surface)
+    contradict_in_plain_view(source, mesh, surface, normals, options.tolerance, field, context.threads);
   if (!source.sights.empty()) contradict_unanswered(source, coverage, mesh.bounds().diagonal(), normals, field, context.threads);
   field.passages = passages_through(source, points, surface, normals, options.tolerance, false_alarm, context.threads);
   contradict_passed(source, normals, field);

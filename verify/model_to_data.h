@@ -20,6 +20,7 @@ struct SurfaceField {
   Vec3 worst = Vec3::Zero();          ///< middle of the contradicted samples nearest to one another; a place to look
   double allowed_contradiction = 0;   ///< mm^2
   Passages passages;                  ///< scanned points that it would have hidden
+  std::vector<std::uint32_t> in_plain_view;  ///< contradicted samples that the scan must have shown, in ascending order
 };
 
 SurfaceField model_to_data(const ScanSource& source, const PointField& points, const TriangleMesh& mesh,

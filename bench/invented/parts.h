@@ -1,0 +1,18 @@
+/// Ten machined and moulded parts with bores that a scanner sees little of.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/triangle_mesh.h"
+
+namespace partscribe {
+
+struct NamedPart {
+  std::string name;
+  TriangleMesh mesh;
+};
+
+std::vector<NamedPart> parts_with_bores();
+
+}  // namespace partscribe
