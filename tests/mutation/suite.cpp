@@ -123,9 +123,10 @@ void judge(DamageCase& c, const Subject& subject) {
       auto all = by_face(everywhere);
       std::size_t most = 0;
       for (const auto& [name, n] : hits) most = std::max(most, n);
-      // Faces that hold much of the damage, and small ones that are damaged through and through.
+      // Faces that hold much of the damage, and small ones of which it is a good part: a face that was tilted stays where it
+      // was in its middle.
       for (const auto& [name, n] : hits)
-        if (5 * n >= most || (n >= 5 && n >= all[name])) c.harm.faces.push_back(name);
+        if (5 * n >= most || (n >= 5 && 3 * n >= all[name])) c.harm.faces.push_back(name);
     }
     const auto& faces = c.harm.faces;
     c.named = std::any_of(faces.begin(), faces.end(), [&](const std::string& f) { return f == c.feature; });
