@@ -167,7 +167,9 @@ std::string no_procedure_line(const Model& model, const std::string& asked) {
   line += " within " + print_number(model.tolerance) + " mm";
   if (nearest != model.rivals.end())
     line += "; the nearest, " + with_article(nearest->procedure) + ", " +
-            (nearest->deviation > model.tolerance ? "is off by up to " + readable(nearest->deviation) + " mm" : "is refused: " + nearest->reason);
+            (nearest->deviation > model.tolerance          ? "is off by up to " + readable(nearest->deviation) + " mm"
+             : nearest->reason.starts_with("refused: ") ? "was " + nearest->reason
+                                                        : "is refused: " + nearest->reason);
   return line + ". The files hold " + noun_of(model.objects.back().shape) + ", which has no dimensions to edit.\n";
 }
 
