@@ -167,7 +167,7 @@ struct Trials {
     if (!trial) return trial.error();
     std::string reason;
     if ((*trial)->verdict.verdict == Outcome::out_of_tolerance) reason = first_fault((*trial)->verdict);
-    if (!reason.empty()) session.print("Tried " + procedure_text(*model) + ": " + reason + ".\n");
+    if (!reason.empty() && !model->fallback) session.print("Tried " + procedure_text(*model) + ": " + reason + ".\n");
     if (auto ok = session.stage("fit"); !ok) return ok.error();
     return reason;
   }
