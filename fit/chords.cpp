@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "core/statistics.h"
 #include "fit/refine.h"
 #include "geometry/mesh_distance.h"
 #include "model/distance.h"
@@ -84,12 +83,11 @@ void correct_for_chords(Candidate& candidate, AllPoints& all, const FitInput& in
                         double least_sigma, Context& context) {
   constexpr double far_closer = 0.1;
   Candidate next = candidate;
-  std::vector<double> value = all.at.value, rest, sigma;
+  std::vector<double> value = all.at.value, rest;
   for (const double inset : {coarse_inset, 0.99, fine_inset, fine_inset}) {
     const std::vector<double> depth = chord_deviation(next, all.points, *input.scan, inset, context.threads);
     rest = without(value, depth);
     if (!(root_mean_square(all, depth) > least_sigma)) return;  // flat faces only: nothing to correct
-    sigma.assign(rest.size(), std::max(least_sigma, root_mean_square(all, rest)));
     std::vector<double> weight(all.nodes.size(), 0), pull(all.nodes.size(), 0);
     for (std::size_t k = 0; k < all.nodes.size(); ++k)
       for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) {
