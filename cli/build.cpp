@@ -11,7 +11,9 @@
 #include "cli/result_folder.h"
 #include "cli/stages.h"
 #include "cli/views.h"
+#include "cli/wider.h"
 #include "core/number.h"
+#include "fit/procedures.h"
 #include "geometry/normals.h"
 #include "geometry/read_geometry.h"
 #include "model/json.h"
@@ -84,21 +86,6 @@ std::string scene_hint(const Path& input, const std::string& units, const Scan& 
          " --on-table 1 cuts the largest out for build.\n";
 }
 
-/// The tolerance that may let what is not verified now, if all its faults are known by how far they are off, and none by more than a few times
-/// the tolerance. Else empty.
-std::string wider_hint(const Verdict& verdict) {
-  constexpr double few = 3;
-  double most = 0;
-  for (const auto& a : verdict.artifacts)
-    for (const auto& f : a.findings) {
-      if (f.kind == Finding::Kind::not_scanned) continue;
-      if (!(f.deviation > 0) || f.deviation > few * verdict.tolerance) return {};
-      most = std::max(most, f.deviation);
-    }
-  if (most <= verdict.tolerance) return {};
-  return "Nothing is off by more than " + readable(most) + " mm; try --tolerance " + print_number(tolerance_that_lets(most)) + ".\n";
-}
-
 /// A format that has no such body is a row of the verdict, and none that is verified.
 void add_unwritten(Verdict& verdict, const Emitted& emitted) {
   for (const auto& [file, backend, reason] : emitted.failures) {
@@ -123,6 +110,7 @@ std::string first_fault(const Verdict& verdict) {
 /// A model, written and judged.
 struct Trial {
   std::string model;  ///< its model.json
+  std::string procedure;
   Emitted emitted;
   Verdict verdict;
 };
@@ -157,7 +145,7 @@ struct Trials {
       verdict = std::move(*judged);
     }
     add_unwritten(verdict, *emitted);
-    tried.push_back({std::move(text), std::move(*emitted), std::move(verdict)});
+    tried.push_back({std::move(text), procedure_of(*model), std::move(*emitted), std::move(verdict)});
     return &tried.back();
   }
 
@@ -172,6 +160,32 @@ struct Trials {
     return reason;
   }
 };
+
+/// A procedure and the tolerance at which this very build would verify it, where nothing is verified now or all that is is a triangulation.
+/// `scan`: as it was read.
+Result<std::optional<Wider>> wider_procedure(const Trials& trials, const Model& model, const Scan& scan, const std::string& name,
+                                             const FitArguments& fit, Session& session) {
+  const double reach = useful_reach(scan.cloud.bounds().diagonal());
+  std::vector<Wider> proposals;
+  if (const Rival* nearest = nearest_procedure(model))
+    proposals.push_back({procedure_word(nearest->procedure), tolerance_that_lets(nearest->deviation)});
+  for (const Trial& trial : trials.tried)
+    if (auto wider = wider_for(trial.procedure, trial.verdict, reach)) proposals.push_back(std::move(*wider));
+  return first_verified(std::move(proposals), reach, [&](const Wider& wider) -> Result<std::optional<Verdict>> {
+    FitArguments only = fit;
+    only.procedure = wider.procedure;
+    Scan again = scan;
+    const TemporaryDirectory aside;
+    Trials alone{again, trials.backends, trials.templates, aside.path(), wider.tolerance, session, {}};
+    if (auto ok = session.stage("fit"); !ok) return ok.error();
+    const auto fitted = fit_stage(again, wider.tolerance, name, only, session);
+    if (!fitted) return fitted.error();
+    if ((*fitted)->fallback) return std::optional<Verdict>();
+    const auto trial = alone.of(*fitted);
+    if (!trial) return trial.error();
+    return std::optional((*trial)->verdict);
+  });
+}
 
 /// Reads, fits, writes and judges into `results`, whose files are `name`'s. `reads_cloud`: the cloud there is an input and stays.
 Result<int> work(const BuildArguments& arguments, const std::vector<std::string>& backends, const std::string& name, bool reads_cloud,
@@ -195,6 +209,7 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   const TemporaryDirectory aside;
   Trials trials{*scan, backends, arguments.templates, aside.path(), tolerance.tolerance, session, {}};
   const bool any_other = arguments.fit.procedure.empty();
+  const Scan as_read = *scan;
   const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session,
                                any_other ? Refusal([&](const CheckedModel& m) { return trials.refusal(m); }) : Refusal());
   if (!model) return model.error();
@@ -231,12 +246,20 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
 
   session.if_cancelled("");
   print_result(**model, verdict, folder, session);
-  if (verdict.verdict == Outcome::out_of_tolerance) {
-    session.print(wider_hint(verdict));
+  if (verdict.verdict == Outcome::out_of_tolerance)
     session.print(scene_hint(arguments.scans.front(), session.options.units, *scan, session.context.threads));
-  }
   session.print(no_procedure_line(**model, arguments.fit.procedure));
-  session.print_json(build_json(**model, arguments.fit.procedure, json, files_in(folder), scan->warnings));
+  std::optional<Wider> wider;
+  const bool heard = !session.options.quiet || session.options.json;
+  if (heard && ((*model)->fallback || verdict.verdict == Outcome::out_of_tolerance)) {
+    auto found = wider_procedure(trials, **model, as_read, name, arguments.fit, session);
+    if (!found) return found.error();
+    wider = std::move(*found);
+    session.finish_stage();
+  }
+  if (wider)
+    session.print("Try --procedure " + wider->procedure + " --tolerance " + print_number(wider->tolerance) + ": that was tried and is verified.\n");
+  session.print_json(build_json(**model, arguments.fit.procedure, wider, json, files_in(folder), scan->warnings));
   return exit_code_of(verdict.verdict);
 }
 

@@ -142,10 +142,15 @@ std::vector<std::string> rival_lines(const Model& model) {
   return lines;
 }
 
-std::string nearest_procedure_line(const Model& model) {
-  constexpr double near = 0.03, as_near = 1.1;  // of the size; times the least deviation
-  if (!model.fallback) return {};
-  const double reach = near * size_of(model);
+double useful_reach(double size) {
+  constexpr double near = 0.03;
+  return near * size;
+}
+
+const Rival* nearest_procedure(const Model& model) {
+  constexpr double as_near = 1.1;  // times the least deviation
+  if (!model.fallback) return nullptr;
+  const double reach = useful_reach(size_of(model));
   double least = reach;
   const auto in_question = [&](const Rival& r) { return !r.meets_tolerance && r.deviation > model.tolerance; };
   for (const auto& r : model.rivals)
@@ -155,9 +160,13 @@ std::string nearest_procedure_line(const Model& model) {
     if (!in_question(r) || r.deviation > std::min(reach, as_near * least)) continue;
     if (!nearest || std::pair(plainness(r.procedure), r.deviation) < std::pair(plainness(nearest->procedure), nearest->deviation)) nearest = &r;
   }
+  return nearest;
+}
+
+std::string nearest_procedure_line(const Model& model) {
+  const Rival* nearest = nearest_procedure(model);
   if (!nearest) return {};
-  return "Nearest procedure: " + with_article(nearest->procedure) + ", off by up to " + readable(nearest->deviation) +
-         " mm; try --tolerance " + print_number(tolerance_that_lets(nearest->deviation)) + ".";
+  return "Nearest procedure: " + with_article(nearest->procedure) + ", off by up to " + readable(nearest->deviation) + " mm.";
 }
 
 std::string no_procedure_line(const Model& model, const std::string& asked) {
@@ -171,11 +180,6 @@ std::string no_procedure_line(const Model& model, const std::string& asked) {
              : nearest->reason.starts_with("refused: ") ? "was " + nearest->reason
                                                         : "is refused: " + nearest->reason);
   return line + ". The files hold " + noun_of(model.objects.back().shape) + ", which has no dimensions to edit.\n";
-}
-
-double tolerance_that_lets(double deviation) {
-  const double enough = 1.02 * deviation, step = power_of_ten_below(enough) / 10;
-  return snapped(std::ceil(enough / step) * step, step);
 }
 
 std::string found_lines(const Model& model) {

@@ -39,16 +39,19 @@ std::string dimension_table(const Model& model);
 /// What was considered instead and why it lost, one line each.
 std::vector<std::string> rival_lines(const Model& model);
 
-/// Of a model that is a triangulation because nothing else met the tolerance: what came near, how near, and the tolerance that lets it, in one line.
-/// Empty if nothing lies within three hundredths of the part's size.
+/// The widest tolerance that is of any use for a part of this size (the diagonal of the box around it), mm.
+double useful_reach(double size);
+
+/// Of a model that is a triangulation because nothing else met the tolerance: the plainest rival that came near. Null if none lies within
+/// useful_reach().
+const Rival* nearest_procedure(const Model& model);
+
+/// The nearest procedure and how near it came, in one line; empty if there is none.
 std::string nearest_procedure_line(const Model& model);
 
 /// Of such a triangulation, the last line: "No CAD procedure was found: ..." and why. `asked`: the only procedure that was allowed; may be
 /// empty. Empty if a procedure was found.
 std::string no_procedure_line(const Model& model, const std::string& asked);
-
-/// `deviation` and a little, mm, rounded up to two digits: the tolerance to ask for where something is that far off.
-double tolerance_that_lets(double deviation);
 
 /// The superellipsoid that was recovered first, in one line; empty if the model has none.
 std::string hypothesis_line(const Model& model);

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "fit/candidate.h"
 
 namespace partscribe {
 namespace {
 
-/// Where they differ from the words.
-constexpr std::array full_names = {"frustum of a cone", "convex polyhedron", "extrusion", "surface of revolution"};
+/// What a procedure is called in full, where that differs from its word.
+struct FullName {
+  std::string_view name, word;
+};
+constexpr std::array full_names = {FullName{"frustum of a cone", "cone"}, FullName{"convex polyhedron", "half_spaces"},
+                                   FullName{"extrusion", "extrude"}, FullName{"surface of revolution", "revolve"}};
 
 }  // namespace
 
@@ -21,7 +26,12 @@ const std::vector<std::string>& procedure_words() {
 }
 
 bool is_procedure(const std::string& name) {
-  return std::ranges::find(procedure_words(), name) != procedure_words().end() || std::ranges::find(full_names, name) != full_names.end();
+  return std::ranges::find(procedure_words(), procedure_word(name)) != procedure_words().end();
+}
+
+std::string procedure_word(const std::string& name) {
+  const auto full = std::ranges::find(full_names, name, &FullName::name);
+  return full == full_names.end() ? name : std::string(full->word);
 }
 
 bool asked_for(const std::string& name, const Candidate& candidate) {

@@ -17,6 +17,9 @@ const std::vector<std::string>& procedure_words();
 /// Whether something can be asked for by this name: one of the words, or what a procedure is called in full ("surface of revolution").
 bool is_procedure(const std::string& name);
 
+/// The word for a procedure that may be named in full.
+std::string procedure_word(const std::string& name);
+
 /// Whether the candidate is what was asked for; an empty name asks for the best of all.
 bool asked_for(const std::string& name, const Candidate& candidate);
 

@@ -8,6 +8,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "geometry/vec.h"
 #include "run.h"
 #include "tests/json_schema.h"
 
@@ -191,6 +192,37 @@ TEST_CASE("corpus: with --json standard output holds what was found, written and
   for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "out")) there.insert(entry.path().string());
   for (const auto& file : json.at("files")) told.insert(file.get<std::string>());
   CHECK(told == there);
+}
+
+TEST_CASE("corpus: the tolerance that is named where a procedure fails is one at which it is verified") {
+  // A cube of 40 whose edges are rounded by 1.5: a box that is off by 0.4 mm along them.
+  std::string points;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1, 1})
+      for (int i = -9; i <= 9; ++i)
+        for (int j = -9; j <= 9; ++j) {
+          const double u = i == 9 || i == -9 ? i / 9.0 * 19.6 : i * 2.1, v = j == 9 || j == -9 ? j / 9.0 * 19.6 : j * 2.1;
+          Vec3 place, core;
+          place[axis] = 20 * side, place[(axis + 1) % 3] = u, place[(axis + 2) % 3] = v;
+          core = place.cwiseMax(-18.5).cwiseMin(18.5);
+          const Vec3 on = core + 1.5 * (place - core).normalized();
+          for (int k = 0; k < 3; ++k) points += print_number(snapped(on[k], 1e-4)) + (k < 2 ? " " : "\n");
+        }
+  const TemporaryDirectory folder;
+  const std::string cube = (folder.path() / "cube.xyz").string();
+  REQUIRE(write_file(cube, points).ok());
+  const auto build = [&](const std::string& tolerance) {
+    return run_partscribe({"build", cube, "--json", "--units", "mm", "--to", "openscad", "--procedure", "box", "--tolerance", tolerance,
+                           "--out", (folder.path() / tolerance).string()});
+  };
+  const auto first = build("0.1");
+  INFO(first.out << first.err);
+  const auto wider = nlohmann::json::parse(first.out).at("wider");
+  CHECK(wider.at("procedure") == "box");
+  const double tolerance = wider.at("tolerance");
+  CHECK(tolerance > 0.2);
+  CHECK(tolerance < 0.8);
+  CHECK(build(print_number(tolerance)).exit_code == 0);
 }
 
 TEST_CASE("corpus: a build that is interrupted while it verifies leaves no file, and may be run again without --force") {

@@ -117,7 +117,7 @@ Model triangulated_block() {
 
 }  // namespace
 
-TEST_CASE("describe: a triangulation names the plainest procedure that came near, and the tolerance that lets it") {
+TEST_CASE("describe: a triangulation names the plainest procedure that came near") {
   Model model = triangulated_block();
   CHECK(nearest_procedure_line(model).empty());
   model.rivals = {{"extrusion", false, 1.62, 900, "deviates by 1.62 mm at (1, 2, 3)"},
@@ -125,9 +125,9 @@ TEST_CASE("describe: a triangulation names the plainest procedure that came near
                   {"sphere", false, 30, 990, "deviates by 30 mm at (1, 2, 3)"},
                   {"extrusion", false, 3, 0, "makes no sense: the sketch crosses itself"}};
   const auto line = nearest_procedure_line(model);
-  CHECK(line == "Nearest procedure: a box, off by up to 1.65 mm; try --tolerance 1.7.");
+  CHECK(line == "Nearest procedure: a box, off by up to 1.65 mm.");
   model.rivals[1].deviation = 1.9;  // no longer as near as the extrusion
-  CHECK(nearest_procedure_line(model) == "Nearest procedure: an extrusion, off by up to 1.62 mm; try --tolerance 1.7.");
+  CHECK(nearest_procedure_line(model) == "Nearest procedure: an extrusion, off by up to 1.62 mm.");
   model.rivals = {{"sphere", false, 4.1, 990, "deviates by 4.1 mm at (1, 2, 3)"}};  // farther than three hundredths of the size
   CHECK(nearest_procedure_line(model).empty());
   model.rivals = {{"box", false, 1.65, 950, "deviates by 1.65 mm at (1, 2, 3)"}};
