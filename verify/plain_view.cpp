@@ -3,9 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <optional>
 
 #include "core/disjoint_sets.h"
 #include "core/number.h"
@@ -36,28 +34,6 @@ struct Patch {
   std::vector<std::uint32_t> samples;
 };
 
-struct SightTo {
-  Vec3 to_sensor;      // unit
-  double length = 0;   // mm; infinite where lines of sight run parallel
-};
-
-/// How a view looks at `place`, if its picture reaches there and nothing that it returned lies before it by more than
-/// `margin`.
-std::optional<SightTo> sight_to(const SightMap& map, const Vec3& place, double margin) {
-  const Vec3 p = map.view_from_world * place;
-  if (!map.parallel && !(p.z() > 0)) return {};
-  const double scale = map.parallel ? 1 : 1 / p.z();
-  const double x = (p.x() * scale - map.x0) / map.cell, y = (p.y() * scale - map.y0) / map.cell;
-  if (!(x >= 1 && y >= 1 && x < map.width - 1 && y < map.height - 1)) return {};
-  const int column = static_cast<int>(x), row = static_cast<int>(y);
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx)
-      if (map.depth[std::size_t(row + dy) * std::size_t(map.width) + std::size_t(column + dx)] < p.z() - margin) return {};
-  const Mat3 world_from_view = map.view_from_world.rotation.transpose();
-  if (map.parallel) return SightTo{-world_from_view.col(2), std::numeric_limits<double>::infinity()};
-  return SightTo{-(world_from_view * p.normalized()), p.norm()};
-}
-
 class PlainView {
  public:
   PlainView(const ScanSource& source, const TriangleMesh& mesh, const MeshDistance& surface, const std::vector<Vec3>& normals,
@@ -75,9 +51,9 @@ class PlainView {
     });
     std::vector<std::uint32_t> result;
     if (patches_.empty()) return result;
-    if (source_.sights.empty()) look_around();
+    look_around();
     for (const auto& p : patches_)
-      if (source_.sights.empty() ? shown_by_directions(p) : shown_by_views(p))
+      if (shown_by_views(p) || shown_by_directions(p))
         result.insert(result.end(), p.samples.begin(), p.samples.end());
     std::sort(result.begin(), result.end());
     return result;
@@ -204,8 +180,10 @@ class PlainView {
     for (const auto& map : source_.sights) {
       std::size_t shown = 0;
       for (const auto i : some) {
-        const auto sight = sight_to(map, field_.samples[i].point, tolerance_);
-        shown += sight && sight->to_sensor.dot(normal_of(i)) > plain && free_towards(i, sight->to_sensor, sight->length);
+        const auto sight = sight_of(map, field_.samples[i].point);
+        if (!sight || !(sight->to_sensor.dot(normal_of(i)) > plain)) continue;
+        const bool hidden = std::ranges::any_of(sight->around, [&](float depth) { return depth < sight->depth - tolerance_; });
+        shown += !hidden && free_towards(i, sight->to_sensor, sight->length);
       }
       views += static_cast<double>(shown) >= shown_share * static_cast<double>(some.size());
     }

@@ -134,39 +134,38 @@ std::vector<SightMap> sight_maps(const PointCloud& cloud, const std::vector<View
   return maps;
 }
 
-std::optional<Vec3> unanswered_from(const SightMap& map, const Vec3& place, const Vec3& normal) {
+std::optional<Sight> sight_of(const SightMap& map, const Vec3& place) {
   const Vec3 p = map.view_from_world * place;
   if (!map.parallel && !(p.z() > 0)) return {};
-  const Vec3 sight = map.parallel ? Vec3(0, 0, 1) : Vec3(p.normalized());
-  if (-(map.view_from_world.rotation * normal).dot(sight) < facing) return {};
   const double scale = map.parallel ? 1 : 1 / p.z();
   const double x = (p.x() * scale - map.x0) / map.cell, y = (p.y() * scale - map.y0) / map.cell;
   if (!(x >= 1 && y >= 1 && x < map.width - 1 && y < map.height - 1)) return {};
+  const Mat3 world_from_view = map.view_from_world.rotation.transpose();
+  Sight sight;
+  sight.to_sensor = map.parallel ? Vec3(-world_from_view.col(2)) : Vec3(-(world_from_view * p.normalized()));
+  sight.length = map.parallel ? std::numeric_limits<double>::infinity() : p.norm();
+  sight.depth = p.z();
   const int column = static_cast<int>(x), row = static_cast<int>(y);
+  std::size_t k = 0;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx)
-      if (!std::isinf(map.depth[std::size_t(row + dy) * std::size_t(map.width) + std::size_t(column + dx)])) return {};
-  return Vec3(-(map.view_from_world.rotation.transpose() * sight));
+      sight.around[k++] = map.depth[std::size_t(row + dy) * std::size_t(map.width) + std::size_t(column + dx)];
+  return sight;
+}
+
+std::optional<Vec3> unanswered_from(const SightMap& map, const Vec3& place, const Vec3& normal) {
+  const auto sight = sight_of(map, place);
+  if (!sight || sight->to_sensor.dot(normal) < facing) return {};
+  const bool empty = std::ranges::all_of(sight->around, [](float depth) { return std::isinf(depth); });
+  return empty ? std::optional(sight->to_sensor) : std::nullopt;
 }
 
 bool seen_through(const SightMap& map, const Vec3& place, const Vec3& normal, double margin) {
-  const Vec3 p = map.view_from_world * place;
-  if (!map.parallel && !(p.z() > 0)) return false;
-  const Vec3 sight = map.parallel ? Vec3(0, 0, 1) : Vec3(p.normalized());
-  if (std::abs((map.view_from_world.rotation * normal).dot(sight)) < flattest_sight) return false;
-  const double scale = map.parallel ? 1 : 1 / p.z();
-  const double x = (p.x() * scale - map.x0) / map.cell, y = (p.y() * scale - map.y0) / map.cell;
-  if (!(x >= 1 && y >= 1 && x < map.width - 1 && y < map.height - 1)) return false;
-  const int column = static_cast<int>(x), row = static_cast<int>(y);
-  int returns = 0;
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx) {
-      const float depth = map.depth[std::size_t(row + dy) * std::size_t(map.width) + std::size_t(column + dx)];
-      if (std::isinf(depth)) continue;
-      if (depth <= p.z() + margin) return false;
-      ++returns;
-    }
-  return returns >= 7;
+  const auto sight = sight_of(map, place);
+  if (!sight || std::abs(sight->to_sensor.dot(normal)) < flattest_sight) return false;
+  const bool all_behind = std::ranges::all_of(sight->around, [&](float depth) { return depth > sight->depth + margin; });
+  const auto returns = std::ranges::count_if(sight->around, [](float depth) { return !std::isinf(depth); });
+  return all_behind && returns >= 7;
 }
 
 }  // namespace partscribe

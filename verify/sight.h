@@ -1,6 +1,7 @@
 /// What the sensors looked through: one depth map per view, made from the points themselves.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -25,6 +26,17 @@ struct SightMap {
 /// other views give no evidence. `kept` lists the points to use.
 std::vector<SightMap> sight_maps(const PointCloud& cloud, const std::vector<View>& views,
                                  const std::vector<std::uint32_t>& kept);
+
+/// How a view looks at a place.
+struct Sight {
+  Vec3 to_sensor;               ///< unit
+  double length = 0;            ///< mm to the sensor; infinite where rays run parallel
+  double depth = 0;             ///< mm, of the place
+  std::array<float, 9> around;  ///< depths in the 3 x 3 cells around it, mm
+};
+
+/// Nothing where the view's picture does not reach.
+std::optional<Sight> sight_of(const SightMap& map, const Vec3& place);
 
 /// Where the view's sensor lies as seen from `place`, if the view returned nothing from there (the whole 3 x 3
 /// neighbourhood of cells is empty) though its picture reaches it and it faces the place at less than 60 degrees: a unit
