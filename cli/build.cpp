@@ -175,8 +175,9 @@ Result<std::optional<Wider>> wider_procedure(const Trials& trials, const Model& 
     FitArguments only = fit;
     only.procedure = wider.procedure;
     Scan again = scan;
-    const TemporaryDirectory aside;
-    Trials alone{again, trials.backends, trials.templates, aside.path(), wider.tolerance, session, {}};
+    const auto aside = TemporaryDirectory::make();
+    if (!aside) return aside.error();
+    Trials alone{again, trials.backends, trials.templates, aside->path(), wider.tolerance, session, {}};
     if (auto ok = session.stage("fit"); !ok) return ok.error();
     const auto fitted = fit_stage(again, wider.tolerance, name, only, session);
     if (!fitted) return fitted.error();
@@ -206,8 +207,9 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
 
   if (auto ok = session.stage("fit"); !ok) return ok.error();
   // Away from the folder of the results, which are written when the answer is known.
-  const TemporaryDirectory aside;
-  Trials trials{*scan, backends, arguments.templates, aside.path(), tolerance.tolerance, session, {}};
+  const auto aside = TemporaryDirectory::make();
+  if (!aside) return aside.error();
+  Trials trials{*scan, backends, arguments.templates, aside->path(), tolerance.tolerance, session, {}};
   const bool any_other = arguments.fit.procedure.empty();
   const Scan as_read = *scan;
   const auto model = fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session,
@@ -252,9 +254,8 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   std::optional<Wider> wider;
   const bool heard = !session.options.quiet || session.options.json;
   if (heard && ((*model)->fallback || verdict.verdict == Outcome::out_of_tolerance)) {
-    auto found = wider_procedure(trials, **model, as_read, name, arguments.fit, session);
-    if (!found) return found.error();
-    wider = std::move(*found);
+    // The files are whole: what stops this search takes nothing from them.
+    if (auto found = wider_procedure(trials, **model, as_read, name, arguments.fit, session)) wider = std::move(*found);
     session.finish_stage();
   }
   if (wider)

@@ -94,6 +94,7 @@ Result<Done> Session::start() {
   listen_for(SIGTERM);
   // A reader that goes away (`partscribe explain m.json | head`) must not look like a crash.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write
   watch_ = std::thread([this] { end_when_cancelled(); });
   return Done{};
 }

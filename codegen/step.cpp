@@ -77,10 +77,11 @@ Result<Artifact> emit_step(const CheckedModel& checked, const EmitOptions& optio
     header.SetPreprocessorVersion(text("Open CASCADE"));
     header.SetAuthorisation(text(""));
 
-    const TemporaryDirectory folder;
-    const Path path = folder.path() / (options.stem + ".step");
+    const auto folder = TemporaryDirectory::make();
+    if (!folder) return folder.error();
+    const Path path = folder->path() / (options.stem + ".step");
     if (writer.Write(path.string().c_str()) != IFSelect_RetDone)
-      return bad_input(path.string() + ": could not be written");
+      return Error{path.string() + ": could not be written", ErrorKind::stopped};
     auto bytes = read_file(path);
     if (!bytes.ok()) return bytes.error();
     return Artifact{"step", {{options.stem + ".step", std::move(bytes).value()}}};

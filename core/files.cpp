@@ -81,7 +81,7 @@ Result<std::string> read_file(const Path& path, std::uint64_t max_bytes) {
 Result<Done> write_file(const Path& path, std::string_view bytes) {
   const Path temporary = path.string() + ".part" + std::to_string(::getpid());
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) return bad_input(path.string() + ": cannot be written: " + reason());
+  if (file < 0) return Error{path.string() + ": cannot be written: " + reason(), ErrorKind::stopped};
   std::size_t done = 0;
   while (done < bytes.size()) {
     const auto put = ::write(file, bytes.data() + done, bytes.size() - done);
@@ -93,7 +93,7 @@ Result<Done> write_file(const Path& path, std::string_view bytes) {
   if (done != bytes.size() || !closed || ::rename(temporary.c_str(), path.c_str()) != 0) {
     const std::string why = reason();
     ::unlink(temporary.c_str());
-    return bad_input(path.string() + ": cannot be written: " + why);
+    return Error{path.string() + ": cannot be written: " + why, ErrorKind::stopped};
   }
   return Done{};
 }
@@ -120,15 +120,28 @@ std::string sha256(std::string_view bytes) {
   return text;
 }
 
-TemporaryDirectory::TemporaryDirectory() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "partscribe-XXXXXX").string();
-  ensure(::mkdtemp(pattern.data()) != nullptr, "a temporary directory can be made");
-  path_ = pattern;
+Result<TemporaryDirectory> TemporaryDirectory::make() {
+  std::error_code failure;
+  const Path parent = std::filesystem::temp_directory_path(failure);
+  std::string pattern = (parent / "partscribe-XXXXXX").string();
+  if (failure || ::mkdtemp(pattern.data()) == nullptr)
+    return Error{"no temporary folder can be made in " + parent.string() + ": " + (failure ? failure.message() : reason()) +
+                     "; TMPDIR names another place",
+                 ErrorKind::stopped};
+  return TemporaryDirectory(Path(pattern));
 }
+
+TemporaryDirectory::TemporaryDirectory() {
+  auto made = make();
+  ensure(made.ok(), "a temporary directory can be made");
+  std::swap(path_, made->path_);
+}
+
+TemporaryDirectory::TemporaryDirectory(TemporaryDirectory&& other) noexcept { std::swap(path_, other.path_); }
 
 TemporaryDirectory::~TemporaryDirectory() {
   std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
+  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace partscribe

@@ -15,7 +15,7 @@ using Path = std::filesystem::path;
 /// All bytes of a file; an error names the file and says why.
 Result<std::string> read_file(const Path& path, std::uint64_t max_bytes = 16ull << 30);
 
-/// Writes to a temporary name beside `path` and renames it, so that nobody ever sees half a file.
+/// Writes to a temporary name beside `path` and renames it, so that nobody ever sees half a file. Error: stopped.
 Result<Done> write_file(const Path& path, std::string_view bytes);
 
 /// SHA-256 as 64 hexadecimal digits.
@@ -24,13 +24,17 @@ std::string sha256(std::string_view bytes);
 /// A new empty directory that is removed with its contents when the object ends.
 class TemporaryDirectory {
  public:
-  TemporaryDirectory();
+  /// An error if the system has no room for it, or no right to make it.
+  static Result<TemporaryDirectory> make();
+
+  TemporaryDirectory();  ///< where the lack of one is the end of the program: for tests
   ~TemporaryDirectory();
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  TemporaryDirectory(TemporaryDirectory&& other) noexcept;
+  TemporaryDirectory& operator=(TemporaryDirectory&&) = delete;
   const Path& path() const { return path_; }
 
  private:
+  explicit TemporaryDirectory(Path path) : path_(std::move(path)) {}
   Path path_;
 };
 

@@ -1,22 +1,53 @@
 #include "core/process.h"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/sysinfo.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
+#include <string_view>
 
 namespace partscribe {
 namespace {
 
 constexpr std::size_t kept_output = 1 << 20;
+constexpr double patience = 0.5;  // seconds for output that is still on its way when a program has ended
+
+/// Variables that a program needs to find its files, and what tells a sanitizer how to speak.
+constexpr std::array passed_on = {"PATH",   "HOME",           "TMPDIR",          "TZ",           "LD_LIBRARY_PATH",
+                                  "LANG",   "OPENSCADPATH",   "ASAN_OPTIONS",    "TSAN_OPTIONS", "UBSAN_OPTIONS",
+                                  "PARTSCRIBE_OPENSCAD_WASM"};
+constexpr std::array passed_on_families = {"LC_", "XDG_"};
+
+/// "NAME=value" of the variables that are passed on.
+std::vector<char*> environment() {
+  std::vector<char*> passed;
+  for (char** variable = environ; *variable; ++variable) {
+    const std::string_view text = *variable, name = text.substr(0, text.find('='));
+    const auto begins = [&](const char* family) { return name.starts_with(family); };
+    if (std::ranges::find(passed_on, name) != passed_on.end() || std::ranges::any_of(passed_on_families, begins)) passed.push_back(*variable);
+  }
+  passed.push_back(nullptr);
+  return passed;
+}
+
+void limit(int resource, double most) {
+  const auto value = static_cast<rlim_t>(most);
+  const rlimit both{value, value};
+  ::setrlimit(static_cast<__rlimit_resource>(resource), &both);
+}
 
 void append_tail(std::string& text, const char* bytes, std::size_t count) {
   text.append(bytes, count);
@@ -57,6 +88,11 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   std::vector<char*> argv;
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
+  const std::vector<char*> variables = environment();
+  struct sysinfo system {};
+  ::sysinfo(&system);
+  const double processes = system.procs + limits.processes;  // the limit counts all processes of the user
+  const pid_t parent = ::getpid();
   const std::string program_text = program.string(), folder = working_directory.string();
   Pipe out, err;
   if (!out.open() || !err.open()) return Error{"no pipe for '" + arguments[0] + "'", ErrorKind::stopped};
@@ -66,17 +102,19 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   if (child < 0) return Error{"'" + arguments[0] + "' cannot be started: " + std::strerror(errno), ErrorKind::stopped};
   if (child == 0) {
     ::setpgid(0, 0);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) ::_exit(127);
     const int nothing = ::open("/dev/null", O_RDONLY);
     ::dup2(nothing, 0);
     ::dup2(out.write_end, 1);
     ::dup2(err.write_end, 2);
-    const auto bytes = static_cast<rlim_t>(limits.memory_mb * 1048576.0);
-    const rlimit memory{bytes, bytes};
-    ::setrlimit(RLIMIT_AS, &memory);
-    const rlimit no_core{0, 0};
-    ::setrlimit(RLIMIT_CORE, &no_core);
+    ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
+    limit(RLIMIT_AS, limits.memory_mb * 1048576.0);
+    limit(RLIMIT_FSIZE, limits.file_mb * 1048576.0);
+    limit(RLIMIT_NPROC, processes);
+    limit(RLIMIT_CORE, 0);
     if (!folder.empty() && ::chdir(folder.c_str()) != 0) ::_exit(127);
-    ::execv(program_text.c_str(), argv.data());
+    ::execve(program_text.c_str(), argv.data(), variables.data());
     ::_exit(127);
   }
   ::setpgid(child, child);
@@ -84,13 +122,15 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   ::close(err.write_end);
 
   ProcessOutput result;
-  bool cancelled = false;
   pollfd ends[2] = {{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}};
-  auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  int open_ends = 2;
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  int open_ends = 2, status = 0;
   bool killed = false;
-  while (open_ends > 0) {
-    ::poll(ends, 2, 100);
+  double ended = -1;
+  // A program may close its output long before its end; and what it left running may hold the output open for ever.
+  while (ended < 0 || (open_ends > 0 && elapsed() < ended + patience)) {
+    if (open_ends > 0) ::poll(ends, 2, 20);
+    else ::usleep(1000);
     for (auto& end : ends) {
       if (end.fd < 0 || !(end.revents & (POLLIN | POLLHUP | POLLERR))) continue;
       char buffer[65536];
@@ -102,27 +142,18 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
         --open_ends;
       }
     }
-    cancelled = context.cancelled;
-    result.timed_out = elapsed() > limits.seconds;
-    if ((cancelled || result.timed_out) && !killed) {
-      ::kill(-child, SIGKILL);
-      killed = true;
-    }
-  }
-  ::close(out.read_end);
-  ::close(err.read_end);
-  int status = 0;
-  // The output may be closed long before the end: keep the time limit here as well.
-  while (::waitpid(child, &status, WNOHANG) == 0) {
-    if ((context.cancelled || elapsed() > limits.seconds) && !killed) {
+    if (ended < 0 && ::waitpid(child, &status, WNOHANG) == child) ended = elapsed();
+    if (ended < 0 && !killed && (context.cancelled || elapsed() > limits.seconds)) {
       result.timed_out = !context.cancelled;
       ::kill(-child, SIGKILL);
       killed = true;
     }
-    ::usleep(1000);
   }
+  ::kill(-child, SIGKILL);  // what it left running
+  ::close(out.read_end);
+  ::close(err.read_end);
   if (context.cancelled) return Error{"cancelled while '" + arguments[0] + "' was running", ErrorKind::stopped};
-  result.seconds = elapsed();
+  result.seconds = ended;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;
 }

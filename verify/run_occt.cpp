@@ -214,11 +214,12 @@ Result<Evaluation> evaluate_apart(const char* kind, const Path& path, const Eval
   if (program.empty())
     return Error{"program 'partscribe', which reads " + shown + " apart, was found neither beside this program nor on PATH",
                  ErrorKind::missing_program};
-  const TemporaryDirectory folder;
-  const Path answer = folder.path() / "reading";
-  const auto run = run_process({program.string(), command, kind, path.string(), answer.string(), print_number(options.tolerance),
-                                print_number(options.scanned_size)},
-                               {options.seconds, std::max(options.memory_mb, least_memory_mb)}, context);
+  const auto folder = TemporaryDirectory::make();
+  if (!folder) return folder.error();
+  const Path file = std::filesystem::absolute(path), answer = folder->path() / "reading";
+  const auto run = run_confined({program.string(), command, kind, file.string(), answer.string(), print_number(options.tolerance),
+                                 print_number(options.scanned_size)},
+                                {options.seconds, std::max(options.memory_mb, least_memory_mb)}, {{file}, {folder->path()}}, context);
   if (!run.ok()) return run.error();
   if (run->timed_out)
     return Error{"OpenCASCADE did not finish " + shown + " within " + print_number(options.seconds) + " s", ErrorKind::stopped};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <sstream>
 
@@ -66,15 +67,29 @@ std::string moved_script(const Path& script, const std::string& text, const Vec3
   return uses + "module far_away() {\n" + body + "}\ntranslate([" + back(0) + ", " + back(1) + ", " + back(2) + "]) far_away();\n";
 }
 
-/// Runs a script as it is; `evaluation` has the program's name already.
-Result<Evaluation> run_script(const Path& path, Evaluation evaluation, const EvaluateOptions& options, Context& context) {
-  const TemporaryDirectory folder;
-  const Path stl = folder.path() / "evaluated.stl";
+/// Where OpenSCAD looks for libraries and fonts beside the system's own places.
+std::vector<Path> folders_of_openscad() {
+  std::vector<Path> folders;
+  const char *named = std::getenv("OPENSCADPATH"), *home = std::getenv("HOME");
+  std::istringstream list(named ? named : "");
+  for (std::string folder; std::getline(list, folder, ':');)
+    if (!folder.empty()) folders.push_back(std::filesystem::absolute(folder));
+  if (home && *home == '/')
+    for (const char* own : {".local/share/OpenSCAD", ".local/share/fonts", ".fonts"}) folders.push_back(Path(home) / own);
+  return folders;
+}
+
+/// Runs a script as it is, which may read what lies in `beside` and in its own folder; `evaluation` has the program's name already.
+Result<Evaluation> run_script(const Path& path, const Path& beside, Evaluation evaluation, const EvaluateOptions& options, Context& context) {
+  const auto folder = TemporaryDirectory::make();
+  if (!folder) return folder.error();
+  const Path script = std::filesystem::absolute(path), stl = folder->path() / "evaluated.stl";
+  Confinement reach{folders_of_openscad(), {folder->path()}};
+  reach.readable.insert(reach.readable.end(), {beside, script.parent_path()});
   // Absolute paths: 2021.01 resolves relative output names differently per format. Binary STL: ASCII keeps 6 digits.
-  const auto run = run_process({"openscad", "-o", stl.string(), "--export-format", "binstl", "--hardwarnings",
-                                "--check-parameters=true", "--check-parameter-ranges=true",
-                                std::filesystem::absolute(path).string()},
-                               {options.seconds, options.memory_mb}, context);
+  const auto run = run_confined({"openscad", "-o", stl.string(), "--export-format", "binstl", "--hardwarnings",
+                                 "--check-parameters=true", "--check-parameter-ranges=true", script.string()},
+                                {options.seconds, options.memory_mb}, reach, context);
   if (!run.ok()) return run.error();
   evaluation.seconds = run->seconds;
   if (run->timed_out)
@@ -119,12 +134,13 @@ std::optional<Evaluation> run_near_origin(const Path& path, const Evaluation& fa
   for (int k = 0; k < 3; ++k) far[k] = std::round(far[k]);
   const auto text = read_file(path);
   if (!text.ok()) return {};
-  const TemporaryDirectory folder;
-  const Path moved = folder.path() / path.filename();
+  const auto folder = TemporaryDirectory::make();
+  if (!folder) return {};
+  const Path moved = folder->path() / path.filename();
   if (!write_file(moved, moved_script(path, *text, far)).ok()) return {};
   Evaluation named;
   named.backend = far_away.backend, named.program = far_away.program, named.version = far_away.version;
-  auto result = run_script(moved, std::move(named), options, context);
+  auto result = run_script(moved, std::filesystem::absolute(path).parent_path(), std::move(named), options, context);
   if (!result.ok() || result->failed || result->mesh.empty()) return {};
   for (auto& v : result->mesh.vertices) v += far;
   result->seconds += far_away.seconds;
@@ -147,7 +163,7 @@ Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& op
       break;
     }
 
-  auto result = run_script(path, std::move(evaluation), options, context);
+  auto result = run_script(path, std::filesystem::absolute(path).parent_path(), std::move(evaluation), options, context);
   if (!result.ok() || result->failed || result->mesh.empty()) return result;
   const double size = result->mesh.bounds().diagonal();
   if (result->error > options.tolerance / 100 && result->error > 10 * size * single_precision)

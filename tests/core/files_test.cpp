@@ -1,12 +1,12 @@
-// Files appear whole, content has one name, and other programs stay within their limits.
+// Files appear whole, and content has one name.
 #include <catch2/catch.hpp>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "core/context.h"
 #include "core/files.h"
 #include "core/parallel.h"
-#include "core/process.h"
 
 using namespace partscribe;
 
@@ -40,32 +40,16 @@ TEST_CASE("read_file: a folder and a missing file are told apart from files") {
   CHECK(read_file("/no/such/file").error().kind == ErrorKind::bad_input);
 }
 
-TEST_CASE("run_process: output, exit code and missing programs") {
-  Context context;
-  const auto good = run_process({"sh", "-c", "echo out; echo err >&2; exit 3"}, {}, context);
-  REQUIRE(good.ok());
-  CHECK(good->exit_code == 3);
-  CHECK(good->out == "out\n");
-  CHECK(good->err == "err\n");
-  const auto missing = run_process({"no-such-program-here"}, {}, context);
-  REQUIRE_FALSE(missing.ok());
-  CHECK(missing.error().kind == ErrorKind::missing_program);
-}
-
-TEST_CASE("run_process: a program that never ends is ended") {
-  Context context;
-  const auto result = run_process({"sleep", "60"}, {.seconds = 0.3}, context);
-  REQUIRE(result.ok());
-  CHECK(result->timed_out);
-  CHECK(result->exit_code == 128 + 9);
-}
-
-TEST_CASE("run_process: cancelling stops the wait") {
-  Context context;
-  context.cancelled = true;
-  const auto result = run_process({"sleep", "60"}, {}, context);
-  REQUIRE_FALSE(result.ok());
-  CHECK(result.error().kind == ErrorKind::stopped);
+TEST_CASE("temporary directory: where none can be made that is an error, not the end") {
+  const char* before = std::getenv("TMPDIR");
+  const std::string kept = before ? before : "";
+  ::setenv("TMPDIR", "/nonexistent/folder", 1);
+  const auto made = TemporaryDirectory::make();
+  if (before) ::setenv("TMPDIR", kept.c_str(), 1);
+  else ::unsetenv("TMPDIR");
+  REQUIRE_FALSE(made.ok());
+  CHECK(made.error().kind == ErrorKind::stopped);
+  CHECK(made.error().message.find("TMPDIR") != std::string::npos);
 }
 
 TEST_CASE("parallel_for: every index once, whatever the number of threads") {
