@@ -1,13 +1,12 @@
 #include "cli/raster.h"
 
-#include <zlib.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/ensure.h"
+#include "core/png.h"
 
 namespace partscribe {
 namespace {
@@ -18,36 +17,6 @@ void put(Raster& raster, int column, int row, double depth, Color color) {
   if (static_cast<float>(depth) <= raster.depth[k]) return;
   raster.depth[k] = static_cast<float>(depth);
   raster.pixels[k] = color;
-}
-
-void append_number(std::string& text, std::uint32_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8) text += static_cast<char>(value >> shift);
-}
-
-void append_chunk(std::string& png, const std::string& type, const std::string& data) {
-  append_number(png, static_cast<std::uint32_t>(data.size()));
-  const std::string body = type + data;
-  png += body;
-  append_number(png, static_cast<std::uint32_t>(
-                         ::crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))));
-}
-
-/// PNG's filter `kind` (0 none, 1 left, 2 above, 4 Paeth) of one row of RGB bytes.
-std::string filtered(int kind, const std::string& row, const std::string& above) {
-  std::string result(row.size(), '\0');
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    auto byte = [](char c) { return static_cast<int>(static_cast<unsigned char>(c)); };
-    const int a = i >= 3 ? byte(row[i - 3]) : 0, b = byte(above[i]), c = i >= 3 ? byte(above[i - 3]) : 0;
-    int guess = 0;
-    if (kind == 1) guess = a;
-    if (kind == 2) guess = b;
-    if (kind == 4) {
-      const int p = a + b - c, pa = std::abs(p - a), pb = std::abs(p - b), pc = std::abs(p - c);
-      guess = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
-    }
-    result[i] = static_cast<char>(byte(row[i]) - guess);
-  }
-  return result;
 }
 
 }  // namespace
@@ -196,43 +165,10 @@ Raster reduced(const Raster& raster, int factor) {
 }
 
 std::string write_png(const Raster& raster) {
-  std::string rows, above(static_cast<std::size_t>(raster.width) * 3, '\0'), row = above;
-  rows.reserve(raster.pixels.size() * 3 + raster.height);
-  for (int r = 0; r < raster.height; ++r) {
-    for (int column = 0; column < raster.width; ++column) {
-      const Color& c = raster.pixels[static_cast<std::size_t>(r) * raster.width + column];
-      const auto at = static_cast<std::size_t>(column) * 3;
-      row[at] = static_cast<char>(c.red), row[at + 1] = static_cast<char>(c.green), row[at + 2] = static_cast<char>(c.blue);
-    }
-    // The filter that leaves the smallest bytes usually packs best.
-    long least = std::numeric_limits<long>::max();
-    std::string best;
-    char best_kind = 0;
-    for (const int kind : {0, 1, 2, 4}) {
-      std::string tried = filtered(kind, row, above);
-      long sum = 0;
-      for (const char c : tried) sum += std::abs(static_cast<int>(static_cast<signed char>(c)));
-      if (sum < least) least = sum, best = std::move(tried), best_kind = static_cast<char>(kind);
-    }
-    rows += best_kind;
-    rows += best;
-    above.swap(row);
-  }
-  uLongf size = ::compressBound(static_cast<uLong>(rows.size()));
-  std::string packed(size, '\0');
-  ensure(::compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
-                     static_cast<uLong>(rows.size()), 9) == Z_OK,
-         "zlib packs a picture");
-  packed.resize(size);
-  std::string header;
-  append_number(header, static_cast<std::uint32_t>(raster.width));
-  append_number(header, static_cast<std::uint32_t>(raster.height));
-  header += std::string("\x08\x02\x00\x00\x00", 5);  // 8 bits, RGB, deflate, adaptive filters, not interlaced
-  std::string png = "\x89PNG\r\n\x1a\n";
-  append_chunk(png, "IHDR", header);
-  append_chunk(png, "IDAT", packed);
-  append_chunk(png, "IEND", "");
-  return png;
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(3 * raster.pixels.size());
+  for (const Color& c : raster.pixels) bytes.insert(bytes.end(), {c.red, c.green, c.blue});
+  return write_png_rgb(raster.width, raster.height, bytes);
 }
 
 }  // namespace partscribe

@@ -1,8 +1,11 @@
 /// 3MF: meshes, components, build items with their transforms, and the unit.
+#include <expat.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <map>
+#include <memory>
 
 #include "geometry/read_formats.h"
 #include "geometry/read_zip.h"
@@ -12,70 +15,22 @@ namespace {
 
 using Affine = Eigen::Matrix<double, 3, 4>;
 
-/// Walks the tags of an XML document; text between tags has no meaning in 3MF.
-class Tags {
- public:
-  explicit Tags(std::string_view text) : text_(text) {}
-  std::string_view name;  ///< without its namespace
-  bool closing = false;   ///< </name>
+/// A name without the prefix of its namespace.
+std::string_view local(std::string_view name) {
+  const auto colon = name.find(':');
+  return colon == std::string_view::npos ? name : name.substr(colon + 1);
+}
 
-  bool next() {
-    while (true) {
-      at_ = text_.find('<', at_);
-      if (at_ == std::string_view::npos) return false;
-      const auto rest = text_.substr(at_);
-      std::string_view end = ">";
-      if (rest.substr(0, 4) == "<!--") end = "-->";
-      else if (rest.substr(0, 9) == "<![CDATA[") end = "]]>";
-      else if (rest.substr(0, 2) == "<?") end = "?>";
-      else if (rest.substr(0, 2) == "<!") end = ">";
-      else return tag();
-      at_ = text_.find(end, at_);
-      if (at_ == std::string_view::npos) return false;
-    }
-  }
-  /// Value of an attribute, its namespace left out; empty if there is none.
+/// An element as expat delivers it.
+struct Element {
+  std::string_view name;
+  const XML_Char** attributes;
+
+  /// Value of an attribute; empty if there is none.
   std::string_view attribute(std::string_view wanted) const {
-    auto rest = attributes_;
-    while (true) {
-      const auto equal = rest.find('=');
-      if (equal == std::string_view::npos) return {};
-      auto key = rest.substr(0, equal);
-      while (!key.empty() && space(key.back())) key.remove_suffix(1);
-      if (const auto begin = key.find_last_of(" \t\r\n:"); begin != std::string_view::npos) key.remove_prefix(begin + 1);
-      const auto open = rest.find_first_of("\"'", equal);
-      if (open == std::string_view::npos) return {};
-      const auto close = rest.find(rest[open], open + 1);
-      if (close == std::string_view::npos) return {};
-      if (key == wanted) return rest.substr(open + 1, close - open - 1);
-      rest.remove_prefix(close + 1);
-    }
-  }
-  std::size_t place() const { return at_; }
-
- private:
-  std::string_view text_, attributes_;
-  std::size_t at_ = 0;
-
-  static bool space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-  bool tag() {
-    std::size_t end = ++at_;
-    char quote = 0;
-    for (; end < text_.size() && (quote || text_[end] != '>'); ++end) {
-      if (quote) quote = text_[end] == quote ? 0 : quote;
-      else if (text_[end] == '"' || text_[end] == '\'') quote = text_[end];
-    }
-    if (end >= text_.size()) return false;
-    auto body = text_.substr(at_, end - at_);
-    at_ = end;
-    closing = !body.empty() && body.front() == '/';
-    if (closing) body.remove_prefix(1);
-    std::size_t stop = 0;
-    while (stop < body.size() && !space(body[stop]) && body[stop] != '/') ++stop;
-    name = body.substr(0, stop);
-    attributes_ = body.substr(stop);
-    if (const auto colon = name.find(':'); colon != std::string_view::npos) name.remove_prefix(colon + 1);
-    return true;
+    for (const XML_Char** at = attributes; *at; at += 2)
+      if (local(*at) == wanted) return at[1];
+    return {};
   }
 };
 
@@ -123,54 +78,100 @@ std::string part_name(std::string_view path) {
   return lower_case(path);
 }
 
-std::optional<Error> parse_model(std::string_view text, const std::string& part, const std::string& name, bool root, Package& package) {
-  Tags tags(text);
-  Object* object = nullptr;
-  bool model = false, ended = false;
-  const auto key = [&](std::string_view id) {
-    const auto path = tags.attribute("path");
-    return (path.empty() ? part : part_name(path)) + "#" + std::string(id);
-  };
-  while (tags.next()) {
-    if (tags.closing) {
-      if (tags.name == "object") object = nullptr;
-      ended = ended || tags.name == "model";
-      continue;
+/// Reads one model part of the archive into the package.
+class ModelReader {
+ public:
+  ModelReader(std::string part, const std::string& name, bool root, Package& package)
+      : part_(std::move(part)), name_(name), root_(root), package_(package), parser_(XML_ParserCreate(nullptr), XML_ParserFree) {
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(
+        parser_.get(), [](void* self, const XML_Char* tag, const XML_Char** attributes) { static_cast<ModelReader*>(self)->begin({local(tag), attributes}); },
+        [](void* self, const XML_Char* tag) { static_cast<ModelReader*>(self)->end(local(tag)); });
+  }
+
+  std::optional<Error> read(std::string_view text) {
+    constexpr std::size_t most = 1u << 30;  // expat counts in int
+    for (std::size_t at = 0; !error_ && (at < text.size() || at == 0); at += most) {
+      const auto piece = text.substr(at, most);
+      if (XML_Parse(parser_.get(), piece.data(), static_cast<int>(piece.size()), at + most >= text.size()) == XML_STATUS_OK || error_) continue;
+      return at_byte(name_, place(), "expected whole XML in " + part_ + ", found " + XML_ErrorString(XML_GetErrorCode(parser_.get())));
     }
-    if (tags.name == "model") {
-      model = true;
-      if (root) package.unit = tags.attribute("unit").empty() ? "millimeter" : std::string(tags.attribute("unit"));
-    } else if (tags.name == "object") {
-      object = &package.objects[part + "#" + std::string(tags.attribute("id"))];
-    } else if (tags.name == "vertex" && object) {
-      Vec3 p;
-      constexpr std::string_view axes[] = {"x", "y", "z"};
-      for (int k = 0; k < 3; ++k)
-        if (const auto word = tags.attribute(axes[k]); !to_real(word, p[k]))
-          return at_byte(name, tags.place(), "expected the coordinates of a vertex, found " + shown(word));
-      object->mesh.vertices.push_back(p);
-    } else if (tags.name == "triangle" && object) {
-      std::array<std::uint32_t, 3> t{};
-      constexpr std::string_view corners[] = {"v1", "v2", "v3"};
-      for (int k = 0; k < 3; ++k) {
-        std::int64_t index = -1;
-        const auto word = tags.attribute(corners[k]);
-        if (!to_integer(word, index) || index < 0 || static_cast<std::size_t>(index) >= object->mesh.vertices.size())
-          return at_byte(name, tags.place(), "expected a vertex index below " + std::to_string(object->mesh.vertices.size()) + ", found " + shown(word));
-        t[k] = static_cast<std::uint32_t>(index);
-      }
-      object->mesh.triangles.push_back(t);
-    } else if ((tags.name == "component" && object) || (tags.name == "item" && root)) {
-      Component component;
-      component.object = key(tags.attribute("objectid"));
-      if (auto error = parse_transform(tags.attribute("transform"), name, component.transform)) return error;
-      (tags.name == "item" ? package.items : object->components).push_back(component);
+    if (!error_ && !model_) return bad_input(name_ + ": expected a <model> in " + part_ + ", found none");
+    return error_;
+  }
+
+ private:
+  const std::string part_;
+  const std::string& name_;
+  const bool root_;
+  Package& package_;
+  std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser_;
+  Object* object_ = nullptr;
+  bool model_ = false;
+  std::optional<Error> error_;
+
+  std::size_t place() const { return static_cast<std::size_t>(std::max<XML_Index>(XML_GetCurrentByteIndex(parser_.get()), 0)); }
+
+  void stop(std::optional<Error> error) {
+    if (!error || error_) return;
+    error_ = std::move(error);
+    XML_StopParser(parser_.get(), XML_FALSE);
+  }
+
+  void begin(const Element& element) {
+    if (error_) return;
+    if (element.name == "model") {
+      model_ = true;
+      const auto unit = element.attribute("unit");
+      if (root_) package_.unit = unit.empty() ? "millimeter" : std::string(unit);
+    } else if (element.name == "object") {
+      object_ = &package_.objects[part_ + "#" + std::string(element.attribute("id"))];
+    } else if (element.name == "vertex" && object_) {
+      vertex(element);
+    } else if (element.name == "triangle" && object_) {
+      triangle(element);
+    } else if (element.name == "component" && object_) {
+      component(element, object_->components);
+    } else if (element.name == "item" && root_) {
+      component(element, package_.items);
     }
   }
-  if (!model) return bad_input(name + ": expected a <model> in " + part + ", found none");
-  if (!ended) return bad_input(name + ": expected </model> at the end of " + part + ", found a document cut off");
-  return {};
-}
+
+  void end(std::string_view name) {
+    if (name == "object") object_ = nullptr;
+  }
+
+  void vertex(const Element& element) {
+    Vec3 p;
+    constexpr std::string_view axes[] = {"x", "y", "z"};
+    for (int k = 0; k < 3; ++k)
+      if (const auto word = element.attribute(axes[k]); !to_real(word, p[k]))
+        return stop(at_byte(name_, place(), "expected the coordinates of a vertex, found " + shown(word)));
+    object_->mesh.vertices.push_back(p);
+  }
+
+  void triangle(const Element& element) {
+    std::array<std::uint32_t, 3> t{};
+    constexpr std::string_view corners[] = {"v1", "v2", "v3"};
+    const std::size_t vertices = object_->mesh.vertices.size();
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::int64_t index = -1;
+      const auto word = element.attribute(corners[k]);
+      if (!to_integer(word, index) || index < 0 || static_cast<std::size_t>(index) >= vertices)
+        return stop(at_byte(name_, place(), "expected a vertex index below " + std::to_string(vertices) + ", found " + shown(word)));
+      t[k] = static_cast<std::uint32_t>(index);
+    }
+    object_->mesh.triangles.push_back(t);
+  }
+
+  void component(const Element& element, std::vector<Component>& list) {
+    Component component;
+    const auto path = element.attribute("path");
+    component.object = (path.empty() ? part_ : part_name(path)) + "#" + std::string(element.attribute("objectid"));
+    stop(parse_transform(element.attribute("transform"), name_, component.transform));
+    list.push_back(component);
+  }
+};
 
 std::optional<Error> place(const Package& package, const Component& item, const Affine& outer, int depth, std::size_t& visits,
                            const std::string& name, TriangleMesh& mesh) {
@@ -203,24 +204,15 @@ std::optional<Error> place(const Package& package, const Component& item, const 
 Result<RawGeometry> parse_3mf(std::string_view bytes, const std::string& name) {
   RawGeometry raw;
   raw.format = "3MF";
-  const auto entries = list_zip(bytes, name);
-  if (!entries.ok()) return entries.error();
+  const auto models = unzip(bytes, name, [](const std::string& entry) { return suffix_of(part_name(entry)) == ".model"; });
+  if (!models) return models.error();
+  if (models->empty()) return bad_input(name + ": expected a 3-D model (3D/3dmodel.model) in the archive, found none");
   // The start part by its usual name, else the first model.
-  const ZipEntry* start = nullptr;
-  for (const auto& entry : *entries) {
-    const auto part = part_name(entry.name);
-    if (suffix_of(part) != ".model") continue;
-    if (!start || part == "3d/3dmodel.model") start = &entry;
-  }
-  if (!start) return bad_input(name + ": expected a 3-D model (3D/3dmodel.model) in the archive, found none");
+  const auto usual = std::ranges::find_if(*models, [](const ZippedFile& file) { return part_name(file.name) == "3d/3dmodel.model"; });
+  const ZippedFile& start = usual == models->end() ? models->front() : *usual;
   Package package;
-  for (const auto& entry : *entries) {
-    const auto part = part_name(entry.name);
-    if (suffix_of(part) != ".model") continue;
-    const auto text = unzip(bytes, entry, name);
-    if (!text.ok()) return text.error();
-    if (auto error = parse_model(*text, part, name, &entry == start, package)) return *error;
-  }
+  for (const auto& file : *models)
+    if (auto error = ModelReader(part_name(file.name), name, &file == &start, package).read(file.bytes)) return *error;
   if (package.items.empty()) {
     raw.warnings.push_back(name + ": has no build items; all its objects are read");
     for (const auto& [key, object] : package.objects)

@@ -1,71 +1,94 @@
-/// Reads ZIP archives: the directory at the end, then single entries through zlib.
+/// Reads ZIP archives in memory by minizip.
 #include "geometry/read_zip.h"
 
-#include <zlib.h>
+#include <minizip/unzip.h>
 
 #include <algorithm>
-
-#include "geometry/read_formats.h"
+#include <cstring>
+#include <memory>
 
 namespace partscribe::formats {
 namespace {
 
-constexpr std::uint32_t directory_end = 0x06054b50, directory_entry = 0x02014b50, local_header = 0x04034b50;
+/// What minizip takes for a file.
+struct Memory {
+  std::string_view bytes;
+  std::size_t at = 0;
+};
+
+uLong read_from(voidpf, voidpf stream, void* to, uLong count) {
+  auto& memory = *static_cast<Memory*>(stream);
+  const std::size_t got = std::min<std::size_t>(count, memory.bytes.size() - memory.at);
+  std::memcpy(to, memory.bytes.data() + memory.at, got);
+  memory.at += got;
+  return static_cast<uLong>(got);
+}
+
+long seek(voidpf, voidpf stream, ZPOS64_T offset, int origin) {
+  auto& memory = *static_cast<Memory*>(stream);
+  const std::size_t from = origin == ZLIB_FILEFUNC_SEEK_SET ? 0 : origin == ZLIB_FILEFUNC_SEEK_CUR ? memory.at : memory.bytes.size();
+  if (offset > memory.bytes.size() - from) return -1;
+  memory.at = from + static_cast<std::size_t>(offset);
+  return 0;
+}
+
+zlib_filefunc64_def functions_over(Memory& memory) {
+  zlib_filefunc64_def functions{};
+  functions.opaque = &memory;
+  functions.zopen64_file = [](voidpf opaque, const void*, int) { return opaque; };
+  functions.zread_file = read_from;
+  functions.zwrite_file = [](voidpf, voidpf, const void*, uLong) { return uLong(0); };
+  functions.ztell64_file = [](voidpf, voidpf stream) { return ZPOS64_T(static_cast<Memory*>(stream)->at); };
+  functions.zseek64_file = seek;
+  functions.zclose_file = [](voidpf, voidpf) { return 0; };
+  functions.zerror_file = [](voidpf, voidpf) { return 0; };
+  return functions;
+}
+
+struct Close {
+  void operator()(void* archive) const { unzClose(archive); }
+};
+
+/// The archive's current file.
+Result<std::string> unpacked(unzFile archive, const unz_file_info64& info, const std::string& where) {
+  // Deflate never shrinks more than 1032 times; a larger claim is not believed.
+  if (info.uncompressed_size / 1032 > info.compressed_size + 1)
+    return bad_input(where + "expected a credible size, found " + std::to_string(info.uncompressed_size) + " bytes");
+  if (unzOpenCurrentFile(archive) != UNZ_OK) return bad_input(where + "expected a stored or deflated file, found one that cannot be opened");
+  std::string bytes(info.uncompressed_size, '\0');
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const auto most = static_cast<unsigned>(std::min<std::size_t>(bytes.size() - done, 1u << 30));
+    const int got = unzReadCurrentFile(archive, bytes.data() + done, most);
+    if (got <= 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  const int closed = unzCloseCurrentFile(archive);
+  if (done != bytes.size()) return bad_input(where + "expected " + std::to_string(bytes.size()) + " whole bytes, found damaged ones after " + std::to_string(done));
+  if (closed != UNZ_OK) return bad_input(where + "expected bytes that agree with their checksum, found others");
+  return bytes;
+}
 
 }  // namespace
 
-Result<std::vector<ZipEntry>> list_zip(std::string_view bytes, const std::string& archive) {
-  const auto damaged = [&](const char* what) { return bad_input(archive + ": expected a ZIP archive with " + what + ", found none"); };
-  if (bytes.size() < 22) return damaged("a directory at its end");
-  // The end record is followed by a comment of up to 65535 bytes.
-  std::size_t end = bytes.size() - 22;
-  const std::size_t last = end > 65535 ? end - 65535 : 0;
-  while (load<std::uint32_t>(bytes.data() + end) != directory_end) {
-    if (end == last) return damaged("a directory at its end");
-    --end;
+Result<std::vector<ZippedFile>> unzip(std::string_view bytes, const std::string& archive,
+                                      const std::function<bool(const std::string&)>& wanted) {
+  Memory memory{bytes};
+  auto functions = functions_over(memory);
+  const std::unique_ptr<void, Close> file(unzOpen2_64(archive.c_str(), &functions));
+  if (!file) return bad_input(archive + ": expected a ZIP archive with a directory at its end, found none");
+  std::vector<ZippedFile> files;
+  for (int state = unzGoToFirstFile(file.get()); state != UNZ_END_OF_LIST_OF_FILE; state = unzGoToNextFile(file.get())) {
+    unz_file_info64 info{};
+    char name[4096] = {};
+    if (state != UNZ_OK || unzGetCurrentFileInfo64(file.get(), &info, name, sizeof name - 1, nullptr, 0, nullptr, 0) != UNZ_OK)
+      return bad_input(archive + ": expected a ZIP archive with a whole directory, found a damaged one");
+    if (!wanted(name)) continue;
+    auto content = unpacked(file.get(), info, archive + ": " + name + ": ");
+    if (!content) return content.error();
+    files.push_back({name, std::move(*content)});
   }
-  const std::size_t count = load<std::uint16_t>(bytes.data() + end + 10);
-  std::size_t at = load<std::uint32_t>(bytes.data() + end + 16);
-  std::vector<ZipEntry> entries;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (at > bytes.size() || bytes.size() - at < 46 || load<std::uint32_t>(bytes.data() + at) != directory_entry)
-      return damaged("a whole directory");
-    const char* p = bytes.data() + at;
-    const std::size_t name_size = load<std::uint16_t>(p + 28), extra = load<std::uint16_t>(p + 30), comment = load<std::uint16_t>(p + 32);
-    if (bytes.size() - at - 46 < name_size) return damaged("a whole directory");
-    entries.push_back({std::string(p + 46, name_size), load<std::uint16_t>(p + 10), load<std::uint32_t>(p + 20),
-                       load<std::uint32_t>(p + 24), load<std::uint32_t>(p + 42)});
-    at += 46 + name_size + extra + comment;
-  }
-  return entries;
-}
-
-Result<std::string> unzip(std::string_view bytes, const ZipEntry& entry, const std::string& archive) {
-  const auto damaged = [&](const std::string& why) { return bad_input(archive + ": " + entry.name + ": " + why); };
-  if (entry.offset > bytes.size() || bytes.size() - entry.offset < 30 ||
-      load<std::uint32_t>(bytes.data() + entry.offset) != local_header)
-    return damaged("expected a ZIP entry at byte " + std::to_string(entry.offset) + ", found other data");
-  const char* p = bytes.data() + entry.offset;
-  const std::size_t begin = entry.offset + 30 + load<std::uint16_t>(p + 26) + load<std::uint16_t>(p + 28);
-  if (begin > bytes.size() || bytes.size() - begin < entry.packed)
-    return damaged("expected " + std::to_string(entry.packed) + " packed bytes, found the end of the file");
-  const auto packed = bytes.substr(begin, entry.packed);
-  if (entry.method == 0) return std::string(packed);
-  if (entry.method != 8) return damaged("expected a stored or deflated entry, found method " + std::to_string(entry.method));
-  // Deflate never shrinks more than 1032 times; a larger claim is not believed.
-  if (entry.size / 1032 > entry.packed + 1) return damaged("expected a credible size, found " + std::to_string(entry.size) + " bytes");
-  std::string out(entry.size, '\0');
-  z_stream stream{};
-  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) return damaged("cannot be unpacked");
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-  stream.avail_in = static_cast<uInt>(packed.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  const int state = inflate(&stream, Z_FINISH);
-  const std::size_t written = stream.total_out;
-  inflateEnd(&stream);
-  if (state != Z_STREAM_END || written != entry.size) return damaged("expected whole deflated data, found damaged ones");
-  return out;
+  return files;
 }
 
 }  // namespace partscribe::formats

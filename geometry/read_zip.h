@@ -1,7 +1,7 @@
 /// The files inside a ZIP archive.
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,15 +10,13 @@
 
 namespace partscribe::formats {
 
-struct ZipEntry {
+struct ZippedFile {
   std::string name;
-  std::size_t method = 0, packed = 0, size = 0, offset = 0;  ///< bytes; offset of the local header
+  std::string bytes;
 };
 
-/// The central directory of an archive; `archive` names it in messages.
-Result<std::vector<ZipEntry>> list_zip(std::string_view bytes, const std::string& archive);
-
-/// The bytes of one entry, stored or deflated.
-Result<std::string> unzip(std::string_view bytes, const ZipEntry& entry, const std::string& archive);
+/// The files of an archive whose names are `wanted`, unpacked, in the archive's order; `archive` names it in messages.
+Result<std::vector<ZippedFile>> unzip(std::string_view bytes, const std::string& archive,
+                                      const std::function<bool(const std::string&)>& wanted);
 
 }  // namespace partscribe::formats

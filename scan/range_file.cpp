@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/ensure.h"
+#include "core/png.h"
 #include "scan/npy.h"
 
 namespace partscribe {
@@ -26,10 +27,6 @@ void read_bytes(png_structp png, png_bytep to, png_size_t count) {
   if (count > source.left) png_error(png, "the file ends early");
   std::memcpy(to, source.at, count);
   source.at += count, source.left -= count;
-}
-
-void write_bytes(png_structp png, png_bytep from, png_size_t count) {
-  static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(from), count);
 }
 
 void keep_message(png_structp png, png_const_charp message) {
@@ -148,27 +145,6 @@ Result<RangeCodes> parse_range_file(std::string_view bytes, const std::string& n
   return bad_input(name + ": expected a 16-bit grey PNG or PGM image or a numpy array, found something else");
 }
 
-std::string write_png(const RangeCodes& image) {
-  ensure(image.codes.size() == std::size_t(image.width) * static_cast<std::size_t>(image.height), "an image has a code per pixel");
-  std::string out;
-  char message[100] = {};
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message, no_warning);
-  ensure(png, "libpng must match its header");
-  png_infop info = png_create_info_struct(png);
-  ensure(info, "libpng must have memory for a header");
-  const bool failed = setjmp(png_jmpbuf(png));
-  ensure(!failed, "a range image can always be written");
-  png_set_write_fn(png, &out, write_bytes, [](png_structp) {});
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 16,
-               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_compression_level(png, 6);
-  png_write_info(png, info);
-  png_set_swap(png);
-  for (int r = 0; r < image.height; ++r)
-    png_write_row(png, reinterpret_cast<png_const_bytep>(image.codes.data() + std::size_t(r) * static_cast<std::size_t>(image.width)));
-  png_write_end(png, nullptr);
-  png_destroy_write_struct(&png, &info);
-  return out;
-}
+std::string write_png(const RangeCodes& image) { return write_png_grey16(image.width, image.height, image.codes); }
 
 }  // namespace partscribe

@@ -102,7 +102,8 @@ std::string zip(const std::vector<std::pair<std::string, std::string>>& files, b
     const auto offset = static_cast<std::uint32_t>(out.size());
     const auto common = [&](std::string& to) {
       put<std::uint16_t>(to, 20), put<std::uint16_t>(to, 0), put<std::uint16_t>(to, deflate_them ? 8 : 0);
-      put<std::uint32_t>(to, 0), put<std::uint32_t>(to, 0);  // time, checksum
+      put<std::uint32_t>(to, 0);  // time
+      put<std::uint32_t>(to, static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size()))));
       put<std::uint32_t>(to, static_cast<std::uint32_t>(data.size())), put<std::uint32_t>(to, static_cast<std::uint32_t>(bytes.size()));
       put<std::uint16_t>(to, static_cast<std::uint16_t>(name.size())), put<std::uint16_t>(to, 0);
     };
@@ -288,6 +289,29 @@ TEST_CASE("read 3MF: stored and deflated archives, the unit, components and buil
   const auto raw = parsed(zip({{"3D/3dmodel.model", nested}}, true), "a.3mf");
   check_block(raw, 2);
   CHECK((raw.cloud.points[2] - Vec3(-4, 24, 30)).norm() < 1e-12);  // (2,3,0) -> (-6,4,0) + (10,20,30) = (4,24,30), mirrored in x
+}
+
+TEST_CASE("read 3MF: prefixed names, entities and comments are XML; damage is named") {
+  const std::string body = "<!-- <x:object id=\"7\"> --><x:model xmlns:x=\"core\" unit=\"&#105;nch\"><x:resources>" + block_xml("1") +
+                           "</x:resources><x:build><x:item objectid=\"1\"/></x:build></x:model>";
+  check_block(parsed(zip({{"3D/part.model", body}}, true), "a.3mf"));
+  CHECK(parsed(zip({{"3D/part.model", body}}, true), "a.3mf").unit == "inch");
+  const auto fault = [&](const std::string& bytes) {
+    const auto raw = parse_geometry(bytes, "a.3mf");
+    return raw.ok() ? std::string() : raw.error().message;
+  };
+  CHECK(fault(zip({{"3D/part.model", body.substr(0, body.size() - 9)}}, true)).find("expected whole XML in 3d/part.model, found ") != std::string::npos);
+  CHECK(fault(zip({{"readme.txt", "x"}}, true)).find("expected a 3-D model") != std::string::npos);
+  auto damaged = zip({{"3D/part.model", body}}, false);
+  damaged[damaged.find("vertex x") + 7] = 'y';
+  CHECK(fault(damaged).find("checksum") != std::string::npos);
+  // Entities within entities would grow without end.
+  std::string bomb = "<!DOCTYPE model [<!ENTITY a0 \"aaaaaaaaaaaaaaaa\">";
+  for (int i = 1; i < 12; ++i) {
+    const std::string a = "&a" + std::to_string(i - 1) + ";";
+    bomb += "<!ENTITY a" + std::to_string(i) + " \"" + a + a + a + a + a + a + a + a + a + a + "\">";
+  }
+  CHECK(fault(zip({{"3D/part.model", bomb + "]><model>&a11;</model>"}}, true)).find("amplification") != std::string::npos);
 }
 
 TEST_CASE("read polygons: a concave face is cut inside its outline") {
