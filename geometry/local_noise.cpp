@@ -138,6 +138,7 @@ LocalNoise local_noise(std::span<const Vec3> points, const NearestPoints& neares
   constexpr double thin = 0.22;         // flatness of what shows a surface
   constexpr double ball = 0.75;         // and of what shows noise alone
   constexpr double thin_enough = 0.3;   // wide neighbourhoods mostly hold an edge: a quarter of them without one speaks for all
+  constexpr double no_ball = 0.4;       // flatness of neighbourhoods that are more than noise
   constexpr std::size_t most = 1000;    // points of a neighbourhood
   constexpr std::size_t part = 8;       // no wide neighbourhood holds more of the cloud than one in so many points
   Level best;
@@ -147,12 +148,17 @@ LocalNoise local_noise(std::span<const Vec3> points, const NearestPoints& neares
     if (levels.middle.flatness < best.flatness || best.pitch == 0) best = levels.middle;
     flat.push_back(levels.flat);
   };
+  const auto answer = [&](bool is_dense) {
+    const auto at = std::ranges::find_if(flat, [](const Level& l) { return l.flatness < no_ball; });
+    if (at == flat.end()) return LocalNoise{best.sigma, best.pitch, is_dense};
+    return LocalNoise{best.sigma, best.pitch, is_dense, at->sigma, at->pitch};
+  };
   bool dense = false;
   for (std::size_t count = 14; count <= most && count <= points.size(); count *= 2) {
     const Levels levels = levels_of(points, count, nearest, threads);
     consider(levels);
     if (count == 14) dense = levels.middle.flatness > ball;
-    if (best.flatness < thin) return {best.sigma, best.pitch, dense};
+    if (best.flatness < thin) return answer(dense);
   }
   const auto flat_enough = [&] { return std::ranges::find_if(flat, [](const Level& l) { return l.flatness < thin_enough; }); };
   // Where points are so dense that the nearest thousand are a ball of noise, every fourth of them shows twice as far.
@@ -170,7 +176,7 @@ LocalNoise local_noise(std::span<const Vec3> points, const NearestPoints& neares
   }
   const bool told = dense && flat_enough() != flat.end();
   if (told) best = *flat_enough();
-  return {best.sigma, best.pitch, told};
+  return answer(told);
 }
 
 double noise_along_normals(const PointCloud& cloud, int threads) {

@@ -15,6 +15,10 @@ struct LocalNoise {
   double sigma = 0;  ///< mm, median along the normal
   double pitch = 0;  ///< mm, of an even grid with as many points per area; 0: nothing was found
   bool dense = false; ///< the nearest points are a ball of noise, and wider neighbourhoods show a surface
+
+  /// The same as the flatter quarter of the neighbourhoods of one size have it, the smallest that are more than balls of
+  /// noise: right also where walls and edges are so close that most wide neighbourhoods hold one. 0: there is no such size.
+  double flat_sigma = 0, flat_pitch = 0;
 };
 
 /// Gives so many nearest neighbours of a point, itself among them, nearest first.

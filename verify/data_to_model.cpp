@@ -8,6 +8,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/local_noise.h"
 #include "geometry/thin.h"
 #include "verify/chance.h"
 #include "verify/strays.h"
@@ -70,6 +71,8 @@ class Comparison {
   Context& context_;
   double tolerance_, far_;
   std::vector<std::size_t> members_;  // per place
+  std::vector<Vec3> feet_;            // of the points of a dense scan on the artifact; else empty
+  std::unique_ptr<KdTree> feet_tree_;
   double surface_chance_ = 0;
   PointField field_;
 
@@ -77,9 +80,12 @@ class Comparison {
 
   void measure() {
     field_.distance.resize(size()), field_.triangle.resize(size()), field_.stray.assign(size(), 0), field_.crowded.assign(size(), 0);
+    if (source_.dense) feet_.resize(size());
     surface_.for_each_closest(source_.points, context_.threads, Sign::inside_negative, [&](std::size_t i, const MeshHit& hit) {
       field_.distance[i] = hit.distance, field_.triangle[i] = hit.triangle;
+      if (source_.dense) feet_[i] = hit.point;
     });
+    if (source_.dense) feet_tree_ = std::make_unique<KdTree>(feet_);
     // The mesh was measured to lie close to these surfaces: an answer that says otherwise is not believed.
     if (exact_)
       exact_->for_each_closest(source_.points, context_.threads, [&](std::size_t i, const BrepHit& hit) {
@@ -93,6 +99,16 @@ class Comparison {
     if (source_.normals.empty()) return true;
     const Vec3 &p = source_.normals[a], &q = source_.normals[b];
     return p.squaredNorm() < 0.5 || q.squaredNorm() < 0.5 || std::abs(p.dot(q)) >= same_face;
+  }
+
+  /// Where neighbours are looked for: in a dense scan along the surface, so that they hold noise of all heights alike
+  /// however near they are. Those nearest in space err alike there.
+  const std::vector<Vec3>& spots() const { return source_.dense ? feet_ : source_.points; }
+  const KdTree& spots_tree() const { return source_.dense ? *feet_tree_ : *source_.tree; }
+
+  /// What noise does not explain is another surface, above this one or below it.
+  bool apart(std::uint32_t a, std::uint32_t b) const {
+    return source_.dense && std::abs(field_.distance[a] - field_.distance[b]) > 2 * thickness_of_noise(source_.noise);
   }
 
   void places_of_their_own() {
@@ -168,7 +184,7 @@ class Comparison {
         std::size_t asked = 2 * wide;
         double reach = 0;
         for (int attempt = 0; attempt < 2; ++attempt, asked *= 4) {
-          source_.tree->nearest(source_.points[place.point], asked, near);
+          spots_tree().nearest(spots()[place.point], asked, near);
           place.spacing = spacing_from_eighth(std::sqrt(near[std::min<std::size_t>(8, near.size() - 1)].sq_distance));
           // Twice the radius of a disc that holds so many points.
           reach = 1.2 * std::min(place.spacing, source_.sparsest) * std::sqrt(double(wanted));
@@ -176,7 +192,7 @@ class Comparison {
           values.clear();
           for (const auto& n : near) {
             if (values.size() == wide || n.sq_distance > 2 * reach * reach) break;
-            if (n.index != place.point && !on_same_face(place.point, n.index)) continue;
+            if (n.index != place.point && (!on_same_face(place.point, n.index) || apart(place.point, n.index))) continue;
             values.push_back(field_.distance[n.index]);
             if (n.sq_distance <= reach * reach && group.size() < wanted) group.push_back(n.index);
           }
@@ -202,7 +218,7 @@ class Comparison {
   bool is_surface(const Place& place, const std::vector<std::uint32_t>& group) const {
     if (group.size() < fewest) return false;
     double sq_radius = 0;
-    for (const auto p : group) sq_radius = std::max(sq_radius, (source_.points[p] - source_.points[place.point]).squaredNorm());
+    for (const auto p : group) sq_radius = std::max(sq_radius, (spots()[p] - spots()[place.point]).squaredNorm());
     const double strays = densest_curtain * pi * sq_radius / (source_.spacing * source_.spacing);
     if (poisson_tail(group.size() - 1, strays) < surface_chance_) return true;
     return place.spacing <= source_.sparsest && is_thin(group);

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <map>
 
+#include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/local_noise.h"
 #include "geometry/thin.h"
 #include "verify/samples.h"
 
@@ -62,6 +64,26 @@ double scatter(const std::vector<Vec3>& points, const std::vector<Neighbour>& gr
   return heights_over_quadric(points, group, heights) ? scatter_of(std::move(heights)) : 0;
 }
 
+/// The other side of a thin wall was seen from the other side.
+bool seen_from_one_side(const ScanSource& source, std::size_t a, std::size_t b) {
+  return source.rays.empty() || source.rays[a].dot(source.rays[b]) >= -0.1;
+}
+
+/// As local_noise() finds it, from neighbourhoods that are wide enough to show surface.
+LocalNoise noise_in_wider_neighbourhoods(const ScanSource& source, int threads) {
+  const auto nearest = [&](std::uint32_t i, std::size_t count, std::vector<Neighbour>& near) {
+    for (std::size_t asked = count;; asked *= 2) {
+      source.tree->nearest(source.points[i], asked, near);
+      if (source.rays.empty()) return;
+      const auto same_side = [&](const Neighbour& n) { return seen_from_one_side(source, n.index, i); };
+      const auto other_side = std::ranges::stable_partition(near, same_side);
+      // Far more than were asked for are another place: then the nearest of the other side fill up the number.
+      if (near.size() - other_side.size() >= count || asked >= 4 * count || asked >= source.points.size()) return;
+    }
+  };
+  return local_noise(source.points, nearest, threads);
+}
+
 /// One view's surface is sparser than that of all views together, and three times sparser still where it is seen at
 /// 80 degrees. Without views nobody knows how many overlap: four times the usual spacing.
 void measure(ScanSource& source, const std::vector<std::int32_t>& view, int threads) {
@@ -79,8 +101,7 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
         std::sort(views.begin(), views.end());
         overlaps[i] = static_cast<double>(std::unique(views.begin(), views.end()) - views.begin());
       }
-      // The other side of a thin wall was seen from the other side.
-      if (!source.rays.empty()) std::erase_if(near, [&](const Neighbour& n) { return source.rays[n.index].dot(source.rays[at]) < -0.1; });
+      std::erase_if(near, [&](const Neighbour& n) { return !seen_from_one_side(source, n.index, at); });
       if (near.size() <= 12) continue;
       noises[i] = scatter(source.points, near);
       near.resize(13);
@@ -92,11 +113,17 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
   // less of it.
   std::erase(noises, -1.0), std::erase(closer, -1.0);
   source.noise = std::min(median(noises), median(closer));
-  source.sparsest = view.empty() ? 4 * source.spacing : 3 * source.spacing * std::sqrt(median(overlaps));
   // What remains of an exact surface is rounding, not noise; relative to the part, for it may lie far from the origin.
   Box3 box;
   for (const auto& p : source.points) box.add(p);
-  if (source.noise < 1e-6 * box.diagonal()) source.noise = 0;
+  const double rounding = 1e-6 * box.diagonal();
+  if (source.noise < rounding) source.noise = 0;
+  // Neighbourhoods that are narrower than noise is thick show a ball of noise, no surface.
+  const LocalNoise wider = noise_in_wider_neighbourhoods(source, threads);
+  const double reach = wider.flat_pitch * std::sqrt(noise_neighbours / pi);
+  source.dense = wider.flat_sigma > rounding && reach < thickness_of_noise(wider.flat_sigma);
+  if (source.dense) source.noise = wider.flat_sigma, source.spacing = wider.flat_pitch;
+  source.sparsest = view.empty() ? 4 * source.spacing : 3 * source.spacing * std::sqrt(median(overlaps));
 }
 
 /// How far the means of the views in one neighbourhood lie from the mean of the others along the normal: squares, less
@@ -104,7 +131,7 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, int thre
 std::vector<std::pair<std::int32_t, double>> sq_offsets_at(const ScanSource& source, const std::vector<std::int32_t>& view,
                                                            std::size_t at, std::vector<Neighbour>& near) {
   source.tree->nearest(source.points[at], 2 * noise_neighbours, near);
-  if (!source.rays.empty()) std::erase_if(near, [&](const Neighbour& n) { return source.rays[n.index].dot(source.rays[at]) < -0.1; });
+  std::erase_if(near, [&](const Neighbour& n) { return !seen_from_one_side(source, n.index, at); });
   std::vector<double> heights;
   if (near.size() < noise_neighbours || !heights_over_quadric(source.points, near, heights)) return {};
   if (scatter_of(heights) > smooth * source.noise) return {};
@@ -132,10 +159,36 @@ std::vector<std::pair<std::int32_t, double>> sq_offsets_at(const ScanSource& sou
   return offsets;
 }
 
+template <class T>
+std::vector<T> every_nth(const std::vector<T>& all, std::size_t stride) {
+  std::vector<T> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
+  return some;
+}
+
+/// Of a dense cloud thinned so much, the nearest points reach as far as the noise is thick.
+std::size_t stride_to_surface(const ScanSource& source) {
+  const double reach = thickness_of_noise(source.noise) / source.spacing;
+  return std::max<std::size_t>(1, static_cast<std::size_t>(pi * reach * reach / noise_neighbours));
+}
+
+/// A cloud of ordinary density: what its neighbourhoods show is surface.
+ScanSource every_nth(const ScanSource& source, std::size_t stride) {
+  ScanSource some;
+  some.points = every_nth(source.points, stride), some.rays = every_nth(source.rays, stride);
+  some.tree = std::make_unique<KdTree>(some.points);
+  some.noise = source.noise, some.spacing = source.spacing * std::sqrt(static_cast<double>(stride));
+  return some;
+}
+
 /// Views that were laid onto each other wrongly run beside each other: of the view that lies farthest off, the root mean
 /// square of its offsets from the others, without the largest twentieth.
 double disagreement_of(const ScanSource& source, const std::vector<std::int32_t>& view, int threads) {
   if (view.empty()) return 0;
+  if (source.dense) {
+    const std::size_t stride = stride_to_surface(source);
+    return disagreement_of(every_nth(source, stride), every_nth(view, stride), threads);
+  }
   const std::size_t places = std::min(noise_places, source.points.size());
   std::vector<std::vector<std::pair<std::int32_t, double>>> offsets(places);
   parallel_for(places, threads, [&](std::size_t begin, std::size_t end) {

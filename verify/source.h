@@ -27,6 +27,7 @@ struct ScanSource {
   double spacing = 0;                    ///< mm, median over the cloud of the spacing in the 8-neighbourhood
   double sparsest = 0;                   ///< mm, spacing above which points are no surface but strays: see .cpp
   double noise = 0;                      ///< mm, scatter along the normal inside small neighbourhoods
+  bool dense = false;                    ///< the nearest points of a point are a ball of noise, not a piece of surface
   double disagreement = 0;               ///< mm, offset of the view that lies farthest from the others, noise taken out
   std::vector<SightMap> sights;
   std::unique_ptr<MeshDistance> surface; ///< of a scan that is a mesh
