@@ -10,6 +10,7 @@
 #include "core/statistics.h"
 #include "fit/convex_body.h"
 #include "fit/refine.h"
+#include "model/sketch.h"
 
 namespace partscribe {
 namespace {
@@ -110,19 +111,20 @@ Measured half_axes_apart(const Candidate& c, const Ellipsoid& shape) {
 
 /// A straight side of an outline along one of its axes.
 struct Side {
-  Expr at;                   // where it stands across that axis
+  double at = 0;             // mm, where it stands across that axis
   double from = 0, to = 0;   // mm along the axis, `from` below `to`
   int runs = 1;              // with the axis or against it
 };
 
-std::vector<Side> sides_along(const std::vector<SketchElement>& elements, bool along_x, const Candidate& c) {
+/// Of the outermost loop.
+std::vector<Side> sides_along(const Outline2& outline, bool along_x) {
+  const int axis = along_x ? 0 : 1, across = 1 - axis;
   std::vector<Side> sides;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const auto* a = std::get_if<SketchPoint>(&elements[i]);
-    const auto* b = std::get_if<SketchPoint>(&elements[(i + 1) % elements.size()]);
-    if (!a || !b || !(along_x ? a->y == b->y : a->x == b->x)) continue;
-    const double from = measured(c, along_x ? a->x : a->y).value, to = measured(c, along_x ? b->x : b->y).value;
-    sides.push_back({along_x ? a->y : a->x, std::min(from, to), std::max(from, to), from < to ? 1 : -1});
+  for (const OutlineCurve& curve : outline.curves) {
+    const auto* line = std::get_if<Line2>(&curve.curve);
+    if (!line || curve.loop != 0 || std::abs(line->a[across] - line->b[across]) > sketch_join) continue;
+    const double from = line->a[axis], to = line->b[axis];
+    sides.push_back({line->a[across], std::min(from, to), std::max(from, to), from < to ? 1 : -1});
   }
   return sides;
 }
@@ -197,15 +199,20 @@ std::string unknown_radius(const Candidate& refined) {
 std::string unknown_wall(const Candidate& refined) {
   const auto* plate = std::get_if<Extrude>(&refined.shape);
   if (!plate || plate->sketch.loops.empty()) return {};
-  const auto& elements = plate->sketch.loops.front().elements;
-  for (const bool along_x : {true, false})
-    for (const Side& side : sides_along(elements, along_x, refined)) {
-      const Measured wall = measured(refined, side.at);
-      if (wall.points < hardly_any_points || !(wall.sigma > std::abs(wall.value))) continue;
-      for (const Side& base : sides_along(elements, along_x, refined))  // from where the others are measured
-        if (base.at.is_number() && base.at.number == 0 && base.runs * side.runs < 0 && overlap(base, side))
-          return "a wall of " + with_sigma(wall, "mm") + " may be none";
+  Values values;
+  for (const Parameter& p : refined.parameters) values[p.name] = p.fitted;
+  const Outline2 outline = outline_of(std::get<ExtrudeOf<double>>(evaluate(refined.shape, values)).sketch);
+  const auto stands_at = [](const Side& side, double at) { return std::abs(side.at - at) <= sketch_join; };
+  for (const bool along_x : {true, false}) {
+    const std::vector<Side> sides = sides_along(outline, along_x);
+    for (const Parameter& p : refined.parameters) {
+      if (p.quantity != Quantity::length || p.points < hardly_any_points || !(p.sigma > std::abs(p.fitted))) continue;
+      for (const Side& side : sides)
+        for (const Side& base : sides)  // from where the others are measured
+          if (stands_at(side, p.fitted) && stands_at(base, 0) && base.runs * side.runs < 0 && overlap(base, side))
+            return "a wall of " + with_sigma({p.fitted, p.sigma}, "mm") + " may be none";
     }
+  }
   return {};
 }
 

@@ -390,6 +390,25 @@ TEST_CASE("rivals: a plate with a wall that may as well be of no thickness is no
   CHECK(with(20, 25, false, 3).empty());  // a side that was not seen
 }
 
+TEST_CASE("rivals: a rod with a fin that may as well be of no thickness is none") {
+  // The outline of a rod, a fin along its tangent: between two arcs no side has corners at both ends.
+  const auto with = [](double thickness) {
+    Loop outline;
+    outline.name = "outline";
+    const Expr y = Expr::of("width");
+    outline.elements = {SketchPoint{20, 0, ""}, SketchPoint{20, y, ""}, SketchArc{5, y + 10, 10, -pi / 2, pi / 2, ""},
+                        SketchArc{5, 10, 10, pi / 2, 1.5 * pi, ""}};
+    Candidate c;
+    c.shape = Extrude{{{outline}}, 32};
+    Parameter p;
+    p.name = "width", p.value = p.fitted = thickness, p.sigma = 0.1, p.points = 250;
+    c.parameters = {p};
+    return unknown_wall(c);
+  };
+  CHECK(with(0.03) == "a wall of 0.03 +- 0.1 mm may be none");
+  CHECK(with(0.3).empty());
+}
+
 TEST_CASE("recovery: plates among 30 % strays: dense walls are no strays, what is printed is no dearer than what else was found") {
   // Of 155 the densest wall passed for strays; of 140 the last steps led a plate that was swept across another way to one that costs 90
   // nats more than the right one.
