@@ -1,11 +1,12 @@
 #include "fit/group_effects.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "geometry/decompose.h"
 
 namespace partscribe {
 namespace {
@@ -92,14 +93,14 @@ GroupEffects group_effects(const GroupSums& groups, const Matrix& h_inverse, dou
   // What the fit has absorbed of the motions is no evidence.
   Matrix a = groups.motion - groups.coupling * h_inverse * groups.coupling.transpose();
   a = (0.5 * (a + a.transpose())).eval();
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(a);
+  const auto eigen = eigensystem(a);
   const double cut = 1e-6 * std::max(a.trace() / double(size), 1e-300);
   Eigen::Index first = 0;
-  while (first < size && eigen.eigenvalues()[first] <= cut) ++first;
+  while (first < size && eigen.values[first] <= cut) ++first;
   const Eigen::Index rank = size - first;
   if (rank < 2) return result;
-  const Vector root = eigen.eigenvalues().tail(rank).cwiseSqrt();
-  const Matrix u = eigen.eigenvectors().rightCols(rank);
+  const Vector root = eigen.values.tail(rank).cwiseSqrt();
+  const Matrix u = eigen.vectors.rightCols(rank);
   Components data;
   data.noise = noise;
   data.z = root.cwiseInverse().asDiagonal() * (u.transpose() * groups.pull);

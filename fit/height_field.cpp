@@ -82,9 +82,9 @@ using Dense =
     CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<DenseVertexBase, DenseFaceBase>>;
 
 /// All samples triangulated in the picture; faces over steps and missing data are not valid.
-class Domain {
+class PictureDomain {
  public:
-  Domain(const std::vector<Vec3>& picture, const std::vector<Vec3>& places, const std::vector<Vec3>& normals,
+  PictureDomain(const std::vector<Vec3>& picture, const std::vector<Vec3>& places, const std::vector<Vec3>& normals,
          const Projection& projection, const HeightFieldOptions& options, double spacing)
       : places_(places) {
     std::vector<std::pair<Point, std::uint32_t>> all;
@@ -274,7 +274,7 @@ using Vertex = Sparse::Vertex_handle;
 
 class Insertion {
  public:
-  Insertion(const Domain& domain, const std::vector<Vec3>& picture, std::vector<Vec3> places, double bound)
+  Insertion(const PictureDomain& domain, const std::vector<Vec3>& picture, std::vector<Vec3> places, double bound)
       : domain_(domain), picture_(picture), places_(std::move(places)), bound_(bound) {}
 
   TriangleMesh run(Context& context) {
@@ -524,7 +524,7 @@ class Insertion {
     }
   };
 
-  const Domain& domain_;
+  const PictureDomain& domain_;
   const std::vector<Vec3>& picture_;
   std::vector<Vec3> places_;
   double bound_;
@@ -593,7 +593,7 @@ std::optional<HeightField> triangulated_height_field(const PointCloud& cloud, co
   const std::vector<Vec3> places = averaged(samples, *projection, count, sampling.spacing, context);
   std::vector<Vec3> picture(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) picture[i] = (*projection)(places[i]);
-  const Domain domain(picture, places, samples.normals, *projection, options, sampling.spacing);
+  const PictureDomain domain(picture, places, samples.normals, *projection, options, sampling.spacing);
   HeightField result;
   const auto covered = domain.covered();
   result.uncovered =

@@ -1,11 +1,11 @@
 #include "fit/normal_equations.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 
@@ -37,11 +37,11 @@ NormalEquations normal_equations(const Matrix& rows, const std::vector<double>& 
 }
 
 Matrix pseudo_inverse(const Matrix& h) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(h);
+  const auto eigen = eigensystem(h);
   const double cut = 1e-9 * std::max(h.trace() / double(h.rows()), 1e-300);
-  Vector inverse = eigen.eigenvalues();
+  Vector inverse = eigen.values;
   for (auto& v : inverse) v = v > cut ? 1 / v : 0;
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
 double Welsch::weight(double u) const {

@@ -1,12 +1,12 @@
 #include "fit/open_ends.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 #include <tuple>
 #include <utility>
 
 #include "fit/refine.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 namespace {
@@ -21,11 +21,11 @@ Matrix hardly_fixed(const AllPoints& all, double few, int threads) {
     for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i)
       if (all.used[i]) weight[k] += kernel.weight(all.at.value[i] / all.sigma[i]);
   const Matrix h = normal_equations(all.jacobian.rows, weight, std::vector<double>(weight.size(), 0), threads).h;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(h);
+  const auto eigen = eigensystem(h);
   const double most = std::max(double(hardly_any_points), few * double(all.points.size()));
   Eigen::Index count = 0;
-  while (count < h.rows() && eigen.eigenvalues()[count] < most) ++count;
-  return eigen.eigenvectors().leftCols(count);
+  while (count < h.rows() && eigen.values[count] < most) ++count;
+  return eigen.vectors.leftCols(count);
 }
 
 /// What the points say along one way through the unknowns.

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "geometry/decompose.h"
+
 namespace partscribe {
 
 PlaneCircle polished(PlaneCircle c, const std::vector<Vec2>& on) {
@@ -15,7 +17,7 @@ PlaneCircle polished(PlaneCircle c, const std::vector<Vec2>& on) {
       const Vec3 row(-d.x() / r, -d.y() / r, -1);
       h += row * row.transpose(), g += (r - c.radius) * row;
     }
-    const Vec3 step = -h.ldlt().solve(g);
+    const Vec3 step = -solve_ldlt(h, g);
     if (!step.allFinite() || step.norm() > c.radius) break;
     c.center += step.head<2>(), c.radius += step.z();
   }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/number.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 namespace {
@@ -183,7 +184,7 @@ std::optional<Nurbs2> spline_through(const std::vector<ChainNode>& nodes, std::s
         }
       }
       m.diagonal().array() += 1e-12 * m.trace();
-      const Eigen::MatrixXd solution = m.ldlt().solve(r);
+      const Eigen::MatrixXd solution = solve_ldlt(m, r);
       curve.control.clear();
       for (Eigen::Index k = 0; k < solution.rows(); ++k) curve.control.emplace_back(solution(k, 0), solution(k, 1));
       worst = 0;

@@ -12,6 +12,7 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "fit/equal_choices.h"
+#include "geometry/decompose.h"
 #include "geometry/quadric_distance.h"
 
 namespace partscribe {
@@ -47,7 +48,7 @@ void polish_ball(Ball& ball, const std::vector<Vec3>& points, double reach) {
     }
     h.diagonal() *= 1 + 1e-9;
     h.diagonal().array() += 1e-12;
-    const Eigen::Vector4d step = h.ldlt().solve(b);
+    const Eigen::Vector4d step = solve_ldlt(h, b);
     if (!step.allFinite()) return;
     ball.centre += step.head<3>();
     ball.radius += step[3];
@@ -69,7 +70,7 @@ Ball ball_through(const std::vector<Vec3>& points, const Vec3& origin, double un
       h += weight[i] * row * row.transpose(), b += weight[i] * q.squaredNorm() * row;
     }
     h.diagonal().array() += 1e-9;
-    const Eigen::Vector4d x = h.ldlt().solve(b);
+    const Eigen::Vector4d x = solve_ldlt(h, b);
     const double r = std::sqrt(std::max(1e-6, x[3] + x.head<3>().squaredNorm()));
     ball = {origin + unit * x.head<3>(), unit * r};
     std::vector<double> d;
@@ -92,7 +93,7 @@ Ball ball_of_normals(const std::vector<Vec3>& points, const std::vector<Vec3>& n
       const Mat3 across = Mat3::Identity() - normals[i] * normals[i].transpose();
       h += weight[i] * across, b += weight[i] * (across * (points[i] - origin) / unit);
     }
-    ball.centre = origin + unit * h.ldlt().solve(b);
+    ball.centre = origin + unit * solve_ldlt(h, b);
     std::vector<double> miss(points.size()), radius;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 q = points[i] - ball.centre;
@@ -152,7 +153,7 @@ std::optional<EllipsoidStart> ellipsoid_through(const std::vector<Vec3>& points,
     const Vec3 v(u[5], u[6], u[7]);
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(m);
     if (!(eigen.eigenvalues()[0] > 1e-3)) return std::nullopt;
-    const Vec3 centre = m.ldlt().solve(v);
+    const Vec3 centre = solve_ldlt(m, v);
     const double level = u[8] + centre.dot(v);
     if (!(level > 0)) return std::nullopt;
     EllipsoidStart e;

@@ -13,6 +13,7 @@
 #include "fit/sketch_builder.h"
 #include "fit/sparse_step.h"
 #include "fit/turned_primitives.h"
+#include "geometry/decompose.h"
 #include "geometry/nearby_in_plane.h"
 
 namespace partscribe {
@@ -196,7 +197,7 @@ Axis settled_axis(const FitInput& input, Axis axis) {
     if (sizes.size() < 50) return axis;
     // What the data leave open stays as it was.
     h.diagonal().array() += 1e-6 * h.trace();
-    const Vector4 step = -h.ldlt().solve(g);
+    const Vector4 step = -solve_ldlt(h, g);
     if (!step.allFinite() || step.norm() > 0.1 * size) return axis;
     axis.point += step[0] * e1 + step[1] * e2;
     axis.direction = (axis.direction + (step[2] * e1 + step[3] * e2) / size).normalized();

@@ -10,6 +10,7 @@
 #include "core/statistics.h"
 #include "fit/convex_body.h"
 #include "fit/refine.h"
+#include "geometry/decompose.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -80,16 +81,16 @@ std::optional<Bend> bend_of(const FitInput& input) {
   }
   Eigen::Matrix2d bends;
   bends << form[3], form[4], form[4], form[5];
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(bends);
-  const int strongest = std::abs(eigen.eigenvalues()[0]) > std::abs(eigen.eigenvalues()[1]) ? 0 : 1;
-  const Vec2 across = eigen.eigenvectors().col(strongest);
+  const auto eigen = eigensystem(bends);
+  const int strongest = std::abs(eigen.values[0]) > std::abs(eigen.values[1]) ? 0 : 1;
+  const Vec2 across = eigen.vectors.col(strongest);
   Six share = Six::Zero();
   share[3] = across.x() * across.x(), share[4] = 2 * across.x() * across.y(), share[5] = across.y() * across.y();
   std::vector<double> along;
   for (const Vec3& p : points) along.push_back(p.head<2>().dot(across));
   // The sheet may lean in this frame, which flattens its bend.
   const double lean = std::pow(1 + std::pow(form[1] * across.x() + form[2] * across.y(), 2), 1.5);
-  return Bend{{eigen.eigenvalues()[strongest] / lean, scale * std::sqrt(std::max(0.0, double(share.dot(inverse * share)))) / lean},
+  return Bend{{eigen.values[strongest] / lean, scale * std::sqrt(std::max(0.0, double(share.dot(inverse * share)))) / lean},
               quantile(along, 0.98) - quantile(along, 0.02)};
 }
 

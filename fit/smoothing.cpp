@@ -11,6 +11,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 namespace {
@@ -170,7 +171,7 @@ double chance_by_incidence(const SmoothingModel& model, const Solution& solution
   const Matrix spread = solution.inverse.bottomRightCorner(model.further, model.further);
   const Vector found = solution.unknowns.tail(model.further);
   const double logarithm = 0.5 * std::log(std::max((spread * model.precision).determinant(), 1e-300)) +
-                           0.5 * found.dot(spread.ldlt().solve(found)) / noise;
+                           0.5 * found.dot(solve_ldlt(spread, found)) / noise;
   return 1 / (1 + std::exp(-logarithm));
 }
 

@@ -17,6 +17,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "fit/superquadric_mixture.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 
@@ -226,7 +227,7 @@ State ball_start(const std::vector<Vec3>& points) {
       const Eigen::Vector4d row(2 * points[i].x(), 2 * points[i].y(), 2 * points[i].z(), 1);
       h += weight[i] * row * row.transpose(), b += weight[i] * points[i].squaredNorm() * row;
     }
-    const Eigen::Vector4d x = h.ldlt().solve(b);
+    const Eigen::Vector4d x = solve_ldlt(h, b);
     s.centre = x.head<3>();
     const double r = std::sqrt(std::max(1e-4, x[3] + s.centre.squaredNorm()));
     s.a = Vec3::Constant(std::clamp(r, 0.05, 4.0));

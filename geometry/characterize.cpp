@@ -1,11 +1,11 @@
 #include "geometry/characterize.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "core/parallel.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 namespace {
@@ -104,9 +104,9 @@ CharacterizedPoint point_of(const SurfaceGraph& graph, const std::vector<std::ui
   p.sigma_mean = std::sqrt(std::max(C(0, 0) + 2 * C(0, 2) + C(2, 2), 0.0)) / radius;
   Eigen::Matrix2d bend;
   bend << 2 * m[0], m[1], m[1], 2 * m[2];
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(bend / radius);
-  p.least = eigen.eigenvalues()[0], p.most = eigen.eigenvalues()[1];
-  p.along_least = q.frame.leftCols<2>() * eigen.eigenvectors().col(0);
+  const auto eigen = eigensystem<2>(bend / radius);
+  p.least = eigen.values[0], p.most = eigen.values[1];
+  p.along_least = q.frame.leftCols<2>() * eigen.vectors.col(0);
   p.kind = class_of_signs(sign_of(p.mean, p.sigma_mean), sign_of(p.gaussian, p.sigma_gaussian));
   return p;
 }

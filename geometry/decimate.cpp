@@ -8,6 +8,7 @@
 
 #include "core/ensure.h"
 #include "core/parallel.h"
+#include "geometry/decompose.h"
 #include "geometry/kd_tree.h"
 #include "geometry/mesh_distance.h"
 #include "geometry/self_intersection.h"
@@ -177,7 +178,7 @@ class Decimator {
     // Where planes leave a direction free, the middle of the edge is as good as any.
     const double weight = 1e-5 * q.a.trace() + 1e-300;
     const Mat3 system = q.a + weight * Mat3::Identity();
-    place = system.ldlt().solve(Vec3(-q.b + weight * middle));
+    place = solve_ldlt(system, Vec3(-q.b + weight * middle));
     const double sq_length = (pa - pb).squaredNorm();
     if (!place.allFinite() || (place - middle).squaredNorm() > 4 * sq_length) place = q.at(pa) <= q.at(pb) ? pa : pb;
     // Among equally flat edges short ones go first: they leave better triangles.

@@ -9,6 +9,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 #include "geometry/thin.h"
 
 namespace partscribe {
@@ -78,7 +79,7 @@ QuadricScale quadric_scale(std::span<const Vec3> points, QuadricScratch& scratch
       a.noalias() += rows[k] * rows[k].transpose();
       b += rows[k] * heights[k];
     }
-    const Vec6 x = a.ldlt().solve(b);
+    const Vec6 x = solve_ldlt(a, b);
     if (!x.allFinite()) return result;
     sum = 0, used = 0;
     for (std::size_t k = 0; k < count; ++k) {

@@ -10,6 +10,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 #include "geometry/primitive_kernels.h"
 #include "geometry/primitive_start.h"
 
@@ -211,8 +212,7 @@ Vec3 oriented(const Vec3& axis) {
 
 double largest_sigma(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& covariance) {
   const Eigen::MatrixXd c = rows * covariance * rows.transpose();
-  return std::sqrt(std::max(
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(c, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff(), 0.0));
+  return std::sqrt(std::max(eigenvalues_of(c).maxCoeff(), 0.0));
 }
 
 /// The inverse of H; directions that the points say nothing about get a huge variance instead of an infinite one.
@@ -220,14 +220,14 @@ Eigen::MatrixXd inverse_of(const KernelEquations& sums, int m, bool& full_rank) 
   Eigen::VectorXd scale(m);
   for (int i = 0; i < m; ++i) scale[i] = sums.H(i, i) > 0 ? 1 / std::sqrt(sums.H(i, i)) : 1;
   const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.H.topLeftCorner(m, m) * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  const auto solver = eigensystem(scaled);
   Eigen::VectorXd inverse(m);
   for (int i = 0; i < m; ++i) {
-    const double value = solver.eigenvalues()[i];
+    const double value = solver.values[i];
     if (!(value > 1e-13)) full_rank = false;
     inverse[i] = 1 / std::max(value, 1e-13);
   }
-  return scale.asDiagonal() * solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose() *
+  return scale.asDiagonal() * solver.vectors * inverse.asDiagonal() * solver.vectors.transpose() *
          scale.asDiagonal();
 }
 

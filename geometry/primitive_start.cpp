@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "geometry/decompose.h"
 #include "geometry/kd_tree.h"
 
 namespace partscribe {
@@ -62,7 +63,7 @@ void add_sphere(const std::vector<Vec3>& points, Charts& charts) {
     H += row * row.transpose();
     g += row * q.squaredNorm();
   }
-  const Eigen::Vector4d s = H.ldlt().solve(g);
+  const Eigen::Vector4d s = solve_ldlt(H, g);
   const Vec3 center = s.head<3>();
   const double sq = s[3] + center.squaredNorm();
   if (!std::isfinite(sq) || sq <= 0) return;
@@ -96,7 +97,7 @@ Ring ring_along(const Vec3& axis, const std::vector<Vec3>& points, bool quadric)
     g += row * sq;
     total += sq * sq;
   }
-  const Eigen::Matrix<double, 5, 1> s = H.ldlt().solve(g);
+  const Eigen::Matrix<double, 5, 1> s = solve_ldlt(H, g);
   Ring ring;
   ring.axis = axis;
   ring.center = frame.transpose() * Vec3(s[0], s[1], 0);
@@ -148,15 +149,15 @@ void add_patches(ChartKind kind, const std::vector<Vec3>& points, const Principa
     H += row * row.transpose();
     g += row * q.dot(n);
   }
-  const Eigen::Matrix<double, 6, 1> s = H.ldlt().solve(g);
+  const Eigen::Matrix<double, 6, 1> s = solve_ldlt(H, g);
   const Vec3 place = principal.mean + n * s[0];
   const Vec3 normal = (n - s[1] * e - s[2] * f).normalized();
   Eigen::Matrix2d bend;
   bend << 2 * s[3], s[4], s[4], 2 * s[5];
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(bend);
+  const auto solver = eigensystem(bend);
   for (int i = 0; i < 2; ++i) {
-    const Eigen::Vector2d v = solver.eigenvectors().col(1 - i);
-    charts.push_back(surface_chart(kind, place, normal, v.x() * e + v.y() * f, -solver.eigenvalues()[i], 0));
+    const Eigen::Vector2d v = solver.vectors.col(1 - i);
+    charts.push_back(surface_chart(kind, place, normal, v.x() * e + v.y() * f, -solver.values[i], 0));
   }
 }
 
@@ -194,7 +195,7 @@ PrimitiveChart torus_about(const Vec3& place, const Vec3& axis, const std::vecto
     g += row * sq;
     total += sq * sq;
   }
-  const Vec3 s = H.ldlt().solve(g);
+  const Vec3 s = solve_ldlt(H, g);
   PrimitiveChart chart;
   chart.kind = ChartKind::torus;
   chart.frame = frame;
@@ -216,7 +217,7 @@ void add_line_complexes(const std::vector<Vec3>& points, const std::vector<Vec3>
   }
   // Least a^T (A - B D^-1 B^T) a over unit a, with b = -D^-1 B^T a.
   const Mat3 D = M.bottomRightCorner<3, 3>() + Mat3::Identity() * 1e-9, B = M.topRightCorner<3, 3>();
-  const Mat3 from_a = -D.ldlt().solve(Mat3(B.transpose()));
+  const Mat3 from_a = -solve_ldlt(D, Mat3(B.transpose()));
   Mat3 schur = M.topLeftCorner<3, 3>() + B * from_a;
   schur = 0.5 * (schur + schur.transpose()).eval();
   const Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(schur).eigenvectors();
@@ -247,7 +248,7 @@ void add_turned_tori(std::vector<Vec3> axes, const std::vector<Vec3>& points, co
       H += row * row.transpose();
       g += row * row.dot(q.head<2>());
     }
-    const Eigen::Vector2d c = H.ldlt().solve(g);
+    const Eigen::Vector2d c = solve_ldlt(H, g);
     Turned turned;
     turned.chart = torus_about(frame.transpose() * Vec3(c.x(), c.y(), 0), axis, some, &turned.error);
     if (std::isfinite(turned.error)) tori.push_back(turned);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/ensure.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 namespace {
@@ -82,8 +83,7 @@ class Growth {
     }
     const double weight = a(0, 0);
     if (patch_.order == 1) a.bottomRightCorner<3, 3>() = weight * Mat3::Identity();
-    const Eigen::LDLT<Mat6> solver(a + 1e-12 * weight * Mat6::Identity());
-    const Vec6 x = solver.solve(b);
+    const Vec6 x = solve_ldlt(Mat6(a + 1e-12 * weight * Mat6::Identity()), b);
     if (!x.allFinite()) return false;
     const double powers[6] = {scale, 1, 1, 1 / scale, 1 / scale, 1 / scale};
     for (int k = 0; k < 6; ++k) patch_.coefficients[k] = x[k] * powers[k];

@@ -1,6 +1,5 @@
 #include "scan/register_free.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "geometry/decompose.h"
 #include "scan/register_pair.h"
 #include "scan/register_start.h"
 #include "scan/register_steps.h"
@@ -40,11 +40,11 @@ Ways ways_of_view(std::size_t view, const JointResult& joint) {
   Ways span(6, n);
   for (Eigen::Index k = 0; k < n; ++k)
     span.col(k) = joint.free_directions[static_cast<std::size_t>(k)].segment<6>(static_cast<Eigen::Index>(6 * view));
-  const Eigen::SelfAdjointEigenSolver<Mat6> eigen(span * span.transpose());
+  const auto eigen = eigensystem<6>(span * span.transpose());
   // A view that moves a fifth as far as the one that moves most is only carried along.
   int rank = 0;
-  while (rank < 6 && eigen.eigenvalues()[5 - rank] > 0.01) ++rank;
-  return eigen.eigenvectors().rightCols(rank);
+  while (rank < 6 && eigen.values[5 - rank] > 0.01) ++rank;
+  return eigen.vectors.rightCols(rank);
 }
 
 std::vector<Ways> ways_of_views(const JointResult& joint) {
@@ -58,8 +58,8 @@ std::vector<Ways> ways_of_views(const JointResult& joint) {
 std::vector<FreeMotion> motions_of_view(const Ways& ways, const JointResult& joint) {
   std::vector<FreeMotion> result;
   // Combinations that do not turn are slides, the others turn about an axis.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> split(ways.topRows<3>().transpose() * ways.topRows<3>());
-  for (Eigen::Index k = 0; k < ways.cols(); ++k) result.push_back(motion_of(ways * split.eigenvectors().col(k), joint));
+  const auto split = eigensystem<Eigen::Dynamic>(ways.topRows<3>().transpose() * ways.topRows<3>());
+  for (Eigen::Index k = 0; k < ways.cols(); ++k) result.push_back(motion_of(ways * split.vectors.col(k), joint));
   return result;
 }
 
@@ -71,7 +71,7 @@ Vec3 nearest_to_axes(const std::vector<FreeMotion>& motions) {
     const Mat3 one = Mat3::Identity() - m.axis * m.axis.transpose();
     across += one, sum += one * m.point;
   }
-  return across.ldlt().solve(sum);
+  return solve_ldlt(across, sum);
 }
 
 bool same_motion(const FreeMotion& a, const FreeMotion& b, double size) {

@@ -1,7 +1,7 @@
 #include "scan/register_joint.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 #include "geometry/nearest_again.h"
 #include "scan/register_measured.h"
 #include "scan/register_steps.h"
@@ -387,8 +388,8 @@ Directions directions_of(const System& system, double limit) {
   const MatrixXd h = system.h.topLeftCorner(n, n);
   MatrixXd m = system.m.topLeftCorner(n, n);
   m.diagonal().array() += 1e-9 * std::max(m.trace() / static_cast<double>(n), 1e-30) + 1e-12 * h.trace() / static_cast<double>(n);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(h, m);
-  Directions result{eigen.eigenvectors(), eigen.eigenvalues()};
+  const auto eigen = generalized_eigensystem(h, m);
+  Directions result{eigen.vectors, eigen.values};
   while (result.first < n && !(result.fixed[result.first] > limit)) ++result.first;
   return result;
 }

@@ -85,7 +85,7 @@ struct Trouble {
 };
 
 /// What the placed views say of each other.
-struct Evidence {
+struct SharedEvidence {
   const std::vector<ViewSurface>& surfaces;
   const JointResult& joint;
   const std::vector<std::size_t>& used;
@@ -96,7 +96,7 @@ struct Evidence {
   std::size_t unanswered = 0;          ///< least_answered
 };
 
-Trouble trouble_of(const Evidence& of, std::size_t v, const RegisteredView& view) {
+Trouble trouble_of(const SharedEvidence& of, std::size_t v, const RegisteredView& view) {
   const std::size_t motions = std::max(of.joint.free_directions.size(), of.free_motions.size());
   const Agreement& found = of.agreements[v];
   const double most_elsewhere = most_disagreement(of.options, of.surfaces[v], motions, of.used.size(), of.usual_disagreement), both = found.disagreement() + found.unanswered();
@@ -136,7 +136,7 @@ std::vector<std::size_t> judge_views(const std::vector<ViewSurface>& surfaces, c
                                      const std::vector<FreeMotion>& free_motions, const RegisterOptions& options, std::vector<RegisteredView>& views) {
   const double reach = confirm_reach(surfaces);
   const Creases creases = options.arrangement == Arrangement::unknown ? Creases::count : Creases::left_out;
-  Evidence evidence{surfaces, joint, used, free_motions, options, std::vector<Agreement>(surfaces.size())};
+  SharedEvidence evidence{surfaces, joint, used, free_motions, options, std::vector<Agreement>(surfaces.size())};
   std::vector<double> disagreements;
   for (const std::size_t v : used) {
     evidence.agreements[v] = agreement(surfaces, joint.poses, v, joint.poses[v], used, reach, 1500, creases);

@@ -1,13 +1,13 @@
 #include "scan/register_pair.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 #include "geometry/nearest_again.h"
 
 namespace partscribe {
@@ -219,11 +219,11 @@ struct PairEquations {
       const Mat6 inverse = factors.solve(Mat6::Identity());
       if (1 > std::max(weak * h.trace(), 1e-12) * inverse.norm()) return inverse * g;
     }
-    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(h);
+    const auto eigen = eigensystem(h);
     Vec6 result = Vec6::Zero();
     for (int k = 0; k < 6; ++k)
-      if (eigen.eigenvalues()[k] > std::max(weak * eigen.eigenvalues()[5], 1e-12))
-        result += eigen.eigenvectors().col(k) * (eigen.eigenvectors().col(k).dot(g) / eigen.eigenvalues()[k]);
+      if (eigen.values[k] > std::max(weak * eigen.values[5], 1e-12))
+        result += eigen.vectors.col(k) * (eigen.vectors.col(k).dot(g) / eigen.values[k]);
     return result;
   }
 };
@@ -321,9 +321,9 @@ std::vector<WeakMotion> weak_motions(const Surfels& source, const PlacedModel& t
   SymmetricSums sums;
   Partners(AlignPair{&source, &target}).add(rule_at(pose, pose * middle, size, reach, noise), sums);
   const PairEquations sum(sums);
-  const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sum.h);
-  for (int k = 0; k < 3 && eigen.eigenvalues()[k] < weak * eigen.eigenvalues()[5]; ++k)
-    result.push_back({pose * middle, eigen.eigenvectors().col(k).head<3>() / size, eigen.eigenvectors().col(k).tail<3>()});
+  const auto eigen = eigensystem(sum.h);
+  for (int k = 0; k < 3 && eigen.values[k] < weak * eigen.values[5]; ++k)
+    result.push_back({pose * middle, eigen.vectors.col(k).head<3>() / size, eigen.vectors.col(k).tail<3>()});
   return result;
 }
 

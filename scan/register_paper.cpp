@@ -1,9 +1,10 @@
 #include "scan/register_paper.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/decompose.h"
 
 namespace partscribe {
 
@@ -16,7 +17,7 @@ Pose closest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) 
   const Vec3 d(S(1, 2) - S(2, 1), S(2, 0) - S(0, 2), S(0, 1) - S(1, 0));
   Eigen::Matrix4d N;
   N << S.trace(), d.transpose(), d, S + S.transpose() - S.trace() * Mat3::Identity();
-  const Eigen::Vector4d q = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(N).eigenvectors().col(3);
+  const Eigen::Vector4d q = eigensystem(N).vectors.col(3);
   Pose pose;
   pose.rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
   pose.translation = xm - pose.rotation * pm;
@@ -63,7 +64,7 @@ std::vector<Patch> planar_patches(const ViewSurface& surface, const PaperOptions
 namespace {
 
 /// The patches of all views registered so far, in the world.
-struct Model {
+struct PatchModel {
   std::vector<Vec3> points;
   std::vector<std::uint32_t> patch;  // of each point
   std::vector<Vec3> center, normal;  // of each patch
@@ -82,7 +83,7 @@ struct Pairing {
 };
 
 /// x_i: the projection of a point on the plane of the primitive that is nearest to it.
-Pairing match(const std::vector<Patch>& patches, const std::vector<std::uint8_t>& visible, const Model& model, const KdTree& tree,
+Pairing match(const std::vector<Patch>& patches, const std::vector<std::uint8_t>& visible, const PatchModel& model, const KdTree& tree,
               const Pose& pose, double limit, double normal_angle) {
   Pairing pairing;
   std::vector<double> residuals;
@@ -108,7 +109,7 @@ StartResult register_as_published(const std::vector<ViewSurface>& surfaces, cons
                                   const PaperOptions& options, Context& context) {
   const std::size_t n = surfaces.size();
   StartResult result = StartResult::at(guesses, false);
-  Model model;
+  PatchModel model;
   std::vector<std::size_t> placed;
   for (std::size_t v = 0; v < n && !context.cancelled; ++v) {
     if (!surfaces[v].usable()) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 
@@ -22,7 +23,7 @@ void add_pull(std::size_t a, std::size_t b, const Eigen::Matrix<double, 6, 1>& p
 Eigen::MatrixXd answer_of(const Eigen::MatrixXd& h, const Eigen::MatrixXd& basis) {
   Eigen::MatrixXd within = basis.transpose() * h * basis;
   within.diagonal() *= 1 + 1e-9;
-  return basis * within.ldlt().solve(basis.transpose());
+  return basis * solve_ldlt(within, Eigen::MatrixXd(basis.transpose()));
 }
 
 Pose moved_about(const Pose& pose, const Vec3& center, const Vec3& turn, const Vec3& shift) {

@@ -13,6 +13,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 #include "geometry/normals.h"
 #include "geometry/thin.h"
 
@@ -515,7 +516,7 @@ std::optional<Vec3> sensor_of(const PointCloud& cloud) {
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(a / static_cast<double>(cloud.size()));
   if (eigen.eigenvalues()[0] < 1e-5) return {};
-  return Vec3(a.ldlt().solve(b));
+  return Vec3(solve_ldlt(a, b));
 }
 
 /// A raster across an unorganised view, two spacings wide.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 
 namespace partscribe {
 namespace {
@@ -117,7 +118,7 @@ void update_axes(RoundFit& fit) {
   }
   for (const Bin& bin : bins)
     if (bin.weight > 0) h -= bin.rows * bin.rows.transpose() / bin.weight, g -= bin.residual / bin.weight * bin.rows;
-  const Eigen::VectorXd step = -h.ldlt().solve(g);
+  const Eigen::VectorXd step = -solve_ldlt(h, g);
   if (!step.allFinite()) return;
   for (std::size_t v = 0; v < fit.frames.size(); ++v) {
     AxisFrame& frame = fit.frames[v];

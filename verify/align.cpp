@@ -11,6 +11,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 #include "geometry/mesh_facets.h"
 #include "geometry/thin.h"
 #include "verify/facets.h"
@@ -32,13 +33,13 @@ constexpr double hardly = 0.02;        // of the tolerance: differences that nob
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
-struct Frame {
+struct PrincipalFrame {
   Vec3 center = Vec3::Zero();
   Mat3 axes = Mat3::Identity();  // columns, by growing extent
 };
 
-Frame principal_frame(const std::vector<Vec3>& points) {
-  Frame frame;
+PrincipalFrame principal_frame(const std::vector<Vec3>& points) {
+  PrincipalFrame frame;
   for (const auto& p : points) frame.center += p;
   frame.center /= static_cast<double>(points.size());
   Mat3 covariance = Mat3::Zero();
@@ -122,7 +123,7 @@ class Fitting {
       }
       // Directions that the part leaves open (a cylinder turns in itself) stay where they are.
       normal.diagonal().array() += 1e-6 * normal.trace() + 1e-300;
-      const Vec6 move = normal.ldlt().solve(right);
+      const Vec6 move = solve_ldlt(normal, right);
       const Mat3 turn = rotation_of(move.head<3>() / size_);
       pose = Pose{turn, center - turn * center + move.tail<3>()} * pose;
       if (move.norm() < 1e-9 * size_) break;
@@ -160,7 +161,7 @@ Alignment best_fit(const std::vector<Vec3>& points, const TriangleMesh& mesh, co
                    double tolerance, int threads) {
   std::vector<Vec3> samples;
   for (const auto& s : even_samples(mesh, mesh_samples)) samples.push_back(s.point);
-  const Frame scan = principal_frame(points), part = principal_frame(samples);
+  const PrincipalFrame scan = principal_frame(points), part = principal_frame(samples);
   const Fitting fitting(surface, mesh.bounds().diagonal(), noise, threads);
   const auto few = spread(points, coarse_points);
   std::vector<Trial> trials = {fitting.run(few, {}, coarse_steps)};
@@ -205,7 +206,7 @@ struct Datum {
 bool fit_plane(std::vector<Vec3> points, Datum& datum) {
   for (int round = 0; round < 3; ++round) {
     if (points.size() < 10) return false;
-    const Frame frame = principal_frame(points);
+    const PrincipalFrame frame = principal_frame(points);
     datum.seen_middle = frame.center;
     datum.seen_normal = frame.axes.col(0).dot(datum.normal) < 0 ? Vec3(-frame.axes.col(0)) : Vec3(frame.axes.col(0));
     datum.points = points.size();

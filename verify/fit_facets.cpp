@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "geometry/decompose.h"
 #include "verify/features.h"
 
 namespace partscribe {
@@ -50,11 +51,11 @@ std::optional<Primitive> circle_across(const Vec3& axis, const std::vector<Vec3>
   Vec3 spread;
   eigenvectors(sum / static_cast<double>(points.size()), &spread);
   if (spread[0] > 1e-9) {
-    const Vec3 solution = sum.ldlt().solve(right);
+    const Vec3 solution = solve_ldlt(sum, right);
     middle = solution.head<2>();
   } else {
     if (std::abs(across.determinant()) < 1e-9) return std::nullopt;
-    middle = across.ldlt().solve(meeting);
+    middle = solve_ldlt(across, meeting);
   }
   double radius = 0;
   for (const auto& p : points) radius += ((frame.transpose() * (p - mean) / size).head<2>() - middle).norm();
@@ -86,7 +87,7 @@ std::optional<Primitive> sphere_through(const std::vector<Vec3>& points) {
   Vec3 spread;
   eigenvectors(sum, &spread);
   if (!(spread[0] > 1e-6 * spread[2])) return std::nullopt;
-  const Vec3 offset = sum.ldlt().solve(right);
+  const Vec3 offset = solve_ldlt(sum, right);
   Primitive found;
   found.kind = PrimitiveKind::sphere;
   found.point = mean + offset;
@@ -226,7 +227,7 @@ std::optional<Primitive> FacetGroup::guess(PrimitiveKind kind, const std::vector
   Vec3 values;
   eigenvectors(sum / total, &values);
   if (!(values[0] > 1e-6)) return std::nullopt;
-  const Vec3 apex = middle + sum.ldlt().solve(right);
+  const Vec3 apex = middle + solve_ldlt(sum, right);
   double along = 0, radius = 0, weight = 0;
   for (const auto& p : corners) along += (p - apex).dot(axis);
   if (along < 0) axis = -axis, along = -along;

@@ -10,14 +10,14 @@
 namespace partscribe {
 namespace {
 
-using Values = std::vector<SclValue>;
+using SclValues = std::vector<SclValue>;
 using Called = Result<SclValue>;
-using Native = std::function<Called(const Values&, SclCallContext&)>;
+using Native = std::function<Called(const SclValues&, SclCallContext&)>;
 
 /// Takes arguments one after the other; the first that does not fit is remembered, the rest then come out empty.
 class Arguments {
  public:
-  explicit Arguments(const Values& values) : values_(values) {}
+  explicit Arguments(const SclValues& values) : values_(values) {}
 
   double number() {
     double n = 0;
@@ -67,10 +67,10 @@ class Arguments {
     return nullptr;
   }
   const SclValue& any() { return next(); }
-  Values array(const char* what = "an array") {
+  SclValues array(const char* what = "an array") {
     const auto* a = next().as<SclArray>();
     if (!a) expected(what);
-    return a ? **a : Values();
+    return a ? **a : SclValues();
   }
   std::vector<double> numbers() {
     std::vector<double> result;
@@ -130,7 +130,7 @@ class Arguments {
     if (at_ >= values_.size()) return ++at_, nothing_;
     return values_[at_++];
   }
-  const Values& values_;
+  const SclValues& values_;
   const SclValue nothing_;
   std::size_t at_ = 0;
   std::string trouble_;
@@ -170,7 +170,7 @@ Called transformed(const SclValue& object, const SclTransform& t, int& budget, i
   }
   if (const auto* v = object.as<SclVector>()) return SclValue(SclVector{t.linear * v->along});
   if (const auto* a = object.as<SclArray>()) {
-    auto moved = std::make_shared<Values>();
+    auto moved = std::make_shared<SclValues>();
     for (const auto& member : **a) {
       auto m = transformed(member, t, budget, depth + 1);
       if (!m.ok()) return m;
@@ -186,7 +186,7 @@ Called transformed(const SclValue& object, const SclTransform& t, int& budget, i
   return bad_input("argument 1: expected an object to transform, found " + description_of(object));
 }
 
-Called transform_call(const Values& values, SclCallContext&) {
+Called transform_call(const SclValues& values, SclCallContext&) {
   SclTransform t;
   if (const auto* one = values[1].as<SclTransform>()) {
     t = *one;
@@ -228,14 +228,14 @@ SclDirection direction(Arguments& a) {
   return d;
 }
 
-Called surface_call(const Values& values, SclCallContext&) {
+Called surface_call(const SclValues& values, SclCallContext&) {
   Arguments a(values);
   const SclDirection u = direction(a), v = direction(a);
   const auto mesh = a.point_rows();
   return wrapped(a, [&] { return scl_surface(u, v, mesh); });
 }
 
-Called refine_call(const Values& values, SclCallContext&) {
+Called refine_call(const SclValues& values, SclCallContext&) {
   Arguments a(values);
   const auto surface = a.geometry({SclGeometryKind::surface}, "a surface");
   const std::string way = a.text();
@@ -245,7 +245,7 @@ Called refine_call(const Values& values, SclCallContext&) {
   return wrapped(a, [&] { return scl_refined(surface, way == "row", knots); });
 }
 
-Called profile_call(const Values& values, SclCallContext&) {
+Called profile_call(const SclValues& values, SclCallContext&) {
   std::vector<SclCorner> corners;
   Arguments a(values);
   for (const auto& v : values) {
@@ -267,7 +267,7 @@ std::vector<SclGeometryPtr> profiles(Arguments& a) {
   return result;
 }
 
-Called combine_call(const Values& values, SclCallContext& context) {
+Called combine_call(const SclValues& values, SclCallContext& context) {
   Arguments a(values);
   const std::string name = a.text();
   SclOperation operation = SclOperation::unite;
@@ -278,7 +278,7 @@ Called combine_call(const Values& values, SclCallContext& context) {
   return wrapped(a, [&] { return scl_combined(operation, first, second, context.stop); });
 }
 
-Called dump_call(const Values& values, SclCallContext& context) {
+Called dump_call(const SclValues& values, SclCallContext& context) {
   Arguments a(values);
   auto objects = a.geometries("an array of objects");
   a.text();
@@ -288,7 +288,7 @@ Called dump_call(const Values& values, SclCallContext& context) {
   return SclValue();
 }
 
-Called show_call(const Values& values, SclCallContext& context) {
+Called show_call(const SclValues& values, SclCallContext& context) {
   Arguments a(values);
   std::vector<SclGeometryPtr> objects;
   while (a.more())
@@ -299,7 +299,7 @@ Called show_call(const Values& values, SclCallContext& context) {
   return SclValue();
 }
 
-Called coordinate(const Values& values, int axis) {
+Called coordinate(const SclValues& values, int axis) {
   const auto* p = values[0].as<SclPoint>();
   if (!p || axis >= p->dimension)
     return bad_input(std::string("argument 1: expected a point with this coordinate, found ") + description_of(values[0]));
@@ -317,55 +317,55 @@ constexpr std::size_t many = 1'000'000;
 const std::map<std::string, Entry>& natives() {
   static const std::map<std::string, Entry> table = {
       // points and vectors
-      {"pt", {2, 3, [](const Values& v, SclCallContext&) -> Called {
+      {"pt", {2, 3, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const double x = a.number(), y = a.number(), z = v.size() == 3 ? a.number() : 0;
                 if (!a.ok()) return a.error();
                 return SclValue(SclPoint{Vec3(x, y, z), static_cast<int>(v.size())});
               }}},
-      {"vec", {2, 3, [](const Values& v, SclCallContext&) -> Called {
+      {"vec", {2, 3, [](const SclValues& v, SclCallContext&) -> Called {
                  Arguments a(v);
                  const double x = a.number(), y = a.number(), z = v.size() == 3 ? a.number() : 0;
                  if (!a.ok()) return a.error();
                  return SclValue(SclVector{Vec3(x, y, z)});
                }}},
-      {"ptx", {1, 1, [](const Values& v, SclCallContext&) { return coordinate(v, 0); }}},
-      {"pty", {1, 1, [](const Values& v, SclCallContext&) { return coordinate(v, 1); }}},
-      {"ptz", {1, 1, [](const Values& v, SclCallContext&) { return coordinate(v, 2); }}},
-      {"e2", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"ptx", {1, 1, [](const SclValues& v, SclCallContext&) { return coordinate(v, 0); }}},
+      {"pty", {1, 1, [](const SclValues& v, SclCallContext&) { return coordinate(v, 1); }}},
+      {"ptz", {1, 1, [](const SclValues& v, SclCallContext&) { return coordinate(v, 2); }}},
+      {"e2", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const Vec3 p = a.point();
                 if (!a.ok()) return a.error();
                 return SclValue(SclPoint{Vec3(p.x(), p.y(), 0), 2});
               }}},
-      {"e3", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"e3", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const Vec3 p = a.point();
                 if (!a.ok()) return a.error();
                 return SclValue(SclPoint{p, 3});
               }}},
       // curves and profiles
-      {"linethru2pts", {2, 2, [](const Values& v, SclCallContext&) {
+      {"linethru2pts", {2, 2, [](const SclValues& v, SclCallContext&) {
                           Arguments a(v);
                           const Vec3 p = a.point(), q = a.point();
                           return wrapped(a, [&] { return scl_line(p, q); });
                         }}},
-      {"arcthru3pts", {3, 3, [](const Values& v, SclCallContext&) {
+      {"arcthru3pts", {3, 3, [](const SclValues& v, SclCallContext&) {
                          Arguments a(v);
                          const Vec3 p = a.point(), q = a.point(), r = a.point();
                          return wrapped(a, [&] { return scl_arc_through(p, q, r); });
                        }}},
-      {"arcendcenterend", {3, 3, [](const Values& v, SclCallContext&) {
+      {"arcendcenterend", {3, 3, [](const SclValues& v, SclCallContext&) {
                              Arguments a(v);
                              const Vec3 p = a.point(), c = a.point(), q = a.point();
                              return wrapped(a, [&] { return scl_arc_about(p, c, q); });
                            }}},
-      {"crvfromarc", {1, 1, [](const Values& v, SclCallContext&) {
+      {"crvfromarc", {1, 1, [](const SclValues& v, SclCallContext&) {
                         Arguments a(v);
                         const auto arc = a.geometry({SclGeometryKind::arc}, "an arc");
                         return wrapped(a, [&] { return scl_curve_of(arc); });
                       }}},
-      {"crvfromcircle", {1, 1, [](const Values& v, SclCallContext&) {
+      {"crvfromcircle", {1, 1, [](const SclValues& v, SclCallContext&) {
                            Arguments a(v);
                            const auto circle = a.geometry({SclGeometryKind::circle}, "a circle");
                            return wrapped(a, [&] { return scl_curve_of(circle); });
@@ -375,23 +375,23 @@ const std::map<std::string, Entry>& natives() {
       {"surface", {7, 7, surface_call}},
       {"srefine", {4, 4, refine_call}},
       // primitives
-      {"box", {4, 4, [](const Values& v, SclCallContext&) {
+      {"box", {4, 4, [](const SclValues& v, SclCallContext&) {
                  Arguments a(v);
                  const Vec3 o = a.point(), x = a.vector(), y = a.vector(), z = a.vector();
                  return wrapped(a, [&] { return scl_box(o, x, y, z); });
                }}},
-      {"rightanglewedge", {4, 4, [](const Values& v, SclCallContext&) {
+      {"rightanglewedge", {4, 4, [](const SclValues& v, SclCallContext&) {
                              Arguments a(v);
                              const Vec3 o = a.point(), x = a.vector(), y = a.vector(), z = a.vector();
                              return wrapped(a, [&] { return scl_wedge(o, x, y, z); });
                            }}},
-      {"rightcircylinder", {3, 3, [](const Values& v, SclCallContext&) {
+      {"rightcircylinder", {3, 3, [](const SclValues& v, SclCallContext&) {
                               Arguments a(v);
                               const Vec3 base = a.point(), axis = a.vector();
                               const double radius = a.number();
                               return wrapped(a, [&] { return scl_cylinder(base, axis, radius); });
                             }}},
-      {"makegeom", {1, 1, [](const Values& v, SclCallContext&) {
+      {"makegeom", {1, 1, [](const SclValues& v, SclCallContext&) {
                       Arguments a(v);
                       const auto g = a.geometry({SclGeometryKind::primitive, SclGeometryKind::shell}, "a primitive");
                       return wrapped(a, [&] { return scl_shell_of(g); });
@@ -399,69 +399,69 @@ const std::map<std::string, Entry>& natives() {
       // transformations
       {"objtransform", {2, 2, transform_call}},
       {"instance", {2, 2, transform_call}},
-      {"tx", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"tx", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const double d = a.number();
                 if (!a.ok()) return a.error();
                 return SclValue(shifted(0, d));
               }}},
-      {"ty", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"ty", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const double d = a.number();
                 if (!a.ok()) return a.error();
                 return SclValue(shifted(1, d));
               }}},
-      {"tz", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"tz", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const double d = a.number();
                 if (!a.ok()) return a.error();
                 return SclValue(shifted(2, d));
               }}},
-      {"rx", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"rx", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const double d = a.number();
                 if (!a.ok()) return a.error();
                 return SclValue(turned(0, d));
               }}},
-      {"ry", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"ry", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const double d = a.number();
                 if (!a.ok()) return a.error();
                 return SclValue(turned(1, d));
               }}},
-      {"rz", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"rz", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 const double d = a.number();
                 if (!a.ok()) return a.error();
                 return SclValue(turned(2, d));
               }}},
-      {"sg", {1, 1, [](const Values& v, SclCallContext&) -> Called {
+      {"sg", {1, 1, [](const SclValues& v, SclCallContext&) -> Called {
                 Arguments a(v);
                 SclTransform t;
                 t.linear *= a.number();
                 if (!a.ok()) return a.error();
                 return SclValue(t);
               }}},
-      {"sxyz", {3, 3, [](const Values& v, SclCallContext&) -> Called {
+      {"sxyz", {3, 3, [](const SclValues& v, SclCallContext&) -> Called {
                   Arguments a(v);
                   SclTransform t;
                   for (int i = 0; i < 3; ++i) t.linear(i, i) = a.number();
                   if (!a.ok()) return a.error();
                   return SclValue(t);
                 }}},
-      {"group", {1, 1, [](const Values& v, SclCallContext&) {
+      {"group", {1, 1, [](const SclValues& v, SclCallContext&) {
                    Arguments a(v);
                    auto members = a.geometries("an array of objects");
                    return wrapped(a, [&] { return scl_group(members); });
                  }}},
-      {"reverseobj", {1, 1, [](const Values& v, SclCallContext&) {
+      {"reverseobj", {1, 1, [](const SclValues& v, SclCallContext&) {
                         // Shells always face outward here, so reversing one changes nothing that can be measured.
                         Arguments a(v);
                         const auto g = a.geometry({SclGeometryKind::shell, SclGeometryKind::surface}, "a shell or surface");
                         return wrapped(a, [&] { return SclMade(g); });
                       }}},
       // attributes and files
-      {"setattr", {3, 3, [](const Values& v, SclCallContext& c) -> Called {
+      {"setattr", {3, 3, [](const SclValues& v, SclCallContext& c) -> Called {
                      Arguments a(v);
                      const auto g = a.geometry();
                      const std::string name = a.text();
@@ -469,7 +469,7 @@ const std::map<std::string, Entry>& natives() {
                      c.outputs.attributes[g][name] = v[2];
                      return v[0];
                    }}},
-      {"getattr", {2, 2, [](const Values& v, SclCallContext& c) -> Called {
+      {"getattr", {2, 2, [](const SclValues& v, SclCallContext& c) -> Called {
                      Arguments a(v);
                      const auto g = a.geometry();
                      const std::string name = a.text();
@@ -479,7 +479,7 @@ const std::map<std::string, Entry>& natives() {
                      if (found == of_object.end()) return bad_input("the object has no attribute \"" + name + "\"");
                      return found->second;
                    }}},
-      {"setcolor", {2, 2, [](const Values& v, SclCallContext& c) -> Called {
+      {"setcolor", {2, 2, [](const SclValues& v, SclCallContext& c) -> Called {
                       Arguments a(v);
                       const auto g = a.geometry();
                       a.text();
@@ -493,18 +493,18 @@ const std::map<std::string, Entry>& natives() {
       {"show", {1, many, show_call}},
       // behind the prelude: what they do is known, what Alpha_1 calls them is not
       {"combineshells", {3, 3, combine_call}},
-      {"surfrev", {1, 1, [](const Values& v, SclCallContext&) {
+      {"surfrev", {1, 1, [](const SclValues& v, SclCallContext&) {
                      Arguments a(v);
                      const auto p = profiles(a);
                      return wrapped(a, [&] { return scl_revolved(p); });
                    }}},
-      {"extrudeprofiles", {2, 2, [](const Values& v, SclCallContext&) {
+      {"extrudeprofiles", {2, 2, [](const SclValues& v, SclCallContext&) {
                              Arguments a(v);
                              const auto p = profiles(a);
                              const double height = a.number();
                              return wrapped(a, [&] { return scl_extruded(p, height); });
                            }}},
-      {"nurbscrv", {4, 4, [](const Values& v, SclCallContext&) {
+      {"nurbscrv", {4, 4, [](const SclValues& v, SclCallContext&) {
                       Arguments a(v);
                       const int order = a.whole();
                       const auto knots = a.numbers();
@@ -512,17 +512,17 @@ const std::map<std::string, Entry>& natives() {
                       const auto weights = a.numbers();
                       return wrapped(a, [&] { return scl_nurbs_curve(order, knots, points, weights); });
                     }}},
-      {"shellofsurfaces", {1, 1, [](const Values& v, SclCallContext&) {
+      {"shellofsurfaces", {1, 1, [](const SclValues& v, SclCallContext&) {
                              Arguments a(v);
                              const auto surfaces = a.geometries("an array of surfaces");
                              return wrapped(a, [&] { return scl_sewn(surfaces); });
                            }}},
-      {"shelloffacets", {1, 1, [](const Values& v, SclCallContext&) {
+      {"shelloffacets", {1, 1, [](const SclValues& v, SclCallContext&) {
                            Arguments a(v);
                            const auto facets = a.point_rows();
                            return wrapped(a, [&] { return scl_facets(facets); });
                          }}},
-      {"shellofhalfspaces", {1, 1, [](const Values& v, SclCallContext&) {
+      {"shellofhalfspaces", {1, 1, [](const SclValues& v, SclCallContext&) {
                                Arguments a(v);
                                std::vector<std::array<double, 4>> planes;
                                for (const auto& row : a.array("an array of half-spaces")) {
@@ -572,7 +572,7 @@ std::string why_not_native(const std::string& name) {
   return {};
 }
 
-Result<SclValue> call_scl_native(const std::string& name, const Values& arguments, SclCallContext& context) {
+Result<SclValue> call_scl_native(const std::string& name, const SclValues& arguments, SclCallContext& context) {
   const auto found = natives().find(name);
   ensure(found != natives().end(), "only functions that exist are called");
   const auto& entry = found->second;

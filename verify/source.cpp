@@ -9,6 +9,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "geometry/decompose.h"
 #include "geometry/local_noise.h"
 #include "geometry/thin.h"
 #include "verify/samples.h"
@@ -46,7 +47,7 @@ bool heights_over_quadric(const std::vector<Vec3>& points, const std::vector<Nei
     rows.push_back(row), heights.push_back(q.x());
   }
   normal.diagonal().array() += 1e-12 * static_cast<double>(group.size());
-  const Row fit = normal.ldlt().solve(right);
+  const Row fit = solve_ldlt(normal, right);
   for (std::size_t i = 0; i < rows.size(); ++i) heights[i] = (heights[i] - rows[i].dot(fit)) * scale;
   return group.size() > 6;
 }

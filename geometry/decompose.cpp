@@ -1,0 +1,47 @@
+#include "geometry/decompose.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace partscribe {
+
+using Eigen::Dynamic;
+using Eigen::Matrix;
+
+template <int n, int columns>
+Matrix<double, n, columns> solve_ldlt(const Matrix<double, n, n>& a, const Matrix<double, n, columns>& b) {
+  return a.ldlt().solve(b);
+}
+
+template Matrix<double, 2, 1> solve_ldlt(const Matrix<double, 2, 2>&, const Matrix<double, 2, 1>&);
+template Matrix<double, 3, 1> solve_ldlt(const Matrix<double, 3, 3>&, const Matrix<double, 3, 1>&);
+template Matrix<double, 3, 3> solve_ldlt(const Matrix<double, 3, 3>&, const Matrix<double, 3, 3>&);
+template Matrix<double, 4, 1> solve_ldlt(const Matrix<double, 4, 4>&, const Matrix<double, 4, 1>&);
+template Matrix<double, 5, 1> solve_ldlt(const Matrix<double, 5, 5>&, const Matrix<double, 5, 1>&);
+template Matrix<double, 6, 1> solve_ldlt(const Matrix<double, 6, 6>&, const Matrix<double, 6, 1>&);
+template Matrix<double, Dynamic, 1> solve_ldlt(const Matrix<double, Dynamic, Dynamic>&,
+                                               const Matrix<double, Dynamic, 1>&);
+template Matrix<double, Dynamic, Dynamic> solve_ldlt(const Matrix<double, Dynamic, Dynamic>&,
+                                                     const Matrix<double, Dynamic, Dynamic>&);
+
+template <int n>
+Eigensystem<n> eigensystem(const Matrix<double, n, n>& a) {
+  const Eigen::SelfAdjointEigenSolver<Matrix<double, n, n>> solver(a);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+template Eigensystem<2> eigensystem(const Matrix<double, 2, 2>&);
+template Eigensystem<4> eigensystem(const Matrix<double, 4, 4>&);
+template Eigensystem<6> eigensystem(const Matrix<double, 6, 6>&);
+template Eigensystem<Dynamic> eigensystem(const Matrix<double, Dynamic, Dynamic>&);
+
+Eigen::VectorXd eigenvalues_of(const Eigen::MatrixXd& a) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+Eigensystem<Dynamic> generalized_eigensystem(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(a, b);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+}  // namespace partscribe
