@@ -48,7 +48,8 @@ std::string wrapped(const std::string& text) {
   return result;
 }
 
-/// How to write what somebody may have meant: a decimal comma, or a unit behind the number. Empty if nothing of the kind is in range.
+/// How to write what somebody may have meant: a decimal comma, or a unit behind the number. Empty if nothing of the
+/// kind is in range.
 std::string written_right(const std::string& text, double low, double high) {
   std::string number = text.substr(0, text.find_last_of("0123456789") + 1);  // npos + 1 is 0
   const auto comma = number.find(',');
@@ -88,8 +89,8 @@ void declare_shared(Arguments& arguments, SharedOptions& options) {
   arguments.path(options.log, "--log", "FILE", "append what happened, with times, to this file");
 }
 
-/// The words of the command line as the parser wants them: "help build" is "build --help", and after "--" all words are files, whatever
-/// they begin with. `verify` writes its JSON to a file when one is named: "--json verdict.json".
+/// The words of the command line as the parser wants them: "help build" is "build --help", and after "--" all words are
+/// files, whatever they begin with. `verify` writes its JSON to a file when one is named: "--json verdict.json".
 std::vector<std::string> words_of(int argc, const char* const* argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   if (words.front() == "help") {
@@ -112,14 +113,16 @@ std::vector<std::string> words_of(int argc, const char* const* argv) {
 
 /// Where to read on.
 std::string with_help(const std::string& message, const std::string& command) {
-  return message + (message.ends_with('?') ? " See" : "; see") + " 'partscribe help" + (command.empty() ? "" : " " + command) + "'";
+  return message + (message.ends_with('?') ? " See" : "; see") + " 'partscribe help" +
+         (command.empty() ? "" : " " + command) + "'";
 }
 
 /// What is wrong with a word that the parser knows no place for; empty if there is none.
 std::string about_unknown_word(const CLI::App& command) {
   const auto left = command.remaining();
   if (left.empty()) return {};
-  const auto option = std::find_if(left.begin(), left.end(), [](const std::string& word) { return word.starts_with('-'); });
+  const auto option =
+      std::find_if(left.begin(), left.end(), [](const std::string& word) { return word.starts_with('-'); });
   if (option == left.end()) return "found '" + left.front() + "' where nothing more was expected";
   std::error_code ignored;
   if (std::filesystem::is_regular_file(*option, ignored))
@@ -151,11 +154,13 @@ void Arguments::choice(std::string& target, const std::string& name, const std::
                        const std::string& help) {
   std::string all;
   for (const auto& word : words) all += (all.empty() ? "" : "|") + word;
-  choice(target, name, all, words, [](const std::string&) { return false; }, help);
+  choice(
+      target, name, all, words, [](const std::string&) { return false; }, help);
 }
 
-void Arguments::choice(std::string& target, const std::string& name, const std::string& value_name, const std::vector<std::string>& words,
-                       const std::function<bool(const std::string&)>& known, const std::string& help) {
+void Arguments::choice(std::string& target, const std::string& name, const std::string& value_name,
+                       const std::vector<std::string>& words, const std::function<bool(const std::string&)>& known,
+                       const std::string& help) {
   app_.add_option(name, target, wrapped(help))->type_name(value_name)->check([words, known](const std::string& text) {
     if (known(text) || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
     std::string all;
@@ -262,9 +267,12 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
     auto words = words_of(argc, argv);
     std::string list;
     std::vector<std::string> names = {"help"};
-    for (const auto& command : commands) list += (list.empty() ? "" : ", ") + command.name, names.push_back(command.name);
-    if (!words.empty() && !words.front().starts_with('-') && std::find(names.begin() + 1, names.end(), words.front()) == names.end())
-      return fail(usage_error(with_help("expected one of " + list + ", found '" + words.front() + "'" + did_you_mean(words.front(), names), "")));
+    for (const auto& command : commands)
+      list += (list.empty() ? "" : ", ") + command.name, names.push_back(command.name);
+    if (!words.empty() && !words.front().starts_with('-') &&
+        std::find(names.begin() + 1, names.end(), words.front()) == names.end())
+      return fail(usage_error(with_help(
+          "expected one of " + list + ", found '" + words.front() + "'" + did_you_mean(words.front(), names), "")));
     std::reverse(words.begin(), words.end());  // as the parser wants them
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
@@ -283,7 +291,8 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
   } catch (const CLI::ParseError& error) {
     std::string given, what = about_unknown_word(app);
     for (const auto& command : commands)
-      if (const auto* sub = app.get_subcommand(command.name); sub->parsed()) given = command.name, what = about_unknown_word(*sub);
+      if (const auto* sub = app.get_subcommand(command.name); sub->parsed())
+        given = command.name, what = about_unknown_word(*sub);
     return fail(usage_error(with_help(what.empty() ? one_line(error.what()) : what, given)));
   }
   for (const auto& command : commands) {

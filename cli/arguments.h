@@ -27,8 +27,9 @@ class Arguments {
   void choice(std::string& target, const std::string& name, const std::vector<std::string>& words,
               const std::string& help);
   /// One of many words, or another that is `known`.
-  void choice(std::string& target, const std::string& name, const std::string& value_name, const std::vector<std::string>& words,
-              const std::function<bool(const std::string&)>& known, const std::string& help);
+  void choice(std::string& target, const std::string& name, const std::string& value_name,
+              const std::vector<std::string>& words, const std::function<bool(const std::string&)>& known,
+              const std::string& help);
   void number(std::optional<double>& target, const std::string& name, const std::string& value_name, double low,
               double high, const std::string& help);
   void number(double& target, const std::string& name, const std::string& value_name, double low, double high,

@@ -31,7 +31,9 @@ std::string noun_of(const Shape& shape) {
 
 /// Procedures as a person would prefer them: the fewer numbers one has to read, the smaller.
 int plainness(const std::string& procedure) {
-  constexpr std::array plain_first = {"sphere", "box", "cylinder", "cone", "torus", "wedge", "fillet", "ellipsoid", "surface of revolution", "extrusion"};
+  constexpr std::array plain_first = {
+      "sphere",   "box", "cylinder", "cone", "torus", "wedge", "fillet", "ellipsoid", "surface of revolution",
+      "extrusion"};
   const auto at = std::find(plain_first.begin(), plain_first.end(), procedure);
   return static_cast<int>(at - plain_first.begin());
 }
@@ -97,11 +99,12 @@ Dimension describe(const Parameter& parameter) {
   if (parameter.points > 0) row.points = std::to_string(parameter.points);
   if (parameter.nominal) {
     const auto& nominal = *parameter.nominal;
-    row.nominal = print_number(snapped(shown(nominal.candidate, quantity), 1e-10)) +
-                  (nominal.series.empty() ? "" : " (" + nominal.series + ")") + ", " + readable(std::abs(nominal.z)) +
-                  " sigma away" +
-                  (nominal.probability > 0 ? ", probability " + print_number(snapped(nominal.probability, 0.001)) : "") +
-                  ": " + (nominal.kept ? "taken" : "not taken");
+    row.nominal =
+        print_number(snapped(shown(nominal.candidate, quantity), 1e-10)) +
+        (nominal.series.empty() ? "" : " (" + nominal.series + ")") + ", " + readable(std::abs(nominal.z)) +
+        " sigma away" +
+        (nominal.probability > 0 ? ", probability " + print_number(snapped(nominal.probability, 0.001)) : "") + ": " +
+        (nominal.kept ? "taken" : "not taken");
   }
   return row;
 }
@@ -158,7 +161,9 @@ const Rival* nearest_procedure(const Model& model) {
   const Rival* nearest = nullptr;
   for (const auto& r : model.rivals) {
     if (!in_question(r) || r.deviation > std::min(reach, as_near * least)) continue;
-    if (!nearest || std::pair(plainness(r.procedure), r.deviation) < std::pair(plainness(nearest->procedure), nearest->deviation)) nearest = &r;
+    if (!nearest ||
+        std::pair(plainness(r.procedure), r.deviation) < std::pair(plainness(nearest->procedure), nearest->deviation))
+      nearest = &r;
   }
   return nearest;
 }
@@ -166,17 +171,20 @@ const Rival* nearest_procedure(const Model& model) {
 std::string nearest_procedure_line(const Model& model) {
   const Rival* nearest = nearest_procedure(model);
   if (!nearest) return {};
-  return "Nearest procedure: " + with_article(nearest->procedure) + ", off by up to " + readable(nearest->deviation) + " mm.";
+  return "Nearest procedure: " + with_article(nearest->procedure) + ", off by up to " + readable(nearest->deviation) +
+         " mm.";
 }
 
 std::string no_procedure_line(const Model& model, const std::string& asked) {
   if (!model.fallback || model.objects.empty()) return {};
-  const auto nearest = std::min_element(model.rivals.begin(), model.rivals.end(), [](const Rival& a, const Rival& b) { return a.deviation < b.deviation; });
-  std::string line = "No CAD procedure was found: " + (asked.empty() ? "no single extrusion or turned body describes it" : "no " + asked + " describes it");
+  const auto nearest = std::min_element(model.rivals.begin(), model.rivals.end(),
+                                        [](const Rival& a, const Rival& b) { return a.deviation < b.deviation; });
+  std::string line = "No CAD procedure was found: " + (asked.empty() ? "no single extrusion or turned body describes it"
+                                                                     : "no " + asked + " describes it");
   line += " within " + print_number(model.tolerance) + " mm";
   if (nearest != model.rivals.end())
     line += "; the nearest, " + with_article(nearest->procedure) + ", " +
-            (nearest->deviation > model.tolerance          ? "is off by up to " + readable(nearest->deviation) + " mm"
+            (nearest->deviation > model.tolerance       ? "is off by up to " + readable(nearest->deviation) + " mm"
              : nearest->reason.starts_with("refused: ") ? "was " + nearest->reason
                                                         : "is refused: " + nearest->reason);
   return line + ". The files hold " + noun_of(model.objects.back().shape) + ", which has no dimensions to edit.\n";

@@ -42,15 +42,15 @@ std::vector<std::string> rival_lines(const Model& model);
 /// The widest tolerance that is of any use for a part of this size (the diagonal of the box around it), mm.
 double useful_reach(double size);
 
-/// Of a model that is a triangulation because nothing else met the tolerance: the plainest rival that came near. Null if none lies within
-/// useful_reach().
+/// Of a model that is a triangulation because nothing else met the tolerance: the plainest rival that came near. Null
+/// if none lies within useful_reach().
 const Rival* nearest_procedure(const Model& model);
 
 /// The nearest procedure and how near it came, in one line; empty if there is none.
 std::string nearest_procedure_line(const Model& model);
 
-/// Of such a triangulation, the last line: "No CAD procedure was found: ..." and why. `asked`: the only procedure that was allowed; may be
-/// empty. Empty if a procedure was found.
+/// Of such a triangulation, the last line: "No CAD procedure was found: ..." and why. `asked`: the only procedure that
+/// was allowed; may be empty. Empty if a procedure was found.
 std::string no_procedure_line(const Model& model, const std::string& asked);
 
 /// The superellipsoid that was recovered first, in one line; empty if the model has none.

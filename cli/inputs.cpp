@@ -6,16 +6,18 @@
 
 #include "cli/names.h"
 #include "core/number.h"
-#include "geometry/bulk_box.h"
-#include "geometry/local_noise.h"
+#include "geometry/normals/local_noise.h"
+#include "geometry/points/bulk_box.h"
 #include "model/json.h"
-#include "scan/read.h"
+#include "scan/read/read.h"
 
 namespace partscribe {
 namespace {
 
 /// Its folder is that of the other stages as well.
-bool written_by_a_stage(const Path& input) { return input.filename() == "cloud.ply" || input.filename() == "model.json"; }
+bool written_by_a_stage(const Path& input) {
+  return input.filename() == "cloud.ply" || input.filename() == "model.json";
+}
 
 /// The least round number that is not below `value`.
 double rounded_up(double value) {
@@ -34,16 +36,20 @@ Path output_folder(const SharedOptions& options, const Path& input, const Path& 
 }
 
 Result<Done> check_same_part(const SharedOptions& options, const Path& folder, const std::vector<Path>& inputs) {
-  if (!options.out.empty() || written_by_a_stage(inputs.front()) || !std::filesystem::is_regular_file(folder / "model.json")) return Done{};
+  if (!options.out.empty() || written_by_a_stage(inputs.front()) ||
+      !std::filesystem::is_regular_file(folder / "model.json"))
+    return Done{};
   const auto model = read_model(folder / "model.json");
   if (!model || (*model)->provenance.sources.empty()) return Done{};
   const auto& sources = (*model)->provenance.sources;
   for (const auto& input : inputs) {
     const std::string file = std::filesystem::is_directory(input) ? "scan.json" : input.filename().string();
-    if (std::any_of(sources.begin(), sources.end(), [&](const auto& source) { return source.file == file; })) return Done{};
+    if (std::any_of(sources.begin(), sources.end(), [&](const auto& source) { return source.file == file; }))
+      return Done{};
   }
-  return usage_error(folder.string() + " holds what was made from " + sources.front().file + ", not from " + inputs.front().filename().string() +
-                     "; give --out for another folder, or --out " + folder.string() + " to replace it");
+  return usage_error(folder.string() + " holds what was made from " + sources.front().file + ", not from " +
+                     inputs.front().filename().string() + "; give --out for another folder, or --out " +
+                     folder.string() + " to replace it");
 }
 
 Result<Done> check_overwriting(const Path& folder, const std::vector<std::string>& files, bool force) {

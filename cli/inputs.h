@@ -7,17 +7,18 @@
 #include "cli/session.h"
 #include "core/files.h"
 #include "core/result.h"
-#include "geometry/point_cloud.h"
+#include "geometry/points/point_cloud.h"
 #include "model/check.h"
-#include "scan/read.h"
+#include "scan/read/read.h"
 
 namespace partscribe {
 
-/// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder, named after the second file.
+/// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder, named
+/// after the second file.
 Path output_folder(const SharedOptions& options, const Path& input, const Path& named_after);
 
-/// A usage error if a folder that only the name of `inputs` led to holds a model made from other files: --force replaces older results
-/// of the same part, and no other's.
+/// A usage error if a folder that only the name of `inputs` led to holds a model made from other files: --force
+/// replaces older results of the same part, and no other's.
 Result<Done> check_same_part(const SharedOptions& options, const Path& folder, const std::vector<Path>& inputs);
 
 /// A usage error if the folder holds one of `files` and --force was not given; asked before the long work.

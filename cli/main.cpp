@@ -1,13 +1,13 @@
 /// The program: the list of its commands.
 #include "cli/commands.h"
-#include "verify/run_occt.h"
+#include "verify/evaluate/run_occt.h"
 
 int main(int argc, char** argv) {
   using namespace partscribe;
   if (const auto code = serve_as_reader(argc, argv)) return *code;  // STEP and IGES are read in a process of their own
   const std::vector<Command> commands = {
-      build_command(),  scan_command(),   fit_command(),     emit_command(),
-      verify_command(), report_command(), explain_command(), simulate_command(), views_command(),
+      build_command(),  scan_command(),    fit_command(),      emit_command(),  verify_command(),
+      report_command(), explain_command(), simulate_command(), views_command(),
   };
   return run_program(argc, argv, commands, PARTSCRIBE_VERSION);
 }

@@ -14,16 +14,21 @@ const std::set<std::string> names_without_meaning = {"cloud", "scan", "merged", 
 
 /// U+00C0 to U+017F in letters that every language can write; "" where it is no letter.
 constexpr std::array<const char*, 0xC0> latin = {
-    "a", "a", "a", "a", "ae", "a", "ae", "c", "e", "e", "e", "e", "i", "i", "i", "i", "d", "n", "o", "o", "o", "o", "oe", "", "o", "u", "u", "u", "ue", "y", "th", "ss",
-    "a", "a", "a", "a", "ae", "a", "ae", "c", "e", "e", "e", "e", "i", "i", "i", "i", "d", "n", "o", "o", "o", "o", "oe", "", "o", "u", "u", "u", "ue", "y", "th", "y",
-    "a", "a", "a", "a", "a", "a", "c", "c", "c", "c", "c", "c", "c", "c", "d", "d", "d", "d", "e", "e", "e", "e", "e", "e", "e", "e", "e", "e", "g", "g", "g", "g",
-    "g", "g", "g", "g", "h", "h", "h", "h", "i", "i", "i", "i", "i", "i", "i", "i", "i", "i", "ij", "ij", "j", "j", "k", "k", "k", "l", "l", "l", "l", "l", "l", "l",
-    "l", "l", "l", "n", "n", "n", "n", "n", "n", "n", "n", "n", "o", "o", "o", "o", "o", "o", "oe", "oe", "r", "r", "r", "r", "r", "r", "s", "s", "s", "s", "s", "s",
-    "s", "s", "t", "t", "t", "t", "t", "t", "u", "u", "u", "u", "u", "u", "u", "u", "u", "u", "u", "u", "w", "w", "y", "y", "y", "z", "z", "z", "z", "z", "z", "s"};
+    "a",  "a", "a",  "a", "ae", "a", "ae", "c",  "e",  "e", "e",  "e",  "i", "i", "i",  "i",  "d",  "n", "o",  "o",
+    "o",  "o", "oe", "",  "o",  "u", "u",  "u",  "ue", "y", "th", "ss", "a", "a", "a",  "a",  "ae", "a", "ae", "c",
+    "e",  "e", "e",  "e", "i",  "i", "i",  "i",  "d",  "n", "o",  "o",  "o", "o", "oe", "",   "o",  "u", "u",  "u",
+    "ue", "y", "th", "y", "a",  "a", "a",  "a",  "a",  "a", "c",  "c",  "c", "c", "c",  "c",  "c",  "c", "d",  "d",
+    "d",  "d", "e",  "e", "e",  "e", "e",  "e",  "e",  "e", "e",  "e",  "g", "g", "g",  "g",  "g",  "g", "g",  "g",
+    "h",  "h", "h",  "h", "i",  "i", "i",  "i",  "i",  "i", "i",  "i",  "i", "i", "ij", "ij", "j",  "j", "k",  "k",
+    "k",  "l", "l",  "l", "l",  "l", "l",  "l",  "l",  "l", "l",  "n",  "n", "n", "n",  "n",  "n",  "n", "n",  "n",
+    "o",  "o", "o",  "o", "o",  "o", "oe", "oe", "r",  "r", "r",  "r",  "r", "r", "s",  "s",  "s",  "s", "s",  "s",
+    "s",  "s", "t",  "t", "t",  "t", "t",  "t",  "u",  "u", "u",  "u",  "u", "u", "u",  "u",  "u",  "u", "u",  "u",
+    "w",  "w", "y",  "y", "y",  "z", "z",  "z",  "z",  "z", "z",  "s"};
 
 /// U+0430 to U+044F.
-constexpr std::array<const char*, 32> cyrillic = {"a", "b", "v", "g", "d", "e", "zh", "z", "i", "y", "k", "l", "m", "n", "o", "p",
-                                                  "r", "s", "t", "u", "f", "kh", "ts", "ch", "sh", "shch", "", "y", "", "e", "yu", "ya"};
+constexpr std::array<const char*, 32> cyrillic = {"a",  "b",  "v",  "g",    "d", "e", "zh", "z", "i",  "y", "k",
+                                                  "l",  "m",  "n",  "o",    "p", "r", "s",  "t", "u",  "f", "kh",
+                                                  "ts", "ch", "sh", "shch", "",  "y", "",   "e", "yu", "ya"};
 
 /// One character of a name: its bytes, and its number; 0 for a byte that is no UTF-8.
 struct Character {
@@ -35,10 +40,16 @@ std::vector<Character> characters(const std::string& text) {
   std::vector<Character> result;
   for (std::size_t i = 0; i < text.size();) {
     const auto first = static_cast<unsigned char>(text[i]);
-    const std::size_t length = first < 0x80 ? 1 : first >= 0xC2 && first < 0xE0 ? 2 : first >= 0xE0 && first < 0xF0 ? 3 : first >= 0xF0 && first < 0xF5 ? 4 : 0;
+    const std::size_t length = first < 0x80                    ? 1
+                               : first >= 0xC2 && first < 0xE0 ? 2
+                               : first >= 0xE0 && first < 0xF0 ? 3
+                               : first >= 0xF0 && first < 0xF5 ? 4
+                                                               : 0;
     std::uint32_t code = length == 1 ? first : first & (0x7Fu >> length);
     std::size_t valid = length == 0 ? 0 : 1;
-    for (; valid > 0 && valid < length && i + valid < text.size() && (static_cast<unsigned char>(text[i + valid]) & 0xC0) == 0x80; ++valid)
+    for (; valid > 0 && valid < length && i + valid < text.size() &&
+           (static_cast<unsigned char>(text[i + valid]) & 0xC0) == 0x80;
+         ++valid)
       code = code << 6 | (static_cast<unsigned char>(text[i + valid]) & 0x3F);
     const bool whole = length > 0 && valid == length;
     result.push_back({text.substr(i, whole ? length : 1), whole ? code : 0});
@@ -50,7 +61,9 @@ std::vector<Character> characters(const std::string& text) {
 bool is_between(std::uint32_t code, std::uint32_t low, std::uint32_t high) { return code >= low && code <= high; }
 
 /// Signs of Latin-1, spaces and dashes of all lengths, and what is no character.
-bool is_sign(std::uint32_t code) { return code == 0 || is_between(code, 0x7F, 0xBF) || is_between(code, 0x2000, 0x206F) || code == 0x3000; }
+bool is_sign(std::uint32_t code) {
+  return code == 0 || is_between(code, 0x7F, 0xBF) || is_between(code, 0x2000, 0x206F) || code == 0x3000;
+}
 
 /// Accents that follow their letter.
 bool is_accent(std::uint32_t code) { return is_between(code, 0x300, 0x36F); }

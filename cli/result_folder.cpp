@@ -12,11 +12,14 @@ namespace {
 constexpr const char* mark_name = "unfinished.json";
 
 /// What an unfinished run of the command on the inputs left, each file with its checksum; nothing if there is none.
-std::map<std::string, std::string> left_by(const Path& mark, const std::string& command, const std::vector<std::string>& inputs) {
+std::map<std::string, std::string> left_by(const Path& mark, const std::string& command,
+                                           const std::vector<std::string>& inputs) {
   const auto text = read_file(mark);
   if (!text) return {};
   const auto json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object() || json.value("command", nlohmann::json()) != command || json.value("inputs", nlohmann::json()) != nlohmann::json(inputs)) return {};
+  if (!json.is_object() || json.value("command", nlohmann::json()) != command ||
+      json.value("inputs", nlohmann::json()) != nlohmann::json(inputs))
+    return {};
   std::map<std::string, std::string> files;
   if (const auto found = json.find("files"); found != json.end() && found->is_object())
     for (const auto& [name, checksum] : found->items())
@@ -26,7 +29,8 @@ std::map<std::string, std::string> left_by(const Path& mark, const std::string& 
 
 }  // namespace
 
-ResultFolder::ResultFolder(Path folder, std::vector<std::string> files, std::string command, const std::vector<Path>& inputs)
+ResultFolder::ResultFolder(Path folder, std::vector<std::string> files, std::string command,
+                           const std::vector<Path>& inputs)
     : folder_(std::move(folder)), files_(std::move(files)), command_(std::move(command)) {
   for (const auto& input : inputs) inputs_.push_back(std::filesystem::absolute(input).lexically_normal().string());
 }
@@ -47,7 +51,9 @@ Result<Done> ResultFolder::begin() {
   std::error_code failure;
   for (const auto& file : files_) {
     std::filesystem::remove(folder_ / file, failure);
-    if (failure) return usage_error((folder_ / file).string() + ": cannot be replaced: " + failure.message() + "; give another --out");
+    if (failure)
+      return usage_error((folder_ / file).string() + ": cannot be replaced: " + failure.message() +
+                         "; give another --out");
   }
   begun_ = true;
   return mark();
@@ -62,10 +68,11 @@ std::vector<std::string> ResultFolder::present() const {
 }
 
 Result<Done> ResultFolder::mark() const {
-  nlohmann::ordered_json json = {{"remark", "the files of a run that did not end: they were not verified, and the same command replaces them"},
-                                 {"command", command_},
-                                 {"inputs", inputs_},
-                                 {"files", nlohmann::ordered_json::object()}};
+  nlohmann::ordered_json json = {
+      {"remark", "the files of a run that did not end: they were not verified, and the same command replaces them"},
+      {"command", command_},
+      {"inputs", inputs_},
+      {"files", nlohmann::ordered_json::object()}};
   for (const auto& file : present())
     if (const auto bytes = read_file(folder_ / file)) json["files"][file] = sha256(*bytes);
   return write_file(folder_ / mark_name, json_text(json));
@@ -74,7 +81,9 @@ Result<Done> ResultFolder::mark() const {
 std::string ResultFolder::left() const {
   std::string names;
   for (const auto& file : present()) names += (names.empty() ? "" : " ") + file;
-  return names.empty() ? "" : "; what is in " + folder_.string() + " (" + names + ") is unfinished and not verified, and the same command replaces it";
+  return names.empty() ? ""
+                       : "; what is in " + folder_.string() + " (" + names +
+                             ") is unfinished and not verified, and the same command replaces it";
 }
 
 Result<int> ResultFolder::close(Result<int> outcome) const {

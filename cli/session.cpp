@@ -99,14 +99,16 @@ Result<Done> Session::start() {
   return Done{};
 }
 
-/// Stages look at the flag and end by themselves; one that is deep in somebody else's library is not waited for. No file is left half
-/// written: each gets its name when it is whole. Programs that were started have been ended by then.
+/// Stages look at the flag and end by themselves; one that is deep in somebody else's library is not waited for. No
+/// file is left half written: each gets its name when it is whole. Programs that were started have been ended by then.
 void Session::end_when_cancelled() {
   using namespace std::chrono_literals;
   std::unique_lock lock(mutex_);
-  while (!ending_.wait_for(lock, 100ms, [this] { return ended_ || context.cancelled; })) {}
+  while (!ending_.wait_for(lock, 100ms, [this] { return ended_ || context.cancelled; })) {
+  }
   if (ending_.wait_for(lock, 700ms, [this] { return ended_; })) return;
-  std::fprintf(stderr, "%spartscribe: cancelled%s%s\n", bar_shown_ ? "\r\033[K" : "", stage_.empty() ? "" : (" in: " + stage_).c_str(), leaves_.c_str());
+  std::fprintf(stderr, "%spartscribe: cancelled%s%s\n", bar_shown_ ? "\r\033[K" : "",
+               stage_.empty() ? "" : (" in: " + stage_).c_str(), leaves_.c_str());
   ::_exit(static_cast<int>(ErrorKind::stopped));
 }
 
@@ -131,8 +133,10 @@ void Session::finish_stage() {
   if (stage_.empty()) return;
   const double seconds = seconds_since(stage_begin_);
   const auto known = std::find_if(stages_.begin(), stages_.end(), [&](const auto& s) { return s.first == stage_; });
-  if (known == stages_.end()) stages_.emplace_back(stage_, seconds);
-  else known->second += seconds;
+  if (known == stages_.end())
+    stages_.emplace_back(stage_, seconds);
+  else
+    known->second += seconds;
   clear_bar();
   log_line(stage_ + ": " + in_tenths(seconds) + " s");
   const std::lock_guard lock(mutex_);

@@ -70,9 +70,9 @@ class Session {
   std::string stage_;
   std::vector<std::pair<std::string, double>> stages_;
   std::condition_variable ending_;
-  std::string leaves_;   ///< guarded by mutex_
-  bool ended_ = false;   ///< guarded by mutex_
-  std::thread watch_;    ///< over Ctrl-C
+  std::string leaves_;  ///< guarded by mutex_
+  bool ended_ = false;  ///< guarded by mutex_
+  std::thread watch_;   ///< over Ctrl-C
 };
 
 }  // namespace partscribe

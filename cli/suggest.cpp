@@ -21,8 +21,10 @@ std::size_t mistakes(const std::string& a, const std::string& b) {
         least[i][k] = i + k;
         continue;
       }
-      least[i][k] = std::min({least[i - 1][k] + 1, least[i][k - 1] + 1, least[i - 1][k - 1] + (a[i - 1] == b[k - 1] ? 0 : 1)});
-      if (i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1]) least[i][k] = std::min(least[i][k], least[i - 2][k - 2] + 1);
+      least[i][k] =
+          std::min({least[i - 1][k] + 1, least[i][k - 1] + 1, least[i - 1][k - 1] + (a[i - 1] == b[k - 1] ? 0 : 1)});
+      if (i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1])
+        least[i][k] = std::min(least[i][k], least[i - 2][k - 2] + 1);
     }
   return least[a.size()][b.size()];
 }

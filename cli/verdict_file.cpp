@@ -90,7 +90,8 @@ ArtifactVerdict artifact_of(const Json& json) {
     auto& alignment = artifact.alignment.emplace();
     alignment.method = text(*found, "method") == "datums" ? AlignBy::datums : AlignBy::best_fit;
     alignment.rotation = radians(number(*found, "rotation_degrees"));
-    alignment.rms = number(*found, "rms"), alignment.points = count(*found, "points"), alignment.remark = text(*found, "remark");
+    alignment.rms = number(*found, "rms"), alignment.points = count(*found, "points"),
+    alignment.remark = text(*found, "remark");
     for (int k = 0; k < 3; ++k) alignment.translation[k] = found->at("translation").at(std::size_t(k)).get<double>();
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c) {
@@ -118,8 +119,8 @@ ArtifactVerdict artifact_of(const Json& json) {
   if (const auto found = json.find("second_opinions"); found != json.end() && found->is_array())
     for (const auto& o : *found)
       artifact.second_opinions.push_back({text(o, "program"), text(o, "version"), o.value("delivered", false),
-                                          o.value("agrees", false), o.value("exact_circles", false), number(o, "distance"),
-                                          text(o, "note")});
+                                          o.value("agrees", false), o.value("exact_circles", false),
+                                          number(o, "distance"), text(o, "note")});
   if (const auto found = json.find("reasons"); found != json.end() && found->is_array())
     for (const auto& reason : *found) artifact.reasons.push_back(reason.get<std::string>());
   return artifact;

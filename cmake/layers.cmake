@@ -1,8 +1,8 @@
-# One CMake library per folder: sources are the folder's .cpp files, headers are included from the root.
+# One CMake library per folder: sources are the .cpp files of the folder and its rooms, headers are included from the root.
 
 function(partscribe_library folder)
   cmake_parse_arguments(ARG "OCCT" "" "LINK;PRIVATE" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
   if(NOT sources)
     add_library(partscribe_${folder} INTERFACE)

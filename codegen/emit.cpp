@@ -1,9 +1,9 @@
 #include "codegen/emit.h"
 
-#include "codegen/alpha1.h"
-#include "codegen/iges.h"
-#include "codegen/openscad.h"
-#include "codegen/step.h"
+#include "codegen/alpha1/alpha1.h"
+#include "codegen/exchange/iges.h"
+#include "codegen/exchange/step.h"
+#include "codegen/openscad/openscad.h"
 
 namespace partscribe {
 

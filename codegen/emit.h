@@ -28,6 +28,7 @@ struct Backend {
 const std::vector<Backend>& backends();
 
 /// Deterministic: the same model gives the same bytes.
-Result<Artifact> emit(const CheckedModel& model, const std::string& backend, const EmitOptions& options, Context& context);
+Result<Artifact> emit(const CheckedModel& model, const std::string& backend, const EmitOptions& options,
+                      Context& context);
 
 }  // namespace partscribe

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "geometry/triangle_mesh.h"
+#include "geometry/mesh/triangle_mesh.h"
 
 namespace partscribe {
 namespace {

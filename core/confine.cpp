@@ -8,8 +8,16 @@ namespace partscribe {
 namespace {
 
 /// Programs, libraries, fonts, and what is needed to find these. What does not exist is left out.
-const std::vector<Path> system_folders = {
-    "/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc/alternatives", "/etc/fonts", "/etc/ld.so.cache", "/var/cache/fontconfig"};
+const std::vector<Path> system_folders = {"/usr",
+                                          "/bin",
+                                          "/sbin",
+                                          "/lib",
+                                          "/lib32",
+                                          "/lib64",
+                                          "/etc/alternatives",
+                                          "/etc/fonts",
+                                          "/etc/ld.so.cache",
+                                          "/var/cache/fontconfig"};
 
 /// The options for one path: `bind` it, or draw the symbolic link that it is here.
 void show(const std::string& bind, const Path& path, std::vector<std::string>& command) {
@@ -24,7 +32,8 @@ void show(const std::string& bind, const Path& path, std::vector<std::string>& c
 
 /// What the shell of a program is given, before the program itself.
 std::vector<std::string> shell_of(const Confinement& confinement) {
-  std::vector<std::string> command = {"bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--cap-drop", "ALL"};
+  std::vector<std::string> command = {"bwrap",         "--unshare-all", "--die-with-parent",
+                                      "--new-session", "--cap-drop",    "ALL"};
   std::vector<std::pair<Path, bool>> paths;  // and whether they are writable
   for (const auto& path : system_folders) paths.emplace_back(path, false);
   for (const auto& path : confinement.readable) paths.emplace_back(path, false);
@@ -37,7 +46,8 @@ std::vector<std::string> shell_of(const Confinement& confinement) {
   for (const auto& [path, writable] : paths) show(writable ? "--bind" : "--ro-bind", path, command);
   command.insert(command.end(), {"--proc", "/proc", "--dev", "/dev"});
   command.insert(command.end(), {"--setenv", "TMPDIR", "/tmp"});
-  command.insert(command.end(), {"--chdir", confinement.writable.empty() ? "/tmp" : confinement.writable.front().string()});
+  command.insert(command.end(),
+                 {"--chdir", confinement.writable.empty() ? "/tmp" : confinement.writable.front().string()});
   return command;
 }
 
@@ -48,17 +58,20 @@ std::string reason_against() {
   Context context;
   const auto run = run_process(command, {.seconds = 10}, context);
   if (run.ok() && run->exit_code == 0) return "";
-  return "bubblewrap does not work here" + (run.ok() && !run->err.empty() ? ": " + run->err.substr(0, run->err.find('\n')) : std::string());
+  return "bubblewrap does not work here" +
+         (run.ok() && !run->err.empty() ? ": " + run->err.substr(0, run->err.find('\n')) : std::string());
 }
 
 /// The output, unless the program may have found no room for what it had to write.
-Result<ProcessOutput> with_room(Result<ProcessOutput> output, const std::string& program, const Confinement& confinement) {
+Result<ProcessOutput> with_room(Result<ProcessOutput> output, const std::string& program,
+                                const Confinement& confinement) {
   constexpr std::uintmax_t least_room = 1 << 20;
   for (const auto& folder : confinement.writable) {
     std::error_code failure;
     const auto space = std::filesystem::space(folder, failure);
     if (output.ok() && !failure && space.available < least_room)
-      return Error{"'" + program + "' had no room to write in " + folder.string() + ": " + std::to_string(space.available) + " bytes are left there",
+      return Error{"'" + program + "' had no room to write in " + folder.string() + ": " +
+                       std::to_string(space.available) + " bytes are left there",
                    ErrorKind::stopped};
   }
   return output;
@@ -78,8 +91,9 @@ Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, co
   const std::string reason = !no_confinement().empty() ? no_confinement() : replaced ? "its file was replaced" : "";
   if (found.empty() || !reason.empty()) {
     if (!found.empty()) context.say(arguments[0] + " runs with access to all files and the network, because " + reason);
-    return with_room(run_process(arguments, limits, context, confinement.writable.empty() ? Path() : confinement.writable.front()),
-                     arguments[0], confinement);
+    return with_room(
+        run_process(arguments, limits, context, confinement.writable.empty() ? Path() : confinement.writable.front()),
+        arguments[0], confinement);
   }
   Confinement shown = confinement;
   shown.readable.push_back(program);

@@ -8,5 +8,4 @@ namespace partscribe {
 
 }  // namespace partscribe
 
-#define ensure(condition, message) \
-  ((condition) ? (void)0 : ::partscribe::ensure_failed((message), __FILE__, __LINE__))
+#define ensure(condition, message) ((condition) ? (void)0 : ::partscribe::ensure_failed((message), __FILE__, __LINE__))

@@ -125,8 +125,8 @@ Result<TemporaryDirectory> TemporaryDirectory::make() {
   const Path parent = std::filesystem::temp_directory_path(failure);
   std::string pattern = (parent / "partscribe-XXXXXX").string();
   if (failure || ::mkdtemp(pattern.data()) == nullptr)
-    return Error{"no temporary folder can be made in " + parent.string() + ": " + (failure ? failure.message() : reason()) +
-                     "; TMPDIR names another place",
+    return Error{"no temporary folder can be made in " + parent.string() + ": " +
+                     (failure ? failure.message() : reason()) + "; TMPDIR names another place",
                  ErrorKind::stopped};
   return TemporaryDirectory(Path(pattern));
 }

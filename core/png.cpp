@@ -24,8 +24,8 @@ std::string write_rows(int width, int height, int bits, int color, std::size_t r
   const bool failed = setjmp(png_jmpbuf(png));
   ensure(!failed, "a picture in memory can be written");
   png_set_write_fn(png, &out, append_bytes, [](png_structp) {});
-  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits, color, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits, color,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(png, bits == 16 ? 6 : 9);
   png_write_info(png, info);
   if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
@@ -44,7 +44,8 @@ std::string write_png_rgb(int width, int height, std::span<const std::uint8_t> b
 }
 
 std::string write_png_grey16(int width, int height, std::span<const std::uint16_t> values) {
-  ensure(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height), "a picture has a value for each pixel");
+  ensure(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+         "a picture has a value for each pixel");
   return write_rows(width, height, 16, PNG_COLOR_TYPE_GRAY, 2 * static_cast<std::size_t>(width),
                     reinterpret_cast<const png_byte*>(values.data()));
 }

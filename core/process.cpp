@@ -26,8 +26,16 @@ constexpr std::size_t kept_output = 1 << 20;
 constexpr double patience = 0.5;  // seconds for output that is still on its way when a program has ended
 
 /// Variables that a program needs to find its files, and what tells a sanitizer how to speak.
-constexpr std::array passed_on = {"PATH",   "HOME",           "TMPDIR",          "TZ",           "LD_LIBRARY_PATH",
-                                  "LANG",   "OPENSCADPATH",   "ASAN_OPTIONS",    "TSAN_OPTIONS", "UBSAN_OPTIONS",
+constexpr std::array passed_on = {"PATH",
+                                  "HOME",
+                                  "TMPDIR",
+                                  "TZ",
+                                  "LD_LIBRARY_PATH",
+                                  "LANG",
+                                  "OPENSCADPATH",
+                                  "ASAN_OPTIONS",
+                                  "TSAN_OPTIONS",
+                                  "UBSAN_OPTIONS",
                                   "PARTSCRIBE_OPENSCAD_WASM"};
 constexpr std::array passed_on_families = {"LC_", "XDG_"};
 
@@ -37,7 +45,8 @@ std::vector<char*> environment() {
   for (char** variable = environ; *variable; ++variable) {
     const std::string_view text = *variable, name = text.substr(0, text.find('='));
     const auto begins = [&](const char* family) { return name.starts_with(family); };
-    if (std::ranges::find(passed_on, name) != passed_on.end() || std::ranges::any_of(passed_on_families, begins)) passed.push_back(*variable);
+    if (std::ranges::find(passed_on, name) != passed_on.end() || std::ranges::any_of(passed_on_families, begins))
+      passed.push_back(*variable);
   }
   passed.push_back(nullptr);
   return passed;
@@ -129,8 +138,10 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   double ended = -1;
   // A program may close its output long before its end; and what it left running may hold the output open for ever.
   while (ended < 0 || (open_ends > 0 && elapsed() < ended + patience)) {
-    if (open_ends > 0) ::poll(ends, 2, 20);
-    else ::usleep(1000);
+    if (open_ends > 0)
+      ::poll(ends, 2, 20);
+    else
+      ::usleep(1000);
     for (auto& end : ends) {
       if (end.fd < 0 || !(end.revents & (POLLIN | POLLHUP | POLLERR))) continue;
       char buffer[65536];

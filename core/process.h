@@ -18,22 +18,21 @@ struct ProcessLimits {
 };
 
 struct ProcessOutput {
-  int exit_code = 0;       ///< 128 + signal when killed by one
+  int exit_code = 0;  ///< 128 + signal when killed by one
   bool timed_out = false;
-  std::string out, err;    ///< the last megabyte of each
-  double seconds = 0;      ///< wall time
+  std::string out, err;  ///< the last megabyte of each
+  double seconds = 0;    ///< wall time
 };
 
 /// Full path of a program found on PATH; empty if there is none.
 Path find_program(const std::string& name);
 
-/// Starts `arguments[0]` (a path or a name on PATH) without a shell and waits for it. It gets no standard input, no other
-/// descriptors than the pipes of its output, and of the environment only what programs need to find their files; it ends when
-/// this program does. What it started itself and left running is killed.
-/// Errors: missing_program if it cannot be started, stopped if the context is cancelled.
-Result<ProcessOutput> run_process(const std::vector<std::string>& arguments,
-                                  const ProcessLimits& limits, Context& context,
-                                  const Path& working_directory = {});
+/// Starts `arguments[0]` (a path or a name on PATH) without a shell and waits for it. It gets no standard input, no
+/// other descriptors than the pipes of its output, and of the environment only what programs need to find their files;
+/// it ends when this program does. What it started itself and left running is killed. Errors: missing_program if it
+/// cannot be started, stopped if the context is cancelled.
+Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, const ProcessLimits& limits,
+                                  Context& context, const Path& working_directory = {});
 
 /// What a confined program sees beside the system's own programs, libraries and fonts, as absolute paths.
 struct Confinement {
@@ -44,9 +43,9 @@ struct Confinement {
 /// Why programs cannot be confined on this system, in words; empty if they are.
 const std::string& no_confinement();
 
-/// As run_process, without network and without any file but those of `confinement`: by bubblewrap. Where that is not possible
-/// (no_confinement()) the program runs with the limits alone, and context.say() says so. Errors: as run_process; stopped if there
-/// is hardly any room left in a writable folder.
+/// As run_process, without network and without any file but those of `confinement`: by bubblewrap. Where that is not
+/// possible (no_confinement()) the program runs with the limits alone, and context.say() says so. Errors: as
+/// run_process; stopped if there is hardly any room left in a writable folder.
 Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, const ProcessLimits& limits,
                                    const Confinement& confinement, Context& context);
 

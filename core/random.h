@@ -10,7 +10,7 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   std::uint64_t next();
-  double uniform();                          ///< in [0, 1)
+  double uniform();  ///< in [0, 1)
   double uniform(double low, double high);
   std::uint64_t below(std::uint64_t count);  ///< in [0, count)
   double normal();                           ///< mean 0, standard deviation 1

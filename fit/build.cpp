@@ -4,13 +4,13 @@
 #include <optional>
 
 #include "core/number.h"
-#include "fit/fallback.h"
-#include "fit/prepare.h"
-#include "fit/rivals.h"
-#include "fit/search.h"
-#include "fit/strays.h"
-#include "fit/tidy.h"
-#include "geometry/keep_points.h"
+#include "fit/input/prepare.h"
+#include "fit/outliers/strays.h"
+#include "fit/refine/tidy.h"
+#include "fit/search/rivals.h"
+#include "fit/search/search.h"
+#include "fit/surface/fallback.h"
+#include "geometry/points/keep_points.h"
 
 namespace partscribe {
 namespace {
@@ -22,7 +22,8 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
   p.points = scan.cloud.size();
   // Strays are told among the points of the fit: each of these speaks for as many of the scan.
   const auto rejected = static_cast<std::size_t>(std::count(scan.cloud.rejected.begin(), scan.cloud.rejected.end(), 1));
-  const std::size_t aside = input.set_aside.size(), looked_at = input.cloud.size() + aside, kept = scan.cloud.size() - rejected + aside;
+  const std::size_t aside = input.set_aside.size(), looked_at = input.cloud.size() + aside,
+                    kept = scan.cloud.size() - rejected + aside;
   p.rejected = rejected - aside + aside * kept / std::max<std::size_t>(looked_at, 1);
   p.views = static_cast<int>(scan.views.size());
   p.noise =
@@ -80,7 +81,8 @@ Rival rival_of(const Judged& j, const CandidateEvidence& evidence, const std::st
   return {j.candidate.procedure, j.meets, rounded(evidence.local_max), std::round(evidence.total()), reason};
 }
 
-/// A model's last touches: where it comes from, what speaks for it, what else was considered. `refused` are named first.
+/// A model's last touches: where it comes from, what speaks for it, what else was considered. `refused` are named
+/// first.
 Result<CheckedModel> finished(Model model, const CandidateEvidence& found, double covered, const Attempt& attempt,
                               const std::vector<Rival>& refused, const Scan& scan, const BuildOptions& options,
                               Context& context) {
@@ -108,8 +110,8 @@ Result<CheckedModel> finished(Model model, const CandidateEvidence& found, doubl
     const double cost = winner->evidence.total(), off = rounded(found.local_max);
     // A bent sheet is closer to the data than the winner: its numbers are the most that can be said.
     put_first({"cylinder", true, off, std::round(cost), bent_sheet(winner->candidate, input)});
-    put_first({"convex polyhedron", false, off, std::round(cost),
-               open_polyhedron(winner->candidate, cost, input, context)});
+    put_first(
+        {"convex polyhedron", false, off, std::round(cost), open_polyhedron(winner->candidate, cost, input, context)});
   }
   for (auto rival = refused.rbegin(); rival != refused.rend(); ++rival) put_first(*rival);
   return checked(std::move(model), "the fitted model");
@@ -133,22 +135,26 @@ Result<CheckedModel> triangulated(const Attempt& attempt, const std::vector<Riva
 /// The models of a scan that were offered, one after the other, and what was said of them.
 class Offers {
  public:
-  Offers(Scan& scan, const BuildOptions& options, Context& context) : scan_(scan), options_(options), context_(context) {}
+  Offers(Scan& scan, const BuildOptions& options, Context& context)
+      : scan_(scan), options_(options), context_(context) {}
 
   /// Offers what was found in an attempt, and for as long as that is refused the next best. True if one was taken.
   Result<bool> take(Attempt& attempt) {
     ProcedureSearch& search = attempt.search;
     while (search.found && !context_.cancelled) {
       scan_.cloud.rejected = attempt.rejected;
-      auto model = finished(search.model, search.evidence, search.covered, attempt, refused_, scan_, options_, context_);
+      auto model =
+          finished(search.model, search.evidence, search.covered, attempt, refused_, scan_, options_, context_);
       if (!model) return model.error();
       auto reason = offer(std::move(*model));
       if (!reason) return reason.error();
       if (reason->empty()) return true;
       *reason = "refused: " + *reason;
       refused_.push_back(rival_of(search.judged[search.winner], search.evidence, *reason));
-      if (enough()) search.found = false;
-      else choose_another(search, *reason, attempt.input, options_, context_);
+      if (enough())
+        search.found = false;
+      else
+        choose_another(search, *reason, attempt.input, options_, context_);
     }
     return false;
   }
@@ -190,13 +196,14 @@ class Offers {
 }  // namespace
 
 Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context) {
-  if (!options.force.empty() && !is_procedure(options.force)) return usage_error("expected the name of a procedure, found '" + options.force + "'");
+  if (!options.force.empty() && !is_procedure(options.force))
+    return usage_error("expected the name of a procedure, found '" + options.force + "'");
   context.report("normals", 0.0);
   auto prepared = prepare(scan, options.tolerance, context);
   if (!prepared) return prepared.error();
   const FitInput input = std::move(*prepared);
-  // Strays keep procedures away, or bend them; but telling them from surfaces takes time and costs small and strongly bent
-  // faces. A scan of which many points were rejected holds more of them; any other has its turn as it is.
+  // Strays keep procedures away, or bend them; but telling them from surfaces takes time and costs small and strongly
+  // bent faces. A scan of which many points were rejected holds more of them; any other has its turn as it is.
   constexpr double many = 0.005;
   const bool littered = double(input.sampling.rejected) > many * double(scan.cloud.size());
   const std::vector<std::uint8_t> rejected = scan.cloud.rejected;
@@ -225,11 +232,13 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   }
   if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
   if (!taken) return taken.error();
-  // Where nothing was found the scan is taken as it is, unless many points were rejected and strays are a good part of the others.
+  // Where nothing was found the scan is taken as it is, unless many points were rejected and strays are a good part of
+  // the others.
   const Attempt& rest = attempts[attempts.size() == 2 && littered && !among_strays(attempts[0].input) ? 1 : 0];
   if (!*taken && !options.triangulate) {
     const auto& judged = rest.search.judged;
-    const std::string best = judged.empty() ? "none was proposed" : "nearest: " + judged[0].candidate.procedure + ", " + judged[0].reason;
+    const std::string best =
+        judged.empty() ? "none was proposed" : "nearest: " + judged[0].candidate.procedure + ", " + judged[0].reason;
     return bad_input((scan.files.empty() ? "scan" : scan.files[0]) +
                      ": expected a procedure within tolerance of the data, found none (" + best + ")");
   }

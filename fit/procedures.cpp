@@ -19,8 +19,8 @@ constexpr std::array full_names = {FullName{"frustum of a cone", "cone"}, FullNa
 }  // namespace
 
 const std::vector<std::string>& procedure_words() {
-  static const std::vector<std::string> words = {"sphere",     "box",         "cylinder",       "cone",        "torus",
-                                                 "wedge",      "fillet",      "ellipsoid",      "revolve",     "extrude",
+  static const std::vector<std::string> words = {"sphere",      "box",         "cylinder",       "cone",     "torus",
+                                                 "wedge",       "fillet",      "ellipsoid",      "revolve",  "extrude",
                                                  "half_spaces", "supertoroid", "superellipsoid", only_a_mesh};
   return words;
 }

@@ -14,7 +14,8 @@ inline constexpr const char* only_a_mesh = "triangulation";
 /// One word each, as BuildOptions::force takes it: mostly the kind of the shape. The plainest first.
 const std::vector<std::string>& procedure_words();
 
-/// Whether something can be asked for by this name: one of the words, or what a procedure is called in full ("surface of revolution").
+/// Whether something can be asked for by this name: one of the words, or what a procedure is called in full ("surface
+/// of revolution").
 bool is_procedure(const std::string& name);
 
 /// The word for a procedure that may be named in full.

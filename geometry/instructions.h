@@ -7,7 +7,8 @@
 #define PARTSCRIBE_VECTOR_VERSIONS 0
 #endif
 
-/// What `of` makes of the namespace of each version of a kernel, in the order of Instructions; without vector versions the plain one.
+/// What `of` makes of the namespace of each version of a kernel, in the order of Instructions; without vector versions
+/// the plain one.
 #if PARTSCRIBE_VECTOR_VERSIONS
 #define PARTSCRIBE_EACH_VERSION(of) of(baseline), of(avx2), of(avx512)
 #else

@@ -7,7 +7,7 @@
 namespace partscribe {
 
 struct ArtifactFile {
-  std::string name;   ///< "part.scad"
+  std::string name;  ///< "part.scad"
   std::string bytes;
 };
 

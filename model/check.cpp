@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/number.h"
-#include "geometry/convex.h"
+#include "geometry/mesh/convex.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -45,7 +45,9 @@ bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
 /// True if the first segment starts inside the second: where a corner lies on another edge, the sketch meets itself.
 bool starts_inside(const Vec2& a, const Vec2& c, const Vec2& d) {
   const double length = (d - c).norm(), along = (a - c).dot(d - c) / std::max(length, sketch_join);
-  if (along < sketch_join || along > length - sketch_join || (a - c).norm() <= sketch_join || (a - d).norm() <= sketch_join) return false;
+  if (along < sketch_join || along > length - sketch_join || (a - c).norm() <= sketch_join ||
+      (a - d).norm() <= sketch_join)
+    return false;
   return (a - c - along / length * (d - c)).norm() <= sketch_join;
 }
 
@@ -216,7 +218,8 @@ struct Check {
     } else if (const auto* t = std::get_if<TorusOf<double>>(&shape)) {
       if (t->minor_radius >= t->major_radius) complain(where + ": the tube's radius must be below the ring's");
     } else if (const auto* q = std::get_if<SupertoroidOf<double>>(&shape)) {
-      if (q->minor_radius >= q->major_radius) complain(where + ": the tube's half width must be below the ring's radius");
+      if (q->minor_radius >= q->major_radius)
+        complain(where + ": the tube's half width must be below the ring's radius");
     } else if (const auto* h = std::get_if<HalfSpacesOf<double>>(&shape)) {
       std::vector<Plane3> planes;
       for (const auto& p : h->planes) {

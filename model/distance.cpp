@@ -7,9 +7,9 @@
 
 #include "core/ensure.h"
 #include "core/number.h"
-#include "geometry/convex.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/quadric_distance.h"
+#include "geometry/mesh/convex.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/surfaces/quadric_distance.h"
 #include "model/lower.h"
 #include "model/sketch.h"
 

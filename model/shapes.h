@@ -20,13 +20,13 @@ namespace partscribe {
 
 /// What a number measures and which values make sense.
 enum class Domain {
-  length,             ///< mm, > 0
-  length_or_zero,     ///< mm, >= 0
-  coordinate,         ///< mm, any
-  angle,              ///< rad, any
-  exponent,           ///< 0.1 .. 2
-  taper,              ///< -0.95 .. 0.95
-  component,          ///< of a unit vector
+  length,          ///< mm, > 0
+  length_or_zero,  ///< mm, >= 0
+  coordinate,      ///< mm, any
+  angle,           ///< rad, any
+  exponent,        ///< 0.1 .. 2
+  taper,           ///< -0.95 .. 0.95
+  component,       ///< of a unit vector
 };
 
 // ---- sketches -------------------------------------------------------------------------------------------------
@@ -68,8 +68,8 @@ struct SketchArcOf {
 template <class N>
 struct SketchNurbsOf {
   int degree = 3;
-  std::vector<double> knots;             ///< control.size() + degree + 1 values, repeats written out
-  std::vector<double> weights;           ///< empty: all 1
+  std::vector<double> knots;    ///< control.size() + degree + 1 values, repeats written out
+  std::vector<double> weights;  ///< empty: all 1
   std::vector<std::array<N, 2>> control;
   std::string name, edge;
   template <class S, class V>

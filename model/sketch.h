@@ -1,7 +1,7 @@
 /// Turns an evaluated sketch into the curves it means.
 #pragma once
 
-#include "geometry/curve2.h"
+#include "geometry/surfaces/curve2.h"
 #include "model/shapes.h"
 
 namespace partscribe {

@@ -37,7 +37,8 @@ struct DrilledBlock {
       const int axis = choice < top ? 2 : choice < top + front ? 1 : 0;
       n[axis] = random.uniform() < 0.5 ? -1 : 1;
       p[axis] = half[axis] * n[axis];
-      const bool in_hole = std::any_of(holes.begin(), holes.end(), [&](const Vec2& h) { return (p.head<2>() - h).norm() < radius; });
+      const bool in_hole =
+          std::any_of(holes.begin(), holes.end(), [&](const Vec2& h) { return (p.head<2>() - h).norm() < radius; });
       if (axis != 2 || !in_hole) return {p, n};
     }
   }

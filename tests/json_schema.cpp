@@ -15,11 +15,17 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::set<std::string> known_keywords = {"$schema", "title",    "description", "definitions", "$defs",
-                                              "$ref",    "type",     "enum",        "anyOf",       "oneOf",
-                                              "allOf",   "required", "properties",  "additionalProperties",
-                                              "items",   "minItems", "maxItems",    "minimum",     "maximum",
-                                              "exclusiveMinimum",    "pattern"};
+const std::set<std::string> known_keywords = {"$schema",     "title",
+                                              "description", "definitions",
+                                              "$defs",       "$ref",
+                                              "type",        "enum",
+                                              "anyOf",       "oneOf",
+                                              "allOf",       "required",
+                                              "properties",  "additionalProperties",
+                                              "items",       "minItems",
+                                              "maxItems",    "minimum",
+                                              "maximum",     "exclusiveMinimum",
+                                              "pattern"};
 
 bool has_type(const Json& value, const std::string& type) {
   if (type == "object") return value.is_object();
@@ -65,7 +71,8 @@ std::string JsonSchema::fault_by(const std::string& keyword, const Json& argumen
                                  Keys keys, const std::string& at) const {
   const std::string wrong = at + ": " + keyword;
   if (!keeps_limit(keyword, argument, value)) return wrong;
-  if (keyword == "$ref") return fault(value, document_->at(Json::json_pointer(argument.get<std::string>().substr(1))), keys, at);
+  if (keyword == "$ref")
+    return fault(value, document_->at(Json::json_pointer(argument.get<std::string>().substr(1))), keys, at);
   if (keyword == "allOf" || keyword == "anyOf" || keyword == "oneOf") {
     std::size_t fits = 0;
     for (const auto& choice : argument) fits += fault(value, choice, keys, at).empty();

@@ -8,12 +8,12 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "model/distance.h"
-#include "verify/align.h"
-#include "verify/compare.h"
-#include "verify/solid.h"
-#include "verify/source.h"
-#include "verify/whole_part.h"
-#include "verify/words.h"
+#include "verify/align/align.h"
+#include "verify/align/misplaced_part.h"
+#include "verify/compare/compare.h"
+#include "verify/compare/source.h"
+#include "verify/evaluate/solid.h"
+#include "verify/report/words.h"
 
 namespace partscribe {
 namespace {
@@ -25,10 +25,14 @@ std::string shown(double mm) { return print_number(snapped(mm, 0.0001)); }
 /// Outcomes from best to worst.
 int badness(Outcome outcome) {
   switch (outcome) {
-    case Outcome::verified: return 0;
-    case Outcome::not_run: return 1;
-    case Outcome::cannot_decide: return 2;
-    case Outcome::out_of_tolerance: return 3;
+    case Outcome::verified:
+      return 0;
+    case Outcome::not_run:
+      return 1;
+    case Outcome::cannot_decide:
+      return 2;
+    case Outcome::out_of_tolerance:
+      return 3;
   }
   return 3;
 }
@@ -78,8 +82,9 @@ void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, boo
   }
   if (contradicts_itself(evaluation, tolerance)) {
     verdict.verdict = Outcome::out_of_tolerance;
-    verdict.reasons.insert(verdict.reasons.begin(), "the file contradicts itself: its curves and faces miss one another by " +
-                                                        gap_text(evaluation.gap, tolerance));
+    verdict.reasons.insert(
+        verdict.reasons.begin(),
+        "the file contradicts itself: its curves and faces miss one another by " + gap_text(evaluation.gap, tolerance));
   }
 }
 
@@ -90,8 +95,8 @@ void ask_others(const Path& artifact, const Evaluation& evaluation, const Evalua
   for (const auto& opinion : result.second_opinions)
     if (opinion.delivered && !opinion.agrees && !opinion.exact_circles) {
       result.verdict = Outcome::out_of_tolerance;
-      result.reasons.push_back(opinion.program + " " + opinion.version + " reads it differently: " + shown(opinion.distance) +
-                               " mm apart");
+      result.reasons.push_back(opinion.program + " " + opinion.version +
+                               " reads it differently: " + shown(opinion.distance) + " mm apart");
     }
 }
 
@@ -116,40 +121,56 @@ Finding about_the_whole(const ArtifactVerdict& verdict, const std::string& text)
 
 const char* name_of(Outcome outcome) {
   switch (outcome) {
-    case Outcome::verified: return "verified";
-    case Outcome::out_of_tolerance: return "out_of_tolerance";
-    case Outcome::cannot_decide: return "cannot_decide";
-    case Outcome::not_run: return "not_run";
+    case Outcome::verified:
+      return "verified";
+    case Outcome::out_of_tolerance:
+      return "out_of_tolerance";
+    case Outcome::cannot_decide:
+      return "cannot_decide";
+    case Outcome::not_run:
+      return "not_run";
   }
   return "not_run";
 }
 
 const char* name_of(AlignBy method) {
   switch (method) {
-    case AlignBy::none: return "none";
-    case AlignBy::best_fit: return "best-fit";
-    case AlignBy::datums: return "datums";
+    case AlignBy::none:
+      return "none";
+    case AlignBy::best_fit:
+      return "best-fit";
+    case AlignBy::datums:
+      return "datums";
   }
   return "none";
 }
 
 const char* name_of(Finding::Kind kind) {
   switch (kind) {
-    case Finding::Kind::displaced: return "displaced";
-    case Finding::Kind::missing_material: return "missing_material";
-    case Finding::Kind::invented_material: return "invented_material";
-    case Finding::Kind::not_scanned: return "not_scanned";
-    case Finding::Kind::rejected: return "rejected";
+    case Finding::Kind::displaced:
+      return "displaced";
+    case Finding::Kind::missing_material:
+      return "missing_material";
+    case Finding::Kind::invented_material:
+      return "invented_material";
+    case Finding::Kind::not_scanned:
+      return "not_scanned";
+    case Finding::Kind::rejected:
+      return "rejected";
   }
   return "displaced";
 }
 
 int exit_code_of(Outcome outcome) {
   switch (outcome) {
-    case Outcome::verified: return 0;
-    case Outcome::out_of_tolerance: return 1;
-    case Outcome::cannot_decide: return 6;
-    case Outcome::not_run: return 4;
+    case Outcome::verified:
+      return 0;
+    case Outcome::out_of_tolerance:
+      return 1;
+    case Outcome::cannot_decide:
+      return 6;
+    case Outcome::not_run:
+      return 4;
   }
   return 4;
 }
@@ -165,14 +186,19 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
   for (const auto& p : scan.cloud.points)
     if (p.allFinite()) scanned.add(p);
   for (const auto& v : scan.mesh.vertices) scanned.add(v);
-  const EvaluateOptions how{options.tolerance, options.seconds, options.memory_mb, scanned.empty() ? 0 : scanned.diagonal()};
+  const EvaluateOptions how{options.tolerance, options.seconds, options.memory_mb,
+                            scanned.empty() ? 0 : scanned.diagonal()};
   std::vector<std::optional<Result<Evaluation>>> evaluations(artifacts.size());
-  parallel_for(artifacts.size(), context.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) evaluations[i].emplace(evaluate_artifact(artifacts[i], how, context));
-  }, 1);
+  parallel_for(
+      artifacts.size(), context.threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) evaluations[i].emplace(evaluate_artifact(artifacts[i], how, context));
+      },
+      1);
   if (context.cancelled) return Error{"cancelled during verification", ErrorKind::stopped};
   for (const auto& evaluation : evaluations)
-    if (!evaluation->ok() && evaluation->error().kind != ErrorKind::missing_program && evaluation->error().kind != ErrorKind::stopped)
+    if (!evaluation->ok() && evaluation->error().kind != ErrorKind::missing_program &&
+        evaluation->error().kind != ErrorKind::stopped)
       return evaluation->error();
 
   context.report("read the scan's noise", 0);
@@ -210,9 +236,8 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
         continue;
       }
       if (named)
-        rows_of.face_of = [face_of = named->face_of, pose = result.alignment->scan_to_artifact](const Vec3& p, std::uint32_t t) {
-          return face_of(pose * p, t);
-        };
+        rows_of.face_of = [face_of = named->face_of, pose = result.alignment->scan_to_artifact](
+                              const Vec3& p, std::uint32_t t) { return face_of(pose * p, t); };
     }
     compare(source, named ? &rows_of : nullptr, options, result, context);
     if (options.align == AlignBy::none && result.verdict == Outcome::out_of_tolerance && (evaluation.solid || sheet))
@@ -224,12 +249,15 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
       result.verdict = Outcome::cannot_decide;
       result.reasons = {"this scan cannot decide at " + print_number(options.tolerance) +
                         " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm" +
-                        (view_reach * source.disagreement > options.tolerance ? ", since its views lie " + shown(source.disagreement) + " mm apart" : "")};
+                        (view_reach * source.disagreement > options.tolerance
+                             ? ", since its views lie " + shown(source.disagreement) + " mm apart"
+                             : "")};
     } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
       result.verdict = Outcome::cannot_decide;
-      result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) + " points");
+      result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) +
+                               " points");
     } else if (result.verdict == Outcome::out_of_tolerance) {
-      const auto whole = whole_part_fault(source, result.mesh, MeshDistance(result.mesh), options, context);
+      const auto whole = misplacement(source, result.mesh, MeshDistance(result.mesh), options, context);
       if (whole) {
         result.reasons.insert(result.reasons.begin(), *whole);
         result.findings.insert(result.findings.begin(), about_the_whole(result, *whole));
@@ -241,7 +269,8 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
     for (std::size_t b = a + 1; b < verdict.artifacts.size(); ++b) {
       const auto &first = verdict.artifacts[a], &second = verdict.artifacts[b];
       if (first.mesh.empty() || second.mesh.empty()) continue;
-      BackendPair pair{first.file, second.file, distance_between(as_written(first), as_written(second), context.threads), true};
+      BackendPair pair{first.file, second.file,
+                       distance_between(as_written(first), as_written(second), context.threads), true};
       pair.agree = pair.distance <= options.tolerance / 5 + first.evaluation_error + second.evaluation_error;
       verdict.between_backends.push_back(pair);
     }

@@ -31,16 +31,26 @@ int main(int count, char** arguments) {
   for (int i = 1; i < count; ++i) {
     const std::string option = arguments[i];
     const std::string value = i + 1 < count ? arguments[i + 1] : "";
-    if (option == "--models-only") options.files = false;
-    else if (option == "--files-only") options.models = false;
-    else if (option == "--in-turn") options.in_turn = true;
-    else if (option == "--most") options.most = static_cast<std::size_t>(std::stoi(value)), ++i;
-    else if (option == "--log") log.open(value), ++i;
-    else if (option == "--parts") parts = split(value), ++i;
-    else if (option == "--backends") options.backends = split(value), ++i;
-    else if (option == "--kinds") options.kinds = split(value), ++i;
-    else if (option == "--threads") options.threads = std::stoi(value), ++i;
-    else return std::fprintf(stderr, "unknown option %s\n", option.c_str()), 2;
+    if (option == "--models-only")
+      options.files = false;
+    else if (option == "--files-only")
+      options.models = false;
+    else if (option == "--in-turn")
+      options.in_turn = true;
+    else if (option == "--most")
+      options.most = static_cast<std::size_t>(std::stoi(value)), ++i;
+    else if (option == "--log")
+      log.open(value), ++i;
+    else if (option == "--parts")
+      parts = split(value), ++i;
+    else if (option == "--backends")
+      options.backends = split(value), ++i;
+    else if (option == "--kinds")
+      options.kinds = split(value), ++i;
+    else if (option == "--threads")
+      options.threads = std::stoi(value), ++i;
+    else
+      return std::fprintf(stderr, "unknown option %s\n", option.c_str()), 2;
   }
   const auto known = SuiteOptions{}.backends;
   for (const auto& backend : options.backends)

@@ -15,6 +15,7 @@
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
+#include <Eigen/Geometry>
 #include <Extrema_ExtPS.hxx>
 #include <GeomAPI_ProjectPointOnSurf.hxx>
 #include <Poly_Triangulation.hxx>
@@ -23,8 +24,6 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
-
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,7 +33,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "measure.h"
-#include "verify/brep_distance.h"
+#include "verify/exchange/brep_distance.h"
 
 using namespace partscribe;
 
@@ -57,8 +56,10 @@ TopoDS_Shape solid() {
   };
   TopoDS_Shape part = fillet_vertical(BRepPrimAPI_MakeBox(80, 60, 20).Shape(), 6);
   for (const double x : {9.0, 71.0})
-    for (const double y : {9.0, 51.0}) part = BRepAlgoAPI_Cut(part, BRepPrimAPI_MakeCylinder(up(x, y, -1), 2.5, 30).Shape()).Shape();
-  for (const double y : {18.0, 42.0}) part = BRepAlgoAPI_Fuse(part, BRepPrimAPI_MakeCylinder(up(20, y, 10), 6, 18).Shape()).Shape();
+    for (const double y : {9.0, 51.0})
+      part = BRepAlgoAPI_Cut(part, BRepPrimAPI_MakeCylinder(up(x, y, -1), 2.5, 30).Shape()).Shape();
+  for (const double y : {18.0, 42.0})
+    part = BRepAlgoAPI_Fuse(part, BRepPrimAPI_MakeCylinder(up(20, y, 10), 6, 18).Shape()).Shape();
   {
     BRepFilletAPI_MakeFillet maker(part);
     TopTools_IndexedMapOfShape edges;
@@ -70,7 +71,8 @@ TopoDS_Shape solid() {
       if (curve.IsNull()) continue;
       const gp_Pnt p = curve->Value(0.5 * (first + last)), a = curve->Value(first);
       auto on_boss = [](const gp_Pnt& q) {
-        return std::abs(q.Z() - 20) < 1e-6 && (std::abs(std::hypot(q.X() - 20, q.Y() - 18) - 6) < 1e-6 || std::abs(std::hypot(q.X() - 20, q.Y() - 42) - 6) < 1e-6);
+        return std::abs(q.Z() - 20) < 1e-6 && (std::abs(std::hypot(q.X() - 20, q.Y() - 18) - 6) < 1e-6 ||
+                                               std::abs(std::hypot(q.X() - 20, q.Y() - 42) - 6) < 1e-6);
       };
       if (on_boss(p) && on_boss(a)) maker.Add(1.5, edge);
     }
@@ -147,13 +149,20 @@ void compare(const char* name, const TopoDS_Shape& shape, std::size_t count, std
   const double ours = median(times) / static_cast<double>(count) * 1e6;
   std::printf("  ours, batch                        %9.2f\n", ours);
   const auto two = seconds_of([&] { hits = exact->closest(queries, 2); });
-  std::printf("  ours, batch, 2 threads             %9.2f (wall %.2f)\n", two.cpu / static_cast<double>(count) * 1e6, two.wall / static_cast<double>(count) * 1e6);
-  const auto single = seconds_of([&] { for (const auto& q : queries) hits[0] = exact->closest(q); });
+  std::printf("  ours, batch, 2 threads             %9.2f (wall %.2f)\n", two.cpu / static_cast<double>(count) * 1e6,
+              two.wall / static_cast<double>(count) * 1e6);
+  const auto single = seconds_of([&] {
+    for (const auto& q : queries) hits[0] = exact->closest(q);
+  });
   std::printf("  ours, one by one                   %9.2f\n", single.cpu / static_cast<double>(count) * 1e6);
   hits = exact->closest(queries, 1);
 
   auto peer = [&](const char* what, std::size_t n, auto&& work) {
-    const double us = seconds_of([&] { for (std::size_t i = 0; i < n; ++i) work(gp_Pnt(queries[i].x(), queries[i].y(), queries[i].z())); }).cpu / static_cast<double>(n) * 1e6;
+    const double us = seconds_of([&] {
+                        for (std::size_t i = 0; i < n; ++i)
+                          work(gp_Pnt(queries[i].x(), queries[i].y(), queries[i].z()));
+                      }).cpu /
+                      static_cast<double>(n) * 1e6;
     std::printf("  %-34s %9.2f   ours is %.0f x faster\n", what, us, us / ours);
   };
   double sink = 0;
@@ -165,7 +174,8 @@ void compare(const char* name, const TopoDS_Shape& shape, std::size_t count, std
       adaptors.push_back(std::make_unique<BRepAdaptor_Surface>(face));
       const auto& s = *adaptors.back();
       searches.push_back(std::make_unique<Extrema_ExtPS>());
-      searches.back()->Initialize(s, s.FirstUParameter(), s.LastUParameter(), s.FirstVParameter(), s.LastVParameter(), 1e-9, 1e-9);
+      searches.back()->Initialize(s, s.FirstUParameter(), s.LastUParameter(), s.FirstVParameter(), s.LastVParameter(),
+                                  1e-9, 1e-9);
     }
     peer("OpenCASCADE Extrema_ExtPS, reused", 300, [&](const gp_Pnt& p) {
       double best = 1e300;
@@ -202,7 +212,9 @@ void compare(const char* name, const TopoDS_Shape& shape, std::size_t count, std
     if (off > worst) worst = off;
     if (off > 1e-6) {
       ++wrong;
-      if (wrong <= 8) std::printf("    (%.9g %.9g %.9g): ours %.9f on face %u, OpenCASCADE %.9f\n", p.X(), p.Y(), p.Z(), hits[done].distance, hits[done].face, d);
+      if (wrong <= 8)
+        std::printf("    (%.9g %.9g %.9g): ours %.9f on face %u, OpenCASCADE %.9f\n", p.X(), p.Y(), p.Z(),
+                    hits[done].distance, hits[done].face, d);
     }
     ++done;
   });
@@ -210,14 +222,17 @@ void compare(const char* name, const TopoDS_Shape& shape, std::size_t count, std
   BRepClass3d_SolidClassifier classifier(shape);
   for (std::size_t i = 0; i < std::min<std::size_t>(count, 3000); ++i) {
     classifier.Perform(gp_Pnt(queries[i].x(), queries[i].y(), queries[i].z()), 1e-7);
-    if (classifier.State() == TopAbs_ON) ++undecided;
+    if (classifier.State() == TopAbs_ON)
+      ++undecided;
     else if ((classifier.State() == TopAbs_IN) != (hits[i].distance < 0)) {
       ++wrong_sign;
-      std::printf("    (%.9g %.9g %.9g): ours %.9f on face %u at (%.9g %.9g %.9g)\n", queries[i].x(), queries[i].y(), queries[i].z(),
-                  hits[i].distance, hits[i].face, hits[i].point.x(), hits[i].point.y(), hits[i].point.z());
+      std::printf("    (%.9g %.9g %.9g): ours %.9f on face %u at (%.9g %.9g %.9g)\n", queries[i].x(), queries[i].y(),
+                  queries[i].z(), hits[i].distance, hits[i].face, hits[i].point.x(), hits[i].point.y(),
+                  hits[i].point.z());
     }
   }
-  std::printf("    signs: %zu of 3000 differ from OpenCASCADE's classifier, %zu on the surface\n", wrong_sign, undecided);
+  std::printf("    signs: %zu of 3000 differ from OpenCASCADE's classifier, %zu on the surface\n", wrong_sign,
+              undecided);
   if (sink == 1e99) std::printf(" ");
   std::fflush(stdout);
 }

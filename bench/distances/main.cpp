@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "core/files.h"
-#include "geometry/read_geometry.h"
-#include "geometry/triangle_mesh.h"
+#include "geometry/io/read_geometry.h"
+#include "geometry/mesh/triangle_mesh.h"
 
 namespace bench {
-void meshes(const std::vector<std::pair<std::string, partscribe::TriangleMesh>>& given, int repetitions, std::size_t largest);
+void meshes(const std::vector<std::pair<std::string, partscribe::TriangleMesh>>& given, int repetitions,
+            std::size_t largest);
 void breps(std::size_t count, std::size_t refereed);
-}
+}  // namespace bench
 
 int main(int argc, char** argv) {
   std::size_t largest = 1000000, queries = 20000, refereed = 1000;
@@ -27,9 +28,13 @@ int main(int argc, char** argv) {
       value = static_cast<std::decay_t<decltype(value)>>(std::stoul(word.substr(prefix.size())));
       return true;
     };
-    if (word == "--meshes") breps = false;
-    else if (word == "--breps") meshes = false;
-    else if (number("--largest", largest) || number("--repetitions", repetitions) || number("--queries", queries) || number("--refereed", refereed)) continue;
+    if (word == "--meshes")
+      breps = false;
+    else if (word == "--breps")
+      meshes = false;
+    else if (number("--largest", largest) || number("--repetitions", repetitions) || number("--queries", queries) ||
+             number("--refereed", refereed))
+      continue;
     else {
       partscribe::Context context;
       auto read = partscribe::read_geometry(word, context);

@@ -11,8 +11,8 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "core/statistics.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/spatial_order.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/points/spatial_order.h"
 #include "measure.h"
 #include "peers.h"
 
@@ -60,9 +60,9 @@ TriangleMesh cad_mesh(std::size_t triangles) {
         profile.push_back(center + radius * Vec2(std::cos(a), std::sin(a)));
       }
     };
-    round({r + 2, 2}, 1, 0, pi / 2);             // the edge of the flange
-    round({r + 1, 4}, 1, -pi / 2, -pi);          // the fillet
-    round({r - 1.5, h - 1.5}, 1.5, 0, pi / 2);   // the rounded top
+    round({r + 2, 2}, 1, 0, pi / 2);            // the edge of the flange
+    round({r + 1, 4}, 1, -pi / 2, -pi);         // the fillet
+    round({r - 1.5, h - 1.5}, 1.5, 0, pi / 2);  // the rounded top
     profile.push_back({0, h});
     add_turned(mesh, profile, around, at);
   }
@@ -80,7 +80,8 @@ std::vector<Vec3> near_points(const TriangleMesh& mesh, std::size_t count, std::
   Random random(seed);
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto t = std::min(sum.size() - 1, std::size_t(std::lower_bound(sum.begin(), sum.end(), random.uniform(0, total)) - sum.begin()));
+    const auto t = std::min(
+        sum.size() - 1, std::size_t(std::lower_bound(sum.begin(), sum.end(), random.uniform(0, total)) - sum.begin()));
     double u = random.uniform(), v = random.uniform();
     if (u + v > 1) u = 1 - u, v = 1 - v;
     const Vec3 a = mesh.corner(t, 0);
@@ -115,10 +116,12 @@ double tried_in_turn(const TriangleMesh& mesh, const Vec3& query) {
     return (p - s - u * d).squaredNorm();
   };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const V a = mesh.corner(t, 0).cast<long double>(), b = mesh.corner(t, 1).cast<long double>(), c = mesh.corner(t, 2).cast<long double>();
+    const V a = mesh.corner(t, 0).cast<long double>(), b = mesh.corner(t, 1).cast<long double>(),
+            c = mesh.corner(t, 2).cast<long double>();
     best = std::min({best, segment(a, b), segment(b, c), segment(c, a)});
     const V n = (b - a).cross(c - a);
-    if (n.squaredNorm() > 0 && n.dot((b - a).cross(p - a)) > 0 && n.dot((c - b).cross(p - b)) > 0 && n.dot((a - c).cross(p - c)) > 0)
+    if (n.squaredNorm() > 0 && n.dot((b - a).cross(p - a)) > 0 && n.dot((c - b).cross(p - b)) > 0 &&
+        n.dot((a - c).cross(p - c)) > 0)
       best = std::min(best, n.dot(p - a) * n.dot(p - a) / n.squaredNorm());
   }
   return static_cast<double>(std::sqrt(best));
@@ -128,14 +131,15 @@ double tried_in_turn(const TriangleMesh& mesh, const Vec3& query) {
 void shared_out(std::size_t count, int threads, const std::function<void(std::size_t, std::size_t)>& work) {
   std::vector<std::thread> pool;
   for (int t = 1; t < threads; ++t)
-    pool.emplace_back(work, count * std::size_t(t) / std::size_t(threads), count * std::size_t(t + 1) / std::size_t(threads));
+    pool.emplace_back(work, count * std::size_t(t) / std::size_t(threads),
+                      count * std::size_t(t + 1) / std::size_t(threads));
   work(0, count / std::size_t(threads));
   for (auto& thread : pool) thread.join();
 }
 
 void compare_on(const std::string& name, const TriangleMesh& mesh, std::size_t count, int repetitions, bool with_cgal) {
-  std::printf("\n%s: %zu triangles, %zu queries; millions of queries per second of processor time (wall)\n", name.c_str(),
-              mesh.triangles.size(), count);
+  std::printf("\n%s: %zu triangles, %zu queries; millions of queries per second of processor time (wall)\n",
+              name.c_str(), mesh.triangles.size(), count);
   std::unique_ptr<MeshDistance> ours;
   std::unique_ptr<peers::Peer> embree, cgal;
   std::vector<double> our_build, embree_build;
@@ -168,31 +172,64 @@ void compare_on(const std::string& name, const TriangleMesh& mesh, std::size_t c
     const auto all = static_cast<double>(count);
     for (const int threads : {1, 2}) {
       const std::string suffix = threads == 1 ? "" : ", 2 threads";
-      rows.push_back({"ours, batch" + suffix, [&, threads] {
-        ours->for_each_closest(queries, threads, Sign::none, [&](std::size_t i, const MeshHit& hit) { answer[i] = hit.distance; });
-      }, all, {}, {}});
-      rows.push_back({"ours, batch, signed" + suffix, [&, threads] {
-        ours->for_each_closest(queries, threads, Sign::inside_negative, [&](std::size_t i, const MeshHit& hit) { other[i] = hit.distance; });
-      }, all, {}, {}});
-      rows.push_back({"ours, batch, sorted (not counted)" + suffix, [&, threads] {
-        ours->for_each_closest(sorted, threads, Sign::none, [&](std::size_t i, const MeshHit& hit) { other[i] = hit.distance; });
-      }, all, {}, {}});
+      rows.push_back({"ours, batch" + suffix,
+                      [&, threads] {
+                        ours->for_each_closest(queries, threads, Sign::none,
+                                               [&](std::size_t i, const MeshHit& hit) { answer[i] = hit.distance; });
+                      },
+                      all,
+                      {},
+                      {}});
+      rows.push_back({"ours, batch, signed" + suffix,
+                      [&, threads] {
+                        ours->for_each_closest(queries, threads, Sign::inside_negative,
+                                               [&](std::size_t i, const MeshHit& hit) { other[i] = hit.distance; });
+                      },
+                      all,
+                      {},
+                      {}});
+      rows.push_back({"ours, batch, sorted (not counted)" + suffix,
+                      [&, threads] {
+                        ours->for_each_closest(sorted, threads, Sign::none,
+                                               [&](std::size_t i, const MeshHit& hit) { other[i] = hit.distance; });
+                      },
+                      all,
+                      {},
+                      {}});
       if (embree)
-        rows.push_back({"Embree, sorted (not counted), warm" + suffix, [&, threads] {
-          shared_out(count, threads, [&](std::size_t b, std::size_t e) { embree->distances(sorted, b, e, true, other.data()); });
-        }, all, {}, {}});
+        rows.push_back({"Embree, sorted (not counted), warm" + suffix,
+                        [&, threads] {
+                          shared_out(count, threads, [&](std::size_t b, std::size_t e) {
+                            embree->distances(sorted, b, e, true, other.data());
+                          });
+                        },
+                        all,
+                        {},
+                        {}});
     }
     if (embree) {
-      rows.push_back({"Embree, sorted (not counted)", [&] { embree->distances(sorted, 0, count, false, other.data()); }, all, {}, {}});
-      rows.push_back({"Embree, one by one", [&] { embree->distances(queries, 0, count, false, other.data()); }, all, {}, {}});
+      rows.push_back({"Embree, sorted (not counted)",
+                      [&] { embree->distances(sorted, 0, count, false, other.data()); },
+                      all,
+                      {},
+                      {}});
+      rows.push_back(
+          {"Embree, one by one", [&] { embree->distances(queries, 0, count, false, other.data()); }, all, {}, {}});
     }
-    rows.push_back({"ours, one by one", [&] {
-      for (std::size_t i = 0; i < count; ++i) other[i] = ours->closest(queries[i]).distance;
-    }, all, {}, {}});
+    rows.push_back({"ours, one by one",
+                    [&] {
+                      for (std::size_t i = 0; i < count; ++i) other[i] = ours->closest(queries[i]).distance;
+                    },
+                    all,
+                    {},
+                    {}});
     if (cgal) {
       const std::size_t some = std::min<std::size_t>(count, 5000);
-      rows.push_back({"CGAL, sorted (not counted), warm", [&, some] { cgal->distances(sorted, 0, some, true, other.data()); },
-                      static_cast<double>(some), {}, {}});
+      rows.push_back({"CGAL, sorted (not counted), warm",
+                      [&, some] { cgal->distances(sorted, 0, some, true, other.data()); },
+                      static_cast<double>(some),
+                      {},
+                      {}});
     }
     ours->signed_distance(queries[0]);  // signs are made once
     for (auto& row : rows) row.run();
@@ -235,7 +272,8 @@ void meshes(const std::vector<std::pair<std::string, TriangleMesh>>& given, int 
     if (size > largest) continue;
     const auto mesh = cad_mesh(size);
     for (const std::size_t count : {100000u, 1000000u})
-      compare_on("pins with rounds", mesh, count, count > 100000 ? std::max(1, repetitions / 2) : repetitions, count == 100000);
+      compare_on("pins with rounds", mesh, count, count > 100000 ? std::max(1, repetitions / 2) : repetitions,
+                 count == 100000);
   }
   for (const auto& [name, mesh] : given) compare_on(name, mesh, 100000, repetitions, true);
 }

@@ -3,22 +3,29 @@
 #include <cmath>
 #include <cstdio>
 
-#include "cli/raster.h"
+#include "cli/pictures/raster.h"
 #include "core/files.h"
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/rlts_filter.h"
+#include "geometry/images/rlts_filter.h"
 #include "model/json.h"
-#include "scan/filter.h"
-#include "scan/register.h"
-#include "scan/simulate.h"
+#include "scan/filter/filter.h"
+#include "scan/register/register.h"
+#include "scan/simulate/simulate.h"
 
 using namespace partscribe;
 
 namespace {
 
 constexpr Color paper{255, 255, 255}, ink{20, 24, 32}, faint{215, 218, 224};
-constexpr std::array<Color, 8> view_colors{{{31, 97, 170}, {214, 102, 24}, {34, 139, 84}, {168, 48, 60}, {110, 76, 160}, {120, 84, 60}, {200, 78, 150}, {70, 130, 150}}};
+constexpr std::array<Color, 8> view_colors{{{31, 97, 170},
+                                            {214, 102, 24},
+                                            {34, 139, 84},
+                                            {168, 48, 60},
+                                            {110, 76, 160},
+                                            {120, 84, 60},
+                                            {200, 78, 150},
+                                            {70, 130, 150}}};
 
 /// A picture in which one mm is one pixel, from the lower left corner.
 class Sheet {
@@ -29,10 +36,15 @@ class Sheet {
     for (std::uint32_t i = 0; i + 1 < points.size(); ++i) lines.push_back({i, i + 1});
     draw_lines(raster_, camera_, points, lines, width, color);
   }
-  void dots(const std::vector<Vec3>& points, const std::vector<Color>& colors) { draw_points(raster_, camera_, points, colors, 1.3); }
-  void pixel(int column, int row, Color color) { raster_.pixels[std::size_t(row) * std::size_t(raster_.width) + std::size_t(column)] = color; }
+  void dots(const std::vector<Vec3>& points, const std::vector<Color>& colors) {
+    draw_points(raster_, camera_, points, colors, 1.3);
+  }
+  void pixel(int column, int row, Color color) {
+    raster_.pixels[std::size_t(row) * std::size_t(raster_.width) + std::size_t(column)] = color;
+  }
   void save(const Path& path) const {
-    if (const auto done = write_file(path, write_png(raster_)); !done.ok()) std::printf("%s\n", done.error().message.c_str());
+    if (const auto done = write_file(path, write_png(raster_)); !done.ok())
+      std::printf("%s\n", done.error().message.c_str());
   }
 
  private:
@@ -82,8 +94,9 @@ void filtered_profile(const Path& folder) {
   sheet.line(noisy, 1.2, ink);
   sheet.line(clean, 1.2, view_colors[0]);
   sheet.save(folder / "figure-2.png");
-  std::printf("figure 2: %zu of %d samples with a flipped bit; rms error %.2f codes before, %.2f of the %zu that are kept\n", flipped, samples,
-              std::sqrt(before), std::sqrt(after / double(kept)), kept);
+  std::printf(
+      "figure 2: %zu of %d samples with a flipped bit; rms error %.2f codes before, %.2f of the %zu that are kept\n",
+      flipped, samples, std::sqrt(before), std::sqrt(after / double(kept)), kept);
 }
 
 /// Figure 3: the eight views, lit along their direction of sight.
@@ -95,7 +108,8 @@ void views(const Path& folder, const SimulatedScan& scan, const std::vector<Regi
       const PointCloud& cloud = filtered[v].cloud;
       if (cloud.rejected[i] || cloud.normals[i].isZero()) continue;
       const double light = std::max(0.0, -cloud.normals[i].dot(Vec3(-0.3, 0.35, 1).normalized()));
-      sheet.pixel(int(v % 4) * side + cloud.pixel[i] % side, int(v / 4) * side + cloud.pixel[i] / side, mixed({40, 48, 64}, {232, 236, 244}, light));
+      sheet.pixel(int(v % 4) * side + cloud.pixel[i] % side, int(v / 4) * side + cloud.pixel[i] / side,
+                  mixed({40, 48, 64}, {232, 236, 244}, light));
     }
   sheet.save(folder / "figure-3.png");
 }
@@ -114,7 +128,8 @@ std::vector<Placed> section(const std::vector<Placed>& points, double at, double
 }
 
 /// y to the right, z up, into a field of the sheet.
-void draw_section(const std::vector<Placed>& points, const Box3& bounds, const Vec3& corner, double scale, Sheet& sheet) {
+void draw_section(const std::vector<Placed>& points, const Box3& bounds, const Vec3& corner, double scale,
+                  Sheet& sheet) {
   std::vector<Vec3> places;
   std::vector<Color> colors;
   for (const Placed& p : points) {
@@ -190,6 +205,7 @@ int main(int argc, char** argv) {
     worst = std::max(worst, (pose * images[v].world_from_view.inverse() * middle - middle).norm());
   }
   sections(folder, points, bounds);
-  std::printf("figures 3 to 5: %zu views, the middle of the part is %.3f mm off its true place at most, a pixel is %.3f mm\n", filtered.size(), worst,
-              images[0].pitch_x);
+  std::printf(
+      "figures 3 to 5: %zu views, the middle of the part is %.3f mm off its true place at most, a pixel is %.3f mm\n",
+      filtered.size(), worst, images[0].pitch_x);
 }

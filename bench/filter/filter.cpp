@@ -11,8 +11,8 @@
 #include "bench/filter/scenes.h"
 #include "core/random.h"
 #include "core/statistics.h"
-#include "geometry/region_growing.h"
-#include "geometry/rlts_filter.h"
+#include "geometry/images/region_growing.h"
+#include "geometry/images/rlts_filter.h"
 
 using namespace partscribe;
 using namespace partscribe::filter_bench;
@@ -208,13 +208,16 @@ std::string pulls_of(std::vector<double> pulls) {
   for (const double u : pulls) square += u * u, beyond += u > 4;
   const double n = static_cast<double>(pulls.size());
   char text[80];
-  std::snprintf(text, sizeof text, "%.2f | %.3f %% | %.2f", std::sqrt(square / n), 100 * static_cast<double>(beyond) / n, quantile(std::move(pulls), 0.999));
+  std::snprintf(text, sizeof text, "%.2f | %.3f %% | %.2f", std::sqrt(square / n),
+                100 * static_cast<double>(beyond) / n, quantile(std::move(pulls), 0.999));
   return text;
 }
 
 /// Is sigma true? By the noise of the samples, and with what hides in that.
 void sigma_table(const std::vector<SceneOptions>& scenes) {
-  std::printf("\n| scene | bits, sigma | by noise: rms | beyond 4 | 99.9 %% | in all: rms | beyond 4 | 99.9 %% |\n|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "\n| scene | bits, sigma | by noise: rms | beyond 4 | 99.9 %% | in all: rms | beyond 4 | 99.9 %% "
+      "|\n|---|---|---|---|---|---|---|---|\n");
   for (const SceneOptions& options : scenes) {
     const Scene scene = scene_of(options);
     Context context;
@@ -225,8 +228,12 @@ void sigma_table(const std::vector<SceneOptions>& scenes) {
       const double off = std::abs(f.depth[i] - scene.truth[i].depth);
       by_noise.push_back(off / f.sigma[i]), in_all.push_back(off / std::hypot(f.sigma[i], f.doubt[i]));
     }
-    std::printf("| %s%s | %d, %g | %s | %s |\n", options.part.c_str(), options.projection == Projection::pinhole ? " behind a pinhole" : options.mixed > 0 ? ", mixed pixels" : "",
-                options.bits, options.sigma, pulls_of(std::move(by_noise)).c_str(), pulls_of(std::move(in_all)).c_str());
+    std::printf("| %s%s | %d, %g | %s | %s |\n", options.part.c_str(),
+                options.projection == Projection::pinhole ? " behind a pinhole"
+                : options.mixed > 0                       ? ", mixed pixels"
+                                                          : "",
+                options.bits, options.sigma, pulls_of(std::move(by_noise)).c_str(),
+                pulls_of(std::move(in_all)).c_str());
   }
 }
 

@@ -23,7 +23,8 @@ Cloud::Ptr grid_of(const RangeImage& image, const Filtered& in) {
   for (std::size_t i = 0; i < in.points.size(); ++i) {
     const float none = std::nanf("");
     const Vec3& p = in.points[i];
-    (*cloud)[i] = in.kept[i] ? pcl::PointXYZ(float(p.x()), float(p.y()), float(p.z())) : pcl::PointXYZ(none, none, none);
+    (*cloud)[i] =
+        in.kept[i] ? pcl::PointXYZ(float(p.x()), float(p.y()), float(p.z())) : pcl::PointXYZ(none, none, none);
   }
   cloud->is_dense = false;
   return cloud;

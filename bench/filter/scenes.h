@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/range_image.h"
-#include "scan/simulate.h"
+#include "geometry/images/range_image.h"
+#include "scan/simulate/simulate.h"
 
 namespace partscribe::filter_bench {
 

@@ -7,12 +7,12 @@
 #include "bench/integration/peers.h"
 #include "core/files.h"
 #include "core/statistics.h"
-#include "geometry/kd_tree.h"
+#include "geometry/points/kd_tree.h"
 #include "model/distance.h"
 #include "model/json.h"
-#include "scan/filter.h"
-#include "scan/merge.h"
-#include "scan/simulate.h"
+#include "scan/filter/filter.h"
+#include "scan/merge/merge.h"
+#include "scan/simulate/simulate.h"
 
 using namespace partscribe;
 
@@ -41,7 +41,8 @@ Scene scene_of(const Model& model, int bits, double sigma, double bit_error) {
       for (int column = 0; column < image.width; ++column) {
         if (!view_point(image, row, column) || ++k % 20 != 0) continue;
         const Vec3 from = image.world_from_view.translation;
-        const Vec3 direction = image.world_from_view.rotation * Vec3((column - image.cx) / image.fx, (row - image.cy) / image.fy, 1).normalized();
+        const Vec3 direction = image.world_from_view.rotation *
+                               Vec3((column - image.cx) / image.fx, (row - image.cy) / image.fy, 1).normalized();
         if (const auto hit = surface.first_hit(from, direction)) scene.seen.push_back(from + hit->distance * direction);
       }
   }
@@ -49,8 +50,8 @@ Scene scene_of(const Model& model, int bits, double sigma, double bit_error) {
 }
 
 /// `stated`: the sigma of each point; nothing where a method states none.
-void row(const char* name, const std::vector<Vec3>& points, const std::vector<float>& stated, const ModelDistance& truth, const Scene& scene,
-         double sigma, double spent) {
+void row(const char* name, const std::vector<Vec3>& points, const std::vector<float>& stated,
+         const ModelDistance& truth, const Scene& scene, double sigma, double spent) {
   std::vector<double> off, ratio;
   double square = 0;
   for (const Vec3& p : points) off.push_back(std::abs(truth(p).distance)), square += off.back() * off.back();
@@ -59,10 +60,13 @@ void row(const char* name, const std::vector<Vec3>& points, const std::vector<fl
   std::size_t shown = 0;
   for (const Vec3& p : scene.seen) shown += tree.nearest_one(p).sq_distance < 1;
   const double worst = *std::max_element(off.begin(), off.end());
-  std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.3f | %.2f | %.2f | ", name, points.size(), std::sqrt(square / double(points.size())), median(off),
-              quantile(off, 0.95), worst, median(off) / sigma, worst / sigma);
-  if (ratio.empty()) std::printf("| | ");
-  else std::printf("%.2f | %.2f | ", quantile(ratio, 0.999), *std::max_element(ratio.begin(), ratio.end()));
+  std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.3f | %.2f | %.2f | ", name, points.size(),
+              std::sqrt(square / double(points.size())), median(off), quantile(off, 0.95), worst, median(off) / sigma,
+              worst / sigma);
+  if (ratio.empty())
+    std::printf("| | ");
+  else
+    std::printf("%.2f | %.2f | ", quantile(ratio, 0.999), *std::max_element(ratio.begin(), ratio.end()));
   std::printf("%.2f %% | %.2f |\n", 100 * double(shown) / double(scene.seen.size()), spent);
 }
 
@@ -73,7 +77,8 @@ void filtered_row(const Scan& filtered, const ModelDistance& truth, const Scene&
   std::size_t good = 0, good_kept = 0;
   for (std::size_t i = 0; i < filtered.cloud.size(); ++i) {
     const bool kept = !filtered.cloud.rejected[i];
-    const bool is_good = std::abs(truth(scene.scan.merged.cloud.points[i]).distance) < 4 * sigma + scene.images.front().q;
+    const bool is_good =
+        std::abs(truth(scene.scan.merged.cloud.points[i]).distance) < 4 * sigma + scene.images.front().q;
     good += is_good, good_kept += is_good && kept;
     if (kept) points.push_back(filtered.cloud.points[i]), stated.push_back(filtered.cloud.sigma[i]);
   }
@@ -92,7 +97,8 @@ std::vector<peers::DepthView> depth_views(const Scan& scan, const std::vector<Ra
   }
   for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
     const auto v = std::size_t(scan.cloud.view[i]);
-    if (!scan.cloud.rejected[i]) result[v].depth[std::size_t(scan.cloud.pixel[i])] = float((view_from_world[v] * scan.cloud.points[i]).z());
+    if (!scan.cloud.rejected[i])
+      result[v].depth[std::size_t(scan.cloud.pixel[i])] = float((view_from_world[v] * scan.cloud.points[i]).z());
   }
   return result;
 }
@@ -102,7 +108,9 @@ void compare(const Model& model, int bits, double sigma, double bit_error) {
   const ModelDistance truth(model);
   const Scene scene = scene_of(model, bits, sigma, bit_error);
   std::printf("\n**%s, %d bits, sigma %g mm, bit errors %g**\n\n", model.name.c_str(), bits, sigma, bit_error);
-  std::printf("| method | points | rms mm | median | 95 %% | worst | median / sigma | worst / sigma | off / stated sigma, 99.9 %% | worst | seen surface within 1 mm | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| method | points | rms mm | median | 95 %% | worst | median / sigma | worst / sigma | off / stated sigma, 99.9 "
+      "%% | worst | seen surface within 1 mm | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   row("as measured", scene.scan.merged.cloud.points, {}, truth, scene, sigma, 0);
   double start = seconds();
   Scan filtered = scene.scan.merged;
@@ -124,14 +132,16 @@ void compare(const Model& model, int bits, double sigma, double bit_error) {
       const auto zeros = peers::open3d_distance_field(views, voxel, scalable);
       const double spent = seconds() - start;
       char name[80];
-      std::snprintf(name, sizeof name, "filtered, Open3D %s distance field, voxel %g mm", scalable ? "scalable" : "uniform", voxel);
+      std::snprintf(name, sizeof name, "filtered, Open3D %s distance field, voxel %g mm",
+                    scalable ? "scalable" : "uniform", voxel);
       row(name, zeros, {}, truth, scene, sigma, filter_time + spent);
     }
   for (const int depth : {8, 9}) {
     start = seconds();
     const auto vertices = peers::open3d_poisson(merged.cloud.points, merged.cloud.normals, depth);
     const double spent = seconds() - start;
-    row(("filtered, merged, Open3D Poisson, depth " + std::to_string(depth)).c_str(), vertices, {}, truth, scene, sigma, merge_time + spent);
+    row(("filtered, merged, Open3D Poisson, depth " + std::to_string(depth)).c_str(), vertices, {}, truth, scene, sigma,
+        merge_time + spent);
   }
 }
 

@@ -21,6 +21,7 @@ bool has_open3d();
 /// Where the truncated signed distance field is zero on the edges of its grid; truncated at four voxels.
 std::vector<partscribe::Vec3> open3d_distance_field(const std::vector<DepthView>& views, double voxel, bool scalable);
 /// Vertices of the screened Poisson surface with an octree of this depth, but for the hundredth with least support.
-std::vector<partscribe::Vec3> open3d_poisson(const std::vector<partscribe::Vec3>& points, const std::vector<partscribe::Vec3>& normals, int depth);
+std::vector<partscribe::Vec3> open3d_poisson(const std::vector<partscribe::Vec3>& points,
+                                             const std::vector<partscribe::Vec3>& normals, int depth);
 
 }  // namespace peers

@@ -65,8 +65,8 @@ TriangleMesh without(const TriangleMesh& a, const TriangleMesh& b) {
 TriangleMesh block(const Vec3& size, const Pose& world_from_block) {
   TriangleMesh mesh;
   for (int i = 0; i < 8; ++i)
-    mesh.vertices.push_back(world_from_block *
-                            Vec3((i & 1 ? 0.5 : -0.5) * size.x(), (i & 2 ? 0.5 : -0.5) * size.y(), (i & 4 ? 0.5 : -0.5) * size.z()));
+    mesh.vertices.push_back(world_from_block * Vec3((i & 1 ? 0.5 : -0.5) * size.x(), (i & 2 ? 0.5 : -0.5) * size.y(),
+                                                    (i & 4 ? 0.5 : -0.5) * size.z()));
   mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return mesh;

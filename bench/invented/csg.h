@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "geometry/triangle_mesh.h"
+#include "geometry/mesh/triangle_mesh.h"
 
 namespace partscribe {
 

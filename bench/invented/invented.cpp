@@ -1,7 +1,8 @@
 /// How often material that no scan shows is refused, and true parts with hidden bores are not, with and without rays;
 /// prints the table of the manual, and on standard error what came out wrong.
 ///
-///   bench_invented [PART [true|invented|half [MIXED]]]   default: all eleven parts, all three, a tenth of the edge pixels mixed
+///   bench_invented [PART [true|invented|half [MIXED]]]   default: all eleven parts, all three, a tenth of the edge
+///   pixels mixed
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,12 +13,12 @@
 #include "bench/invented/csg.h"
 #include "bench/invented/parts.h"
 #include "core/random.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/mesh_facets.h"
-#include "scan/simulate.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/mesh/mesh_facets.h"
+#include "scan/simulate/simulate.h"
 #include "tests/verify/shapes.h"
-#include "verify/samples.h"
-#include "verify/solid.h"
+#include "verify/compare/samples.h"
+#include "verify/evaluate/solid.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -106,16 +107,23 @@ Invention invented_on(const TriangleMesh& part, const Scan& scan, int number, Ra
     const Vec3 n = triangle_normal(part, s.triangle);
     Invention result;
     result.kind = kinds[number % 4], result.thickness = thicknesses[random.below(9)], result.place = s.point;
-    const Vec3 lean = (n + 0.35 * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1))).normalized();
-    const Mat3 turn = rotation_onto_axis(result.kind == "sheet" ? lean : n) * rotation_of(random.uniform(0, 2 * pi) * Vec3::UnitZ());
+    const Vec3 lean =
+        (n + 0.35 * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1))).normalized();
+    const Mat3 turn =
+        rotation_onto_axis(result.kind == "sheet" ? lean : n) * rotation_of(random.uniform(0, 2 * pi) * Vec3::UnitZ());
     const double height = random.uniform(4, 10), width = random.uniform(8, 25), t = result.thickness;
     const Vec3 middle = s.point + (0.5 * height - 0.6) * (turn * Vec3::UnitZ());
-    if (result.kind == "fin") result.mesh = block({width, t, height + 1.2}, {turn, middle});
-    else if (result.kind == "lug") result.mesh = block({3 + 0.3 * width, std::max(t, 2.0), 0.6 * height + 1.2}, {turn, s.point + (0.3 * height - 0.6) * n});
-    else if (result.kind == "pin") result.mesh = rod(s.point - 0.6 * n, lean, height + 0.6, 0.5 * t, 24);
+    if (result.kind == "fin")
+      result.mesh = block({width, t, height + 1.2}, {turn, middle});
+    else if (result.kind == "lug")
+      result.mesh =
+          block({3 + 0.3 * width, std::max(t, 2.0), 0.6 * height + 1.2}, {turn, s.point + (0.3 * height - 0.6) * n});
+    else if (result.kind == "pin")
+      result.mesh = rod(s.point - 0.6 * n, lean, height + 0.6, 0.5 * t, 24);
     else {  // a leaning fin
       const Mat3 leaning = turn * rotation_of(random.uniform(0.5, 1.1) * Vec3::UnitX());
-      result.mesh = block({width, t, 1.5 * height}, {leaning, s.point + (0.75 * height - 1) * (leaning * Vec3::UnitZ())});
+      result.mesh =
+          block({width, t, 1.5 * height}, {leaning, s.point + (0.75 * height - 1) * (leaning * Vec3::UnitZ())});
     }
     const auto with_part = united_if_possible(part, result.mesh);
     if (!with_part || !check_solid(*with_part).faults.empty()) continue;
@@ -129,7 +137,8 @@ struct Tally {
 };
 std::map<std::string, Tally> tallies;  // by row of the table
 
-void judge(const std::string& row, const std::string& what, const TriangleMesh& mesh, const Scan& scan, Outcome expected) {
+void judge(const std::string& row, const std::string& what, const TriangleMesh& mesh, const Scan& scan,
+           Outcome expected) {
   VerifyOptions options;
   options.tolerance = tolerance;
   Tally& tally = tallies[row];
@@ -137,12 +146,14 @@ void judge(const std::string& row, const std::string& what, const TriangleMesh& 
   const Verdict verdict = verdict_on(mesh, scan, options);
   const auto& m = verdict.artifacts.front().model_to_data;
   tally.right += verdict.verdict == expected;
-  std::fprintf(stderr, "%s %s, %s: %s (%.1f supported, %.1f not scanned, %.1f contradicted)\n", verdict.verdict == expected ? "  " : "!!",
-               row.c_str(), what.c_str(), name_of(verdict.verdict), m.supported, m.not_scanned, m.contradicted);
+  std::fprintf(stderr, "%s %s, %s: %s (%.1f supported, %.1f not scanned, %.1f contradicted)\n",
+               verdict.verdict == expected ? "  " : "!!", row.c_str(), what.c_str(), name_of(verdict.verdict),
+               m.supported, m.not_scanned, m.contradicted);
   if (verdict.verdict != expected) std::fprintf(stderr, "%s", all_reasons(verdict).c_str());
 }
 
-void judge_both(const std::string& row, const std::string& what, const TriangleMesh& mesh, const Scan& scan, Outcome expected) {
+void judge_both(const std::string& row, const std::string& what, const TriangleMesh& mesh, const Scan& scan,
+                Outcome expected) {
   judge(row + ", with rays", what, mesh, scan, expected);
   judge(row + ", without rays", what, mesh, without_rays(scan), expected);
 }
@@ -159,9 +170,10 @@ void invented(const NamedPart& part, std::uint64_t number) {
   Random random(number + 1);
   for (int k = 0; k < places; ++k) {
     const Invention i = invented_on(part.mesh, scan, k, random);
-    const std::string what = part.name + " " + sets[number % 5] + " with a " + i.kind + " " + print_number(i.thickness) + " thick, " +
-                             print_number(std::round(i.area)) + " mm^2 at (" + print_number(std::round(i.place.x())) + ", " +
-                             print_number(std::round(i.place.y())) + ", " + print_number(std::round(i.place.z())) + ")";
+    const std::string what = part.name + " " + sets[number % 5] + " with a " + i.kind + " " +
+                             print_number(i.thickness) + " thick, " + print_number(std::round(i.area)) + " mm^2 at (" +
+                             print_number(std::round(i.place.x())) + ", " + print_number(std::round(i.place.y())) +
+                             ", " + print_number(std::round(i.place.z())) + ")";
     judge_both("invented " + i.kind, what, i.mesh, scan, Outcome::out_of_tolerance);
   }
 }
@@ -174,9 +186,11 @@ void halves(const NamedPart& part) {
   const Vec3 middle = part.mesh.bounds().center();
   for (int side = 0; side < 6; ++side)
     judge_both("true parts from one half space", part.name + " side " + std::to_string(side), part.mesh,
-               some_views(scan, [&](const View& view, std::size_t) {
-                 return (side % 2 ? -1 : 1) * (view.world_from_view.translation - middle)[side / 2] > 0;
-               }), Outcome::verified);
+               some_views(scan,
+                          [&](const View& view, std::size_t) {
+                            return (side % 2 ? -1 : 1) * (view.world_from_view.translation - middle)[side / 2] > 0;
+                          }),
+               Outcome::verified);
 }
 
 }  // namespace

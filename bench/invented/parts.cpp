@@ -112,9 +112,9 @@ TriangleMesh knob() {
 }  // namespace
 
 std::vector<NamedPart> parts_with_bores() {
-  return {{"bracket", bracket()}, {"housing", housing()}, {"plate", plate()},       {"crossed", crossed()}, {"flange", flange()},
-          {"shaft", shaft()},     {"manifold", manifold()}, {"channel", channel()}, {"tray", tray()},       {"wedge", wedge()},
-          {"knob", knob()}};
+  return {{"bracket", bracket()}, {"housing", housing()}, {"plate", plate()},       {"crossed", crossed()},
+          {"flange", flange()},   {"shaft", shaft()},     {"manifold", manifold()}, {"channel", channel()},
+          {"tray", tray()},       {"wedge", wedge()},     {"knob", knob()}};
 }
 
 }  // namespace partscribe

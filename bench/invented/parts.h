@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/triangle_mesh.h"
+#include "geometry/mesh/triangle_mesh.h"
 
 namespace partscribe {
 

@@ -1,4 +1,7 @@
-/// Normals beside other programs on views with known truth: Markdown tables, `bench_normals [--clouds|--images] MODEL.json...`.
+/// Normals beside other programs on views with known truth: Markdown tables, `bench_normals [--clouds|--images]
+/// MODEL.json...`.
+#include "geometry/normals/normals.h"
+
 #include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,12 +20,11 @@
 #include "core/files.h"
 #include "core/large_memory.h"
 #include "core/statistics.h"
-#include "geometry/grid_normals.h"
-#include "geometry/kd_tree.h"
-#include "geometry/normals.h"
-#include "geometry/rlts_filter.h"
+#include "geometry/images/grid_normals.h"
+#include "geometry/images/rlts_filter.h"
+#include "geometry/points/kd_tree.h"
 #include "model/json.h"
-#include "scan/simulate.h"
+#include "scan/simulate/simulate.h"
 
 using namespace partscribe;
 
@@ -31,9 +33,9 @@ namespace {
 /// One view of a part.
 struct Scene {
   RangeImage image;
-  std::vector<Vec3> grid, truth;  // of every pixel, in the sensor's frame; not finite: no return
-  std::vector<std::uint8_t> edge; // a pixel within two columns and rows has another normal, depth or nothing
-  std::vector<Vec3> points;       // of the returns, row by row
+  std::vector<Vec3> grid, truth;   // of every pixel, in the sensor's frame; not finite: no return
+  std::vector<std::uint8_t> edge;  // a pixel within two columns and rows has another normal, depth or nothing
+  std::vector<Vec3> points;        // of the returns, row by row
   std::vector<std::uint32_t> pixel;
 };
 
@@ -52,7 +54,8 @@ Scene scene_of(const Model& model, int resolution, double sigma, double bit_erro
     for (int column = 0; column < image.width; ++column) {
       const auto p = view_point(image, row, column);
       scene.grid.push_back(p.value_or(none)), scene.truth.push_back(none), depth.push_back(std::nan(""));
-      const Vec3 from = image.world_from_view * Vec3(image.x0 + column * image.pitch_x, image.y0 + row * image.pitch_y, 0);
+      const Vec3 from =
+          image.world_from_view * Vec3(image.x0 + column * image.pitch_x, image.y0 + row * image.pitch_y, 0);
       const auto hit = surface.first_hit(from, image.world_from_view.rotation.col(2));
       if (hit) scene.truth.back() = view_from_world.rotation * hit->normal, depth.back() = hit->distance;
       if (!p || !hit) continue;
@@ -66,16 +69,17 @@ Scene scene_of(const Model& model, int resolution, double sigma, double bit_erro
         const bool inside = row >= 0 && column >= 0 && row < image.height && column < image.width;
         const std::size_t j = std::size_t(row * image.width + column);
         if (!inside || std::isnan(depth[j]) || scene.truth[i].dot(scene.truth[j]) < 0.9 ||
-            std::abs(scene.truth[i].dot(Vec3(x * image.pitch_x, y * image.pitch_y, depth[j] - depth[i]))) > 0.5 * image.pitch_x)
+            std::abs(scene.truth[i].dot(Vec3(x * image.pitch_x, y * image.pitch_y, depth[j] - depth[i]))) >
+                0.5 * image.pitch_x)
           scene.edge[i] = 1;
       }
   return scene;
 }
 
 struct Score {
-  double us = 0, megabytes = 0;               // a point of processor time, beside the input
-  double median = 0, near = 0, none = 0;      // deg; shares within ten degrees and without a normal
-  double inside_rms = 0;                      // deg, away from edges, of those within ten degrees
+  double us = 0, megabytes = 0;           // a point of processor time, beside the input
+  double median = 0, near = 0, none = 0;  // deg; shares within ten degrees and without a normal
+  double inside_rms = 0;                  // deg, away from edges, of those within ten degrees
 };
 
 double status_kb(const char* name) {
@@ -103,14 +107,13 @@ struct Normals {
 };
 using Run = std::function<Normals()>;
 
-/// Touches as much as a method may need and gives it back. The host of a virtual machine finds memory first, which takes
-/// up to forty times as long as to clear it: that is no method's time.
-void find_memory(std::size_t bytes) {
-  const LargeVector<char> memory(bytes, 1);
-}
+/// Touches as much as a method may need and gives it back. The host of a virtual machine finds memory first, which
+/// takes up to forty times as long as to clear it: that is no method's time.
+void find_memory(std::size_t bytes) { const LargeVector<char> memory(bytes, 1); }
 
 /// In a process of its own, so that every memory peak is its own.
-Score measure(const Run& run, const std::vector<std::uint32_t>& places, const std::vector<Vec3>& truth, const std::vector<std::uint8_t>& edge, std::size_t points) {
+Score measure(const Run& run, const std::vector<std::uint32_t>& places, const std::vector<Vec3>& truth,
+              const std::vector<std::uint8_t>& edge, std::size_t points) {
   int ends[2];
   if (pipe(ends) != 0) return {};
   malloc_trim(0);
@@ -132,12 +135,15 @@ Score measure(const Run& run, const std::vector<std::uint32_t>& places, const st
     for (std::size_t i = 0; i < truth.size(); ++i) {
       if (!truth[i].allFinite()) continue;
       const bool known = normals[i].allFinite() && normals[i].norm() > 0.5;
-      off.push_back(known ? std::acos(std::min(std::abs(normals[i].normalized().dot(truth[i])), 1.0)) * 180 / 3.14159265358979 : 90);
+      off.push_back(known ? std::acos(std::min(std::abs(normals[i].normalized().dot(truth[i])), 1.0)) * 180 /
+                                3.14159265358979
+                          : 90);
       s.none += !known, s.near += off.back() < 10;
       if (!edge[i] && off.back() < 10) square += off.back() * off.back(), ++inside;
     }
     const double n = double(off.size());
-    s.none /= n, s.near /= n, s.median = median(off), s.inside_rms = std::sqrt(square / double(std::max<std::size_t>(inside, 1)));
+    s.none /= n, s.near /= n, s.median = median(off),
+                              s.inside_rms = std::sqrt(square / double(std::max<std::size_t>(inside, 1)));
     const bool sent = write(ends[1], &s, sizeof s) == ssize_t(sizeof s);
     _exit(sent ? 0 : 1);
   }
@@ -155,7 +161,8 @@ struct Method {
 };
 
 /// All methods in turn and back again; medians of the times.
-std::vector<Score> measure_all(const std::vector<Method>& methods, int rounds, const std::vector<std::uint32_t>& places, const std::vector<Vec3>& truth, const std::vector<std::uint8_t>& edge,
+std::vector<Score> measure_all(const std::vector<Method>& methods, int rounds, const std::vector<std::uint32_t>& places,
+                               const std::vector<Vec3>& truth, const std::vector<std::uint8_t>& edge,
                                std::size_t points) {
   std::vector<Score> scores(methods.size());
   std::vector<std::vector<double>> times(methods.size());
@@ -173,7 +180,8 @@ std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
   const KdTree tree(points);
   std::vector<Vec3> result(points.size());
   tree.nearest_of_each(std::size_t(count), 1, [&](std::uint32_t i, std::span<const Neighbour> near) {
-    result[i] = peers::plane_normal(near.size(), [&](std::size_t k) -> Vec3 { return points[near[k].index] - points[i]; });
+    result[i] =
+        peers::plane_normal(near.size(), [&](std::size_t k) -> Vec3 { return points[near[k].index] - points[i]; });
   });
   return result;
 }
@@ -193,13 +201,16 @@ std::vector<Vec3> of_filter(const RangeImage& image) {
   const FilteredImage f = rlts_filter(image, {}, context);
   std::vector<Vec3> result(f.depth.size());
   for (std::size_t i = 0; i < result.size(); ++i)
-    if (f.kept[i]) result[i] = Vec3(f.slope_column[i] / image.pitch_x, f.slope_row[i] / image.pitch_y, -1).normalized();
-    else result[i] = Vec3::Zero();
+    if (f.kept[i])
+      result[i] = Vec3(f.slope_column[i] / image.pitch_x, f.slope_row[i] / image.pitch_y, -1).normalized();
+    else
+      result[i] = Vec3::Zero();
   return result;
 }
 
 void print(const std::string& name, const Score& s) {
-  std::printf("| %s | %.3f | %.0f | %.3f | %.3f | %.1f %% | %.1f %% |\n", name.c_str(), s.us, s.megabytes, s.median, s.inside_rms, 100 * s.near, 100 * s.none);
+  std::printf("| %s | %.3f | %.0f | %.3f | %.3f | %.1f %% | %.1f %% |\n", name.c_str(), s.us, s.megabytes, s.median,
+              s.inside_rms, 100 * s.near, 100 * s.none);
   std::fflush(stdout);
 }
 
@@ -221,12 +232,20 @@ void clouds(const Model& model, const std::string& name) {
     for (const int count : {10, 20}) {
       if (count == 20 && size > 5e5) continue;
       std::vector<Method> methods = {{"Partscribe, equal support", [&, count] { return planes(scene.points, count); }}};
-      for (const auto& list : {peers::nanoflann_methods(), peers::small_gicp_methods(), peers::open3d_methods(), peers::pcl_methods(), peers::cgal_methods()}) {
-        for (const auto& m : list) methods.push_back({m.name, [&, m, count] { return m.normals(scene.points, count); }});
+      for (const auto& list : {peers::nanoflann_methods(), peers::small_gicp_methods(), peers::open3d_methods(),
+                               peers::pcl_methods(), peers::cgal_methods()}) {
+        for (const auto& m : list)
+          methods.push_back({m.name, [&, m, count] { return m.normals(scene.points, count); }});
       }
-      if (count == 10) methods.push_back({"Partscribe, support from noise and edges", [&] { return robust(scene.points); }});
-      std::printf("\n**%s, %zu points, pitch %.4f mm, sigma 0.01 mm, %d neighbours**\n\n%s", name.c_str(), scene.points.size(), scene.image.pitch_x, count, head);
-      const auto scores = measure_all(methods, size > 5e5 ? 3 : count == 10 ? 7 : 3, {}, truth, edge, scene.points.size());
+      if (count == 10)
+        methods.push_back({"Partscribe, support from noise and edges", [&] { return robust(scene.points); }});
+      std::printf("\n**%s, %zu points, pitch %.4f mm, sigma 0.01 mm, %d neighbours**\n\n%s", name.c_str(),
+                  scene.points.size(), scene.image.pitch_x, count, head);
+      const auto scores = measure_all(methods,
+                                      size > 5e5    ? 3
+                                      : count == 10 ? 7
+                                                    : 3,
+                                      {}, truth, edge, scene.points.size());
       for (std::size_t m = 0; m < methods.size(); ++m) print(methods[m].name, scores[m]);
     }
   }
@@ -238,12 +257,16 @@ void images(const Model& model, const std::string& name) {
     std::vector<Vec3> truth(scene.grid.size(), Vec3::Constant(std::nan("")));
     for (const std::uint32_t i : scene.pixel) truth[i] = scene.truth[i];
     // A plane through 5x5 pixels of pitch h has the slope error sigma / (7.07 h).
-    std::printf("\n**%s, organised, %zu points, pitch %.3f mm, sigma %g mm, bit errors 0.001; a plane through 5x5: %.3f deg at normal incidence**\n\n%s", name.c_str(),
-                scene.points.size(), scene.image.pitch_x, sigma, std::sqrt(2.0) * sigma / (7.07 * scene.image.pitch_x) * 180 / 3.14159265358979, head);
+    std::printf(
+        "\n**%s, organised, %zu points, pitch %.3f mm, sigma %g mm, bit errors 0.001; a plane through 5x5: %.3f deg at "
+        "normal incidence**\n\n%s",
+        name.c_str(), scene.points.size(), scene.image.pitch_x, sigma,
+        std::sqrt(2.0) * sigma / (7.07 * scene.image.pitch_x) * 180 / 3.14159265358979, head);
     std::vector<Method> methods = {{"Partscribe, with the range image filter", [&] { return of_filter(scene.image); }}};
     methods.push_back({"Partscribe, planes through 5x5", [&] { return grid_normals(scene.image, {}, 1); }});
     methods.push_back({"Partscribe, cloud, support from noise and edges", [&] { return robust(scene.points); }});
-    for (const auto& m : peers::pcl_grid_methods()) methods.push_back({m.name, [&, m] { return m.normals(scene.grid, scene.image.width, scene.image.height); }});
+    for (const auto& m : peers::pcl_grid_methods())
+      methods.push_back({m.name, [&, m] { return m.normals(scene.grid, scene.image.width, scene.image.height); }});
     for (const auto& m : {peers::nanoflann_methods().front()})
       methods.push_back({m.name + ", 25 neighbours", [&, m] { return m.normals(scene.points, 25); }});
     const auto scores = measure_all(methods, 7, scene.pixel, truth, scene.edge, scene.points.size());

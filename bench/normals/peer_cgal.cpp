@@ -14,9 +14,9 @@ std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
   std::vector<Item> items;
   items.reserve(points.size());
   for (const Vec3& p : points) items.emplace_back(Kernel::Point_3(p.x(), p.y(), p.z()), CGAL::NULL_VECTOR);
-  CGAL::pca_estimate_normals<CGAL::Sequential_tag>(
-      items, unsigned(count - 1),
-      CGAL::parameters::point_map(CGAL::First_of_pair_property_map<Item>()).normal_map(CGAL::Second_of_pair_property_map<Item>()));
+  CGAL::pca_estimate_normals<CGAL::Sequential_tag>(items, unsigned(count - 1),
+                                                   CGAL::parameters::point_map(CGAL::First_of_pair_property_map<Item>())
+                                                       .normal_map(CGAL::Second_of_pair_property_map<Item>()));
   std::vector<Vec3> result;
   result.reserve(items.size());
   for (const Item& i : items) result.emplace_back(i.second.x(), i.second.y(), i.second.z());

@@ -18,7 +18,8 @@ struct Points {
 };
 
 std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, std::uint32_t>;
+  using Tree =
+      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, std::uint32_t>;
   const Points adaptor{points};
   Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   std::vector<Vec3> result(points.size());
@@ -33,8 +34,6 @@ std::vector<Vec3> planes(const std::vector<Vec3>& points, int count) {
 
 }  // namespace
 
-std::vector<CloudMethod> nanoflann_methods() {
-  return {{"nanoflann + PCA", &planes}};
-}
+std::vector<CloudMethod> nanoflann_methods() { return {{"nanoflann + PCA", &planes}}; }
 
 }  // namespace peers

@@ -31,7 +31,8 @@ inline partscribe::Vec3 plane_normal(std::size_t count, const Point& point) {
   const partscribe::Vec3 x(xx - least, xy, xz), y(xy, yy - least, yz), z(xz, yz, zz - least);
   const partscribe::Vec3 candidates[3] = {x.cross(y), x.cross(z), y.cross(z)};
   const double squares[3] = {candidates[0].squaredNorm(), candidates[1].squaredNorm(), candidates[2].squaredNorm()};
-  const std::size_t best = squares[0] >= squares[1] ? (squares[0] >= squares[2] ? 0 : 2) : (squares[1] >= squares[2] ? 1 : 2);
+  const std::size_t best =
+      squares[0] >= squares[1] ? (squares[0] >= squares[2] ? 0 : 2) : (squares[1] >= squares[2] ? 1 : 2);
   if (!(squares[best] > 0)) return {0, 0, 1};
   return candidates[best] / std::sqrt(squares[best]);
 }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "geometry/primitive_fit.h"
+#include "geometry/surfaces/primitive_fit.h"
 
 namespace peers {
 

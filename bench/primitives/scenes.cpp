@@ -91,7 +91,8 @@ Scan scan(const Primitive& p, std::size_t count, double arc, double sigma, Rando
         break;
       }
       case PrimitiveKind::torus: {
-        const double widest = p.radius < p.tube ? std::acos(-p.radius / p.tube) : pi, b = random.uniform(-widest, widest);
+        const double widest = p.radius < p.tube ? std::acos(-p.radius / p.tube) : pi,
+                     b = random.uniform(-widest, widest);
         n = std::cos(b) * across + std::sin(b) * up;
         q = p.radius * across + p.tube * n;
         break;

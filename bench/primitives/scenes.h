@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/random.h"
-#include "geometry/primitive_fit.h"
+#include "geometry/surfaces/primitive_fit.h"
 
 namespace scenes {
 

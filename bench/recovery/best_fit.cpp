@@ -22,12 +22,14 @@ State moved(const Case& c, const State& state, const Eigen::VectorXd& step) {
   return result;
 }
 
-/// In sigmas, of every true point: orthogonal distances. (Those along the rays are worse beside the limb, where noise throws rays past the part.)
+/// In sigmas, of every true point: orthogonal distances. (Those along the rays are worse beside the limb, where noise
+/// throws rays past the part.)
 Eigen::VectorXd residuals(const Case& c, const State& state) {
   const ModelDistance distance(c.truth, state.values);
   const Pose part_from_scan = state.scan_from_part.inverse();
   Eigen::VectorXd e(static_cast<Eigen::Index>(c.measured.size()));
-  for (std::size_t i = 0; i < c.measured.size(); ++i) e[static_cast<Eigen::Index>(i)] = distance(part_from_scan * c.measured[i]).distance / c.sigma[i];
+  for (std::size_t i = 0; i < c.measured.size(); ++i)
+    e[static_cast<Eigen::Index>(i)] = distance(part_from_scan * c.measured[i]).distance / c.sigma[i];
   return e;
 }
 

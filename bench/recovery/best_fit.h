@@ -1,4 +1,5 @@
-/// What a fit makes of a case that knows which points are strays, how noisy each other one is, and the truth to start from.
+/// What a fit makes of a case that knows which points are strays, how noisy each other one is, and the truth to start
+/// from.
 #pragma once
 
 #include <vector>
@@ -7,7 +8,8 @@
 
 namespace partscribe::recovery {
 
-/// The numbers of the truth's own parametrisation by weighted orthogonal distances of the true points. Nothing for a mesh.
+/// The numbers of the truth's own parametrisation by weighted orthogonal distances of the true points. Nothing for a
+/// mesh.
 std::vector<double> best_numbers(const Case& c);
 
 }  // namespace partscribe::recovery

@@ -11,12 +11,12 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "model/distance.h"
-#include "scan/read.h"
+#include "scan/read/read.h"
 
 namespace partscribe::recovery {
 namespace {
 
-constexpr double steepest = 1.36;       // rad from the normal; beyond, nothing returns
+constexpr double steepest = 1.36;  // rad from the normal; beyond, nothing returns
 constexpr double thinning_angle = pi / 3;
 
 Vec3 random_direction(Random& random) {
@@ -25,7 +25,9 @@ Vec3 random_direction(Random& random) {
 }
 
 Mat3 random_rotation(Random& random) {
-  return Eigen::Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()}.normalized().toRotationMatrix();
+  return Eigen::Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()}
+      .normalized()
+      .toRotationMatrix();
 }
 
 Pose random_place(Random& random) {
@@ -39,7 +41,8 @@ struct Hit {
 /// Looks at a part along rays, by sphere tracing on its exact distance.
 class Target {
  public:
-  Target(const Model& model, const Box3& bounds) : distance_(model), middle_(bounds.center()), radius_(0.5 * bounds.diagonal()) {}
+  Target(const Model& model, const Box3& bounds)
+      : distance_(model), middle_(bounds.center()), radius_(0.5 * bounds.diagonal()) {}
   const Vec3& middle() const { return middle_; }
   double radius() const { return radius_; }
 
@@ -169,7 +172,9 @@ Sensor sensor_before_arc(Random& random) {
 
 /// A coarse mesh as it is read from a file: corners in single precision, and samples where they are far apart.
 void scan_mesh(Case& c, const Part& part, const Conditions& conditions, Random& random) {
-  const int around = conditions.least_facets + static_cast<int>(random.below(static_cast<std::uint64_t>(conditions.most_facets - conditions.least_facets + 1)));
+  const int around =
+      conditions.least_facets +
+      static_cast<int>(random.below(static_cast<std::uint64_t>(conditions.most_facets - conditions.least_facets + 1)));
   TriangleMesh mesh = coarse_mesh(part.model, around);
   c.noise = std::max(sagitta_of(mesh, part.model), 1e-4 * c.size);
   const double wanted = std::max(c.noise, 1e-3 * c.size);
@@ -210,14 +215,15 @@ void scan_mesh(Case& c, const Part& part, const Conditions& conditions, Random& 
 }  // namespace
 
 const std::vector<std::string>& kinds() {
-  static const std::vector<std::string> list = {"sphere", "ellipsoid", "superellipsoid", "box", "wedge", "cylinder",
-                                                "cone", "torus", "supertoroid", "fillet", "half_spaces", "revolve",
-                                                "extrude"};
+  static const std::vector<std::string> list = {"sphere",      "ellipsoid", "superellipsoid", "box",         "wedge",
+                                                "cylinder",    "cone",      "torus",          "supertoroid", "fillet",
+                                                "half_spaces", "revolve",   "extrude"};
   return list;
 }
 
 const std::vector<std::string>& degenerate_kinds() {
-  static const std::vector<std::string> list = {"cone_1deg", "cylinder_30deg", "torus_fat", "torus_patch", "ellipsoid_round"};
+  static const std::vector<std::string> list = {"cone_1deg", "cylinder_30deg", "torus_fat", "torus_patch",
+                                                "ellipsoid_round"};
   return list;
 }
 
@@ -259,7 +265,8 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
     scan_mesh(c, part, conditions, random);
     return c;
   }
-  c.noise = c.size * conditions.least_noise * std::pow(conditions.most_noise / conditions.least_noise, random.uniform());
+  c.noise =
+      c.size * conditions.least_noise * std::pow(conditions.most_noise / conditions.least_noise, random.uniform());
   c.tolerance = snapped(3 * c.noise, power_of_ten_below(c.noise / 10));
   c.close = 0.3 * c.noise;
   c.scan_from_part = random_place(random);
@@ -268,7 +275,8 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
 
   const Target target(part.model, part.bounds);
   const double r = target.radius();
-  const std::vector<Sensor> sensors = part.arc > 0 ? std::vector{sensor_before_arc(random)} : placed_sensors(target, conditions.seen, random, c.seen);
+  const std::vector<Sensor> sensors =
+      part.arc > 0 ? std::vector{sensor_before_arc(random)} : placed_sensors(target, conditions.seen, random, c.seen);
   const Vec3 dense = random_direction(random);
   const auto surface_count = static_cast<std::size_t>(double(conditions.points) * (1 - wanted));
   struct Return {
@@ -277,7 +285,9 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
   };
   std::vector<Return> returns;
   std::vector<Vec3> edges, edge_rays;  // places beside which the ray sees farther
-  const auto start_of = [&](const Sensor& s, const Vec3& p) { return Vec3(p + (2 * r - (p - target.middle()).dot(s.towards)) * s.towards); };
+  const auto start_of = [&](const Sensor& s, const Vec3& p) {
+    return Vec3(p + (2 * r - (p - target.middle()).dot(s.towards)) * s.towards);
+  };
   for (std::size_t attempt = 0; attempt < 100 * surface_count && c.exact.size() < surface_count; ++attempt) {
     const auto v = attempt % sensors.size();
     const Sensor& s = sensors[v];
@@ -291,7 +301,9 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
     const double place = std::clamp(0.5 + (hit->point - target.middle()).dot(dense) / c.size, 0.0, 1.0);
     if (keep > std::pow(conditions.density_ratio, place - 1)) continue;
     const double cosine = hit->normal.dot(s.towards), incidence = std::acos(std::clamp(cosine, -1.0, 1.0));
-    if (incidence > steepest || (incidence > thinning_angle && thin < (incidence - thinning_angle) / (steepest - thinning_angle))) continue;
+    if (incidence > steepest ||
+        (incidence > thinning_angle && thin < (incidence - thinning_angle) / (steepest - thinning_angle)))
+      continue;
     const double along = c.noise / std::max(cosine, 1.0 / 3);
     c.exact.push_back(c.scan_from_part * hit->point);
     c.sigma.push_back(along * cosine);
@@ -338,7 +350,8 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
     c.scan.cloud.rays.push_back(c.scan_from_part.rotation * p.ray);
     c.scan.cloud.view.push_back(p.view);
   }
-  for (std::size_t v = 0; v < (with_rays ? sensors.size() : 1); ++v) c.scan.views.push_back({"simulated", {}, false, 0, 0});
+  for (std::size_t v = 0; v < (with_rays ? sensors.size() : 1); ++v)
+    c.scan.views.push_back({"simulated", {}, false, 0, 0});
   return c;
 }
 

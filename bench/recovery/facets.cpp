@@ -7,7 +7,7 @@
 
 #include "core/ensure.h"
 #include "core/number.h"
-#include "geometry/convex.h"
+#include "geometry/mesh/convex.h"
 #include "model/distance.h"
 #include "model/lower.h"
 #include "model/sketch.h"
@@ -38,9 +38,12 @@ std::vector<Polygon> corners_of(const EvaluatedSketch& sketch, int around) {
     if (std::holds_alternative<Nurbs2>(c.curve)) pieces = std::max(2, around / 4);
     for (int i = 0; i < pieces; ++i) {  // the last point is the next curve's first
       const double t = double(i) / pieces;
-      if (const auto* arc = std::get_if<Arc2>(&c.curve)) loop.push_back(arc->at(arc->from + t * (arc->to - arc->from)));
-      else if (const auto* nurbs = std::get_if<Nurbs2>(&c.curve)) loop.push_back(nurbs->at(nurbs->knots.front() + t * (nurbs->knots.back() - nurbs->knots.front())));
-      else loop.push_back(std::get<Line2>(c.curve).a);
+      if (const auto* arc = std::get_if<Arc2>(&c.curve))
+        loop.push_back(arc->at(arc->from + t * (arc->to - arc->from)));
+      else if (const auto* nurbs = std::get_if<Nurbs2>(&c.curve))
+        loop.push_back(nurbs->at(nurbs->knots.front() + t * (nurbs->knots.back() - nurbs->knots.front())));
+      else
+        loop.push_back(std::get<Line2>(c.curve).a);
     }
   }
   return loops;
@@ -170,7 +173,8 @@ TriangleMesh lobe(const Vec3& a, double e1, double e2, int around) {
 
 TriangleMesh ring(const SupertoroidOf<double>& s, int around) {
   return grid(std::max(8, around / 2), around, true, [&](int i, int k) {
-    const Vec2 tube = superellipse(2 * pi * i / std::max(8, around / 2), s.e1), top = superellipse(2 * pi * k / around, s.e2);
+    const Vec2 tube = superellipse(2 * pi * i / std::max(8, around / 2), s.e1),
+               top = superellipse(2 * pi * k / around, s.e2);
     const double r = s.major_radius + s.minor_radius * tube.x();
     return Vec3(r * top.x(), r * top.y(), s.half_height * tube.y());
   });
@@ -186,9 +190,12 @@ TriangleMesh half_space_mesh(const HalfSpacesOf<double>& s) {
 
 TriangleMesh mesh_of(const EvaluatedShape& shape, int around) {
   if (const auto* s = std::get_if<SphereOf<double>>(&shape)) return lobe(Vec3::Constant(s->radius), 1, 1, around);
-  if (const auto* s = std::get_if<EllipsoidOf<double>>(&shape)) return lobe({s->radius_x, s->radius_y, s->radius_z}, 1, 1, around);
-  if (const auto* s = std::get_if<SuperellipsoidOf<double>>(&shape)) return lobe({s->a1, s->a2, s->a3}, s->e1, s->e2, around);
-  if (const auto* s = std::get_if<TorusOf<double>>(&shape)) return ring({s->major_radius, s->minor_radius, s->minor_radius, 1, 1}, around);
+  if (const auto* s = std::get_if<EllipsoidOf<double>>(&shape))
+    return lobe({s->radius_x, s->radius_y, s->radius_z}, 1, 1, around);
+  if (const auto* s = std::get_if<SuperellipsoidOf<double>>(&shape))
+    return lobe({s->a1, s->a2, s->a3}, s->e1, s->e2, around);
+  if (const auto* s = std::get_if<TorusOf<double>>(&shape))
+    return ring({s->major_radius, s->minor_radius, s->minor_radius, 1, 1}, around);
   if (const auto* s = std::get_if<SupertoroidOf<double>>(&shape)) return ring(*s, around);
   if (const auto* s = std::get_if<BoxOf<double>>(&shape))
     return prism({{{0, 0}, {s->size_x, 0}, {s->size_x, s->size_y}, {0, s->size_y}}}, s->size_z);
@@ -201,8 +208,10 @@ TriangleMesh mesh_of(const EvaluatedShape& shape, int around) {
     return turned({{0, 0}, {s->radius, 0}, {s->radius, s->height}, {0, s->height}}, false, around);
   if (const auto* s = std::get_if<ConeOf<double>>(&shape))
     return turned({{0, 0}, {s->bottom_radius, 0}, {s->top_radius, s->height}, {0, s->height}}, false, around);
-  if (const auto* s = std::get_if<RevolveOf<double>>(&shape)) return turned(corners_of(s->sketch, around)[0], true, around);
-  if (const auto* s = std::get_if<FilletOf<double>>(&shape)) return prism(corners_of(lowered(*s).sketch, around), s->length);
+  if (const auto* s = std::get_if<RevolveOf<double>>(&shape))
+    return turned(corners_of(s->sketch, around)[0], true, around);
+  if (const auto* s = std::get_if<FilletOf<double>>(&shape))
+    return prism(corners_of(lowered(*s).sketch, around), s->length);
   if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape)) return prism(corners_of(s->sketch, around), s->height);
   const auto* s = std::get_if<HalfSpacesOf<double>>(&shape);
   ensure(s != nullptr, "the kind has a mesh");
@@ -224,7 +233,8 @@ double sagitta_of(const TriangleMesh& mesh, const Model& truth) {
   double most = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const Vec3& share : {Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(1, 0, 1), Vec3(0, 1, 1)}) {
-      const Vec3 p = (share[0] * mesh.corner(t, 0) + share[1] * mesh.corner(t, 1) + share[2] * mesh.corner(t, 2)) / share.sum();
+      const Vec3 p =
+          (share[0] * mesh.corner(t, 0) + share[1] * mesh.corner(t, 1) + share[2] * mesh.corner(t, 2)) / share.sum();
       most = std::max(most, std::abs(distance(p).distance));
     }
   return most;
@@ -239,7 +249,8 @@ TriangleMesh without_far_side(const TriangleMesh& mesh, const Vec3& towards, dou
   TriangleMesh left;
   left.vertices = mesh.vertices;
   for (const std::size_t t : order) {
-    const double size = 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+    const double size =
+        0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
     gone -= size;
     if (gone + size / 2 < 0) left.triangles.push_back(mesh.triangles[t]);
   }

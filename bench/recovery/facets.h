@@ -1,7 +1,7 @@
 /// The coarse mesh of a known part, as programs export it for a printer.
 #pragma once
 
-#include "geometry/triangle_mesh.h"
+#include "geometry/mesh/triangle_mesh.h"
 #include "model/model.h"
 
 namespace partscribe::recovery {

@@ -6,7 +6,7 @@
 
 #include "core/ensure.h"
 #include "core/number.h"
-#include "geometry/convex.h"
+#include "geometry/mesh/convex.h"
 
 namespace partscribe::recovery {
 namespace {
@@ -90,13 +90,15 @@ Part torus(Random& random) {
   Sizes s;
   const double ring = random.uniform(12, 40), tube = ring * random.uniform(0.25, 0.6);
   const double out = ring + tube;
-  return part_of(Torus{s("major_radius", ring), s("minor_radius", tube)}, s, Vec3(-out, -out, -tube), Vec3(out, out, tube));
+  return part_of(Torus{s("major_radius", ring), s("minor_radius", tube)}, s, Vec3(-out, -out, -tube),
+                 Vec3(out, out, tube));
 }
 
 /// A ring with rounded corners, whose tube is between round and nearly square.
 Part supertoroid(Random& random) {
   Sizes s;
-  const double ring = random.uniform(15, 40), tube = ring * random.uniform(0.25, 0.5), half = tube * random.uniform(0.75, 1.4);
+  const double ring = random.uniform(15, 40), tube = ring * random.uniform(0.25, 0.5),
+               half = tube * random.uniform(0.75, 1.4);
   const double e1 = random.uniform(0.4, 1), e2 = random.uniform(0.4, 0.7);
   const double out = ring + tube;
   return part_of(Supertoroid{s("major_radius", ring), s("minor_radius", tube), s("half_height", half),
@@ -107,12 +109,14 @@ Part supertoroid(Random& random) {
 /// Round in half of the cases, else with clearly unequal legs.
 Part fillet(Random& random) {
   Sizes s;
-  const double width = random.uniform(15, 40), height = width * random.uniform(0.5, 0.85), length = width * random.uniform(0.6, 3);
+  const double width = random.uniform(15, 40), height = width * random.uniform(0.5, 0.85),
+               length = width * random.uniform(0.6, 3);
   if (random.uniform() < 0.5) {
     const Expr r = s("radius", width);
     return part_of(Fillet{r, r, s("length", length)}, s, Vec3::Zero(), Vec3(width, width, length));
   }
-  return part_of(Fillet{s("width", width), s("height", height), s("length", length)}, s, Vec3::Zero(), Vec3(width, height, length));
+  return part_of(Fillet{s("width", width), s("height", height), s("length", length)}, s, Vec3::Zero(),
+                 Vec3(width, height, length));
 }
 
 Part half_spaces(Random& random) {
@@ -216,7 +220,8 @@ Part extrude(Random& random) {
                         SketchArc{c, ey - c, c, pi / 2, pi, "", ""}, SketchArc{c, c, c, pi, 1.5 * pi, "", ""}};
     const Expr hole = s("hole_radius", y * random.uniform(0.12, 0.22));
     const Expr hx = s("hole_x", x * random.uniform(0.3, 0.7));
-    return part_of(Extrude{{{outline, round_hole(hx, ey / Expr(2), hole)}}, s("thickness", h)}, s, Vec3::Zero(), Vec3(x, y, h));
+    return part_of(Extrude{{{outline, round_hole(hx, ey / Expr(2), hole)}}, s("thickness", h)}, s, Vec3::Zero(),
+                   Vec3(x, y, h));
   }
   const Expr a = s("foot", y * random.uniform(0.3, 0.5)), b = s("web", x * random.uniform(0.25, 0.5));
   for (const auto& [px, py] : std::vector<std::pair<Expr, Expr>>{{0, 0}, {ex, 0}, {ex, a}, {b, a}, {b, ey}, {0, ey}})
@@ -234,7 +239,8 @@ Part slim_cone(Random& random) {
 Part ring_of(double major, double minor) {
   Sizes s;
   const double out = major + minor;
-  return part_of(Torus{s("major_radius", major), s("minor_radius", minor)}, s, Vec3(-out, -out, -minor), Vec3(out, out, minor));
+  return part_of(Torus{s("major_radius", major), s("minor_radius", minor)}, s, Vec3(-out, -out, -minor),
+                 Vec3(out, out, minor));
 }
 
 Part round_ellipsoid(Random& random) {

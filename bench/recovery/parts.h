@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "core/random.h"
-#include "geometry/triangle_mesh.h"
+#include "geometry/mesh/triangle_mesh.h"
 #include "model/model.h"
 
 namespace partscribe::recovery {
 
 struct Part {
-  Model model;   ///< in its own frame
-  Box3 bounds;   ///< exact
+  Model model;     ///< in its own frame
+  Box3 bounds;     ///< exact
   double arc = 0;  ///< rad; only places this far around z, about x, can be seen; 0: all
 };
 

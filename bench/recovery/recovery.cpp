@@ -22,7 +22,8 @@ using namespace partscribe::recovery;
 namespace {
 
 const char* usage =
-    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|clean|hardest|facets|degenerate] [--verbose] [--save FILE.xyz]\n";
+    "usage: recovery [--runs N] [--first SEED] [--kind KIND] [--setting standard|clean|hardest|facets|degenerate] "
+    "[--verbose] [--save FILE.xyz]\n";
 
 void save(const Case& c, const std::string& file) {
   if (std::FILE* out = std::fopen(file.c_str(), "w")) {
@@ -37,11 +38,13 @@ std::string middle(const std::vector<double>& ratios) {
 
 Conditions conditions_of(const std::string& setting) {
   if (setting == "clean") return clean_conditions();
-  return setting == "standard" || setting == "degenerate" ? standard_conditions() : setting == "facets" ? facet_conditions() : hardest_conditions();
+  return setting == "standard" || setting == "degenerate" ? standard_conditions()
+         : setting == "facets"                            ? facet_conditions()
+                                                          : hardest_conditions();
 }
 
-/// How far numbers are off, in units of the error that half of all have if they are as small as can be: ours, and those of the best fit to the
-/// same points.
+/// How far numbers are off, in units of the error that half of all have if they are as small as can be: ours, and those
+/// of the best fit to the same points.
 class Errors {
  public:
   void add(double ours, std::optional<double> best) {
@@ -50,10 +53,11 @@ class Errors {
     const double cut = std::min(ours, most), best_cut = std::min(*best, most);
     best_.push_back(*best), square_ += cut * cut, best_square_ += best_cut * best_cut;
   }
-  /// The medians of both, and the root mean square of ours over that of the best fit: chance is the same in both, so that this is known far
-  /// better than either.
+  /// The medians of both, and the root mean square of ours over that of the best fit: chance is the same in both, so
+  /// that this is known far better than either.
   std::string cells() const {
-    return middle(ours_) + " | " + middle(best_) + " | " + (best_square_ > 0 ? print_number(snapped(std::sqrt(square_ / best_square_), 0.01)) : "-");
+    return middle(ours_) + " | " + middle(best_) + " | " +
+           (best_square_ > 0 ? print_number(snapped(std::sqrt(square_ / best_square_), 0.01)) : "-");
   }
 
  private:
@@ -77,8 +81,8 @@ Outcome verdict_on(const Score& score, const Case& c, Context& context) {
   return verdict ? verdict->verdict : Outcome::not_run;
 }
 
-std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs, bool verbose,
-                const std::string& file) {
+std::string row(const std::string& kind, const std::string& setting, std::uint64_t first, std::uint64_t runs,
+                bool verbose, const std::string& file) {
   std::map<Answer, std::size_t> answers;
   Errors on_rays, without_rays;
   std::vector<double> seconds;
@@ -89,7 +93,8 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
     const Case c = make_case(kind, conditions_of(setting), seed);
     if (!file.empty()) save(c, file);
     Context context;
-    if (verbose && runs == 1) context.log = [](const std::string& line) { std::fprintf(stderr, "    %s\n", line.c_str()); };
+    if (verbose && runs == 1)
+      context.log = [](const std::string& line) { std::fprintf(stderr, "    %s\n", line.c_str()); };
     const Score score = recovered(c, context);
     ++answers[score.answer];
     nobody_could += score.answer == Answer::cannot_tell && score.model && score.surface_error < as_near_as_right;
@@ -97,25 +102,35 @@ std::string row(const std::string& kind, const std::string& setting, std::uint64
     wrong_and_verified += believed;
     seconds.push_back(score.seconds);
     constexpr double two_sigmas = 2;
-    open += score.open.size(), open_held += std::size_t(std::count_if(score.open.begin(), score.open.end(), [](double u) { return u < two_sigmas; }));
+    open += score.open.size(),
+        open_held +=
+        std::size_t(std::count_if(score.open.begin(), score.open.end(), [](double u) { return u < two_sigmas; }));
     if (score.answer == Answer::right && !score.numbers.empty()) {
       const auto fitted = best_numbers(c);
       Errors& errors = c.scan.cloud.rays.empty() ? without_rays : on_rays;
       for (const Score::Number& n : score.numbers)
-        errors.add(n.ratio, fitted.empty() ? std::nullopt : std::optional(std::abs(fitted[n.parameter] - c.truth.parameters[n.parameter].value) / n.typical));
+        errors.add(n.ratio, fitted.empty()
+                                ? std::nullopt
+                                : std::optional(std::abs(fitted[n.parameter] - c.truth.parameters[n.parameter].value) /
+                                                n.typical));
     }
     if (verbose && (score.answer != Answer::right || runs == 1))
-      std::fprintf(stderr, "%s %s %llu: %s, found %s%s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T %g, surface %.1f, %.2f s)\n",
+      std::fprintf(stderr,
+                   "%s %s %llu: %s, found %s%s%s%s (noise %.2f %%, outliers %.0f %%, seen %.0f %%, %s, size %.1f, T "
+                   "%g, surface %.1f, %.2f s)\n",
                    kind.c_str(), setting.c_str(), static_cast<unsigned long long>(seed), name_of(score.answer),
-                   score.found.c_str(), believed ? ", verified" : "", score.why.empty() ? "" : ": ", score.why.c_str(), 100 * c.noise / c.size,
-                   100 * c.outliers, 100 * c.seen, c.scan.cloud.rays.empty() ? "no rays" : "rays", c.size, c.tolerance,
-                   score.surface_error, score.seconds);
+                   score.found.c_str(), believed ? ", verified" : "", score.why.empty() ? "" : ": ", score.why.c_str(),
+                   100 * c.noise / c.size, 100 * c.outliers, 100 * c.seen,
+                   c.scan.cloud.rays.empty() ? "no rays" : "rays", c.size, c.tolerance, score.surface_error,
+                   score.seconds);
   }
   char text[300];
   const auto share = [&](Answer a) { return 100.0 * double(answers[a]) / double(runs); };
-  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %.1f | %s | %s | %zu of %zu | %.2f |", kind.c_str(), setting.c_str(),
-                share(Answer::right), share(Answer::cannot_tell), 100.0 * double(nobody_could) / double(runs), share(Answer::wrong),
-                100.0 * double(wrong_and_verified) / double(runs), on_rays.cells().c_str(), without_rays.cells().c_str(), open_held, open, median(seconds));
+  std::snprintf(text, sizeof text, "| %s | %s | %.1f | %.1f | %.1f | %.1f | %.1f | %s | %s | %zu of %zu | %.2f |",
+                kind.c_str(), setting.c_str(), share(Answer::right), share(Answer::cannot_tell),
+                100.0 * double(nobody_could) / double(runs), share(Answer::wrong),
+                100.0 * double(wrong_and_verified) / double(runs), on_rays.cells().c_str(),
+                without_rays.cells().c_str(), open_held, open, median(seconds));
   return text;
 }
 
@@ -129,21 +144,32 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
-    if (option == "--runs") runs = std::strtoull(value().c_str(), nullptr, 10);
-    else if (option == "--first") first = std::strtoull(value().c_str(), nullptr, 10);
-    else if (option == "--kind") wanted = {value()};
-    else if (option == "--setting") settings = {value()};
-    else if (option == "--verbose") verbose = true;
-    else if (option == "--save") file = value();
-    else return std::fputs(usage, stderr), 2;
+    if (option == "--runs")
+      runs = std::strtoull(value().c_str(), nullptr, 10);
+    else if (option == "--first")
+      first = std::strtoull(value().c_str(), nullptr, 10);
+    else if (option == "--kind")
+      wanted = {value()};
+    else if (option == "--setting")
+      settings = {value()};
+    else if (option == "--verbose")
+      verbose = true;
+    else if (option == "--save")
+      file = value();
+    else
+      return std::fputs(usage, stderr), 2;
   }
   for (const auto& kind : wanted)
     if (std::find(kinds().begin(), kinds().end(), kind) == kinds().end() &&
         std::find(degenerate_kinds().begin(), degenerate_kinds().end(), kind) == degenerate_kinds().end())
       return std::fputs(usage, stderr), 2;
   if (runs == 0) return std::fputs(usage, stderr), 2;
-  std::printf("%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | nobody could %% | wrong %% | wrong and verified %% | error / bound, rays known | the best fit's | ours / its, rms | rays unknown | the best fit's | ours / its, rms | open numbers within 2 sigmas | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-              static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
+  std::printf(
+      "%llu runs each, seeds from %llu\n\n| kind | setting | right %% | cannot tell %% | nobody could %% | wrong %% | "
+      "wrong and verified %% | error / bound, rays known | the best fit's | ours / its, rms | rays unknown | the best "
+      "fit's | ours / its, rms | open numbers within 2 sigmas | s "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+      static_cast<unsigned long long>(runs), static_cast<unsigned long long>(first));
   for (const auto& setting : settings)
     for (const auto& kind : wanted.empty() ? (setting == "degenerate" ? degenerate_kinds() : kinds()) : wanted) {
       std::puts(row(kind, setting, first, runs, verbose, file).c_str());

@@ -51,7 +51,8 @@ std::vector<std::vector<double>> ways_to_write(const EvaluatedShape& shape) {
   if (const auto* s = std::get_if<SuperellipsoidOf<double>>(&shape)) {
     // Where the exponents are equal, all three axes mean the same; where they are not, the numbers tell.
     std::vector<std::vector<double>> ways;
-    for (const auto& a : {std::array{s->a1, s->a2, s->a3}, std::array{s->a2, s->a3, s->a1}, std::array{s->a3, s->a1, s->a2}})
+    for (const auto& a :
+         {std::array{s->a1, s->a2, s->a3}, std::array{s->a2, s->a3, s->a1}, std::array{s->a3, s->a1, s->a2}})
       for (const auto& [e1, e2] : {std::pair{s->e1, s->e2}, std::pair{s->e2, s->e1}}) {
         ways.push_back({a[0], a[1], a[2], e1, e2});
         ways.push_back({a[1], a[0], a[2], e1, e2});
@@ -133,8 +134,8 @@ bool names_hidden_faces(const Model& model) {
                      [](const Parameter& p) { return p.note.find("not scanned") != std::string::npos; });
 }
 
-/// Root mean square distance (mm) of the places from the surface, those within reach of the model's own sigmas counted as none:
-/// of what four sigmas of its numbers move the surface by there.
+/// Root mean square distance (mm) of the places from the surface, those within reach of the model's own sigmas counted
+/// as none: of what four sigmas of its numbers move the surface by there.
 double beyond_own_sigmas(const Model& model, const Values& values, const std::vector<Vec3>& places) {
   struct Moved {
     ModelDistance surface;
@@ -160,14 +161,18 @@ double beyond_own_sigmas(const Model& model, const Values& values, const std::ve
 
 /// What users read for a kind.
 std::string procedure_of(const std::string& kind) {
-  return kind == "half_spaces" ? "convex polyhedron" : kind == "revolve" ? "surface of revolution" : kind == "extrude" ? "extrusion" : kind;
+  return kind == "half_spaces" ? "convex polyhedron"
+         : kind == "revolve"   ? "surface of revolution"
+         : kind == "extrude"   ? "extrusion"
+                               : kind;
 }
 
 /// True if the model says that `kind` fits as well or that the data cannot tell.
 bool admits(const Model& model, const std::string& kind) {
   const std::string procedure = procedure_of(kind);
   return std::any_of(model.rivals.begin(), model.rivals.end(), [&](const Rival& r) {
-    const bool open = r.reason.find("cannot tell") != std::string::npos || r.reason.find("fits as well") != std::string::npos;
+    const bool open =
+        r.reason.find("cannot tell") != std::string::npos || r.reason.find("fits as well") != std::string::npos;
     return open && (r.reason.find(procedure) != std::string::npos || r.procedure.find(procedure) != std::string::npos);
   });
 }
@@ -246,7 +251,8 @@ Score recovered(const Case& c, Context& context) {
         const double typical = 0.6745 * bounds[k];
         of_way.push_back({k, typical, error / typical});
       }
-      const bool nearer = std::accumulate(open.begin(), open.end(), 0.0) < std::accumulate(score.open.begin(), score.open.end(), 0.0);
+      const bool nearer =
+          std::accumulate(open.begin(), open.end(), 0.0) < std::accumulate(score.open.begin(), score.open.end(), 0.0);
       if (most < best || (most == best && nearer)) best = most, score.numbers = of_way, score.open = open;
     }
     // Nearly equal exponents: another axis in the middle writes the same surface within the noise.

@@ -26,7 +26,8 @@ double area_of(const ViewSurface& surface, std::size_t point) {
 }
 
 /// Adds `factor` times the information of one place, with normals as given.
-void add(const std::vector<Share>& shares, const std::vector<Vec3>& normals, const Vec3& arm, double size, double factor, Eigen::MatrixXd& h) {
+void add(const std::vector<Share>& shares, const std::vector<Vec3>& normals, const Vec3& arm, double size,
+         double factor, Eigen::MatrixXd& h) {
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   std::vector<Vec6> rows(shares.size());
   double all = 0;
@@ -37,14 +38,15 @@ void add(const std::vector<Share>& shares, const std::vector<Vec3>& normals, con
   for (std::size_t k = 0; k < shares.size(); ++k)
     for (std::size_t l = 0; l < shares.size(); ++l) {
       const double weight = (k == l ? shares[k].weight : 0) - shares[k].weight * shares[l].weight / all;
-      h.block<6, 6>(6 * Eigen::Index(shares[k].view), 6 * Eigen::Index(shares[l].view)) += factor * weight * rows[k] * rows[l].transpose();
+      h.block<6, 6>(6 * Eigen::Index(shares[k].view), 6 * Eigen::Index(shares[l].view)) +=
+          factor * weight * rows[k] * rows[l].transpose();
     }
 }
 
 }  // namespace
 
-Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& world_from_view, const Vec3& center, double size,
-                           const Eigen::MatrixXd& free) {
+Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& world_from_view,
+                           const Vec3& center, double size, const Eigen::MatrixXd& free) {
   const auto unknowns = 6 * Eigen::Index(surfaces.size());
   std::vector<Pose> view_from_world;
   for (const Pose& pose : world_from_view) view_from_world.push_back(pose.inverse());
@@ -77,7 +79,8 @@ Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::
   Eigen::MatrixXd not_known(unknowns, 6 + free.cols());
   for (std::size_t v = 0; v < surfaces.size(); ++v) not_known.block<6, 6>(6 * Eigen::Index(v), 0).setIdentity();
   not_known.rightCols(free.cols()) = free;
-  const Eigen::MatrixXd known = Eigen::MatrixXd::Identity(unknowns, unknowns) - not_known * not_known.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd known = Eigen::MatrixXd::Identity(unknowns, unknowns) -
+                                not_known * not_known.completeOrthogonalDecomposition().pseudoInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(known * h * known);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(unknowns, unknowns);
   for (Eigen::Index k = 0; k < unknowns; ++k)

@@ -5,19 +5,19 @@
 #include <vector>
 
 #include "core/files.h"
-#include "scan/register.h"
+#include "scan/register/register.h"
 
 namespace partscribe {
 
 /// Two views of one part, their true poses, and a start for the second; `world_from_view` of the first is true.
 struct PairCase {
-  std::string name;          ///< "d3-tie-bar 2 5"
+  std::string name;            ///< "d3-tie-bar 2 5"
   RegisterView first, second;  ///< the second's guess is the start
-  Pose truth;                ///< of the second
-  double overlap = 0;        ///< share of the second's points that the first confirms
-  double start = 0;          ///< rad off
-  double radius = 0;         ///< mm, of the part
-  double spacing = 0;        ///< mm, of the points of the second view
+  Pose truth;                  ///< of the second
+  double overlap = 0;          ///< share of the second's points that the first confirms
+  double start = 0;            ///< rad off
+  double radius = 0;           ///< mm, of the part
+  double spacing = 0;          ///< mm, of the points of the second view
 };
 
 /// The names given, or those of all folders in `folder` that hold a scan/scan.json; sorted.
@@ -27,8 +27,8 @@ std::vector<std::string> scans_in(const Path& folder, std::vector<std::string> n
 /// radius off. The same every time.
 std::vector<PairCase> pair_cases(const Path& scan_json, const std::string& name, int most, Context& context);
 
-/// Of one part: for overlaps of 30, 50, 70 and 90 % the eight pairs that come nearest, each from 5, 10, 20 and 30 degrees and a
-/// twentieth of the radius off; `overlap` is the one asked for. The same every time.
+/// Of one part: for overlaps of 30, 50, 70 and 90 % the eight pairs that come nearest, each from 5, 10, 20 and 30
+/// degrees and a twentieth of the radius off; `overlap` is the one asked for. The same every time.
 std::vector<PairCase> basin_cases(const Path& scan_json, Context& context);
 
 /// Of the points of the second view where they truly are, in the world.

@@ -17,9 +17,12 @@ Surface convex(const std::vector<Side>& sides, double reach) {
     Vec3 normal = Vec3::Zero();
     for (const Side& s : sides) {
       const double rate = s.normal.dot(direction), gap = s.offset - s.normal.dot(origin);
-      if (rate < 0 && gap / rate > in) in = gap / rate, normal = s.normal;
-      else if (rate > 0) out = std::min(out, gap / rate);
-      else if (rate == 0 && gap < 0) return {};
+      if (rate < 0 && gap / rate > in)
+        in = gap / rate, normal = s.normal;
+      else if (rate > 0)
+        out = std::min(out, gap / rate);
+      else if (rate == 0 && gap < 0)
+        return {};
     }
     if (in >= out || in < 0) return {};
     return SurfaceHit{in, normal};
@@ -43,7 +46,8 @@ FirstHit nearer_of(FirstHit a, FirstHit b) {
 
 Surface plain_block() {
   std::vector<Side> sides = block_sides({14, 17, 20});
-  sides.push_back({Vec3(1, 0.8, 0).normalized(), 14}), sides.push_back({Vec3(0, -1, 0.7).normalized(), 18}), sides.push_back({Vec3(-1, 1, 1).normalized(), 18});
+  sides.push_back({Vec3(1, 0.8, 0).normalized(), 14}), sides.push_back({Vec3(0, -1, 0.7).normalized(), 18}),
+      sides.push_back({Vec3(-1, 1, 1).normalized(), 18});
   return convex(sides, 22);
 }
 
@@ -94,7 +98,14 @@ Surface union_of(const std::vector<Ball>& parts, double reach) {
 }
 
 Surface balls() {
-  return union_of({{{0, 0, 0}, 12}, {{11, 2, 3}, 8}, {{-8, 7, 4}, 9}, {{1, -11, 5}, 7}, {{3, 4, -12}, 6.5}, {{-6, -6, -9}, 6}, {{2, 8, 11}, 5}}, 20);
+  return union_of({{{0, 0, 0}, 12},
+                   {{11, 2, 3}, 8},
+                   {{-8, 7, 4}, 9},
+                   {{1, -11, 5}, 7},
+                   {{3, 4, -12}, 6.5},
+                   {{-6, -6, -9}, 6},
+                   {{2, 8, 11}, 5}},
+                  20);
 }
 
 Surface ball(double radius) { return union_of({{Vec3(0, 0, 0), radius}}, radius); }
@@ -113,7 +124,8 @@ Surface cylinder() {
     }
     for (const double s : {1.0, -1.0}) {
       const double t = (15 * s - o.z()) / d.z();
-      if (t > 0 && t < best && d.z() * s < 0 && (o + t * d).head<2>().norm() <= 10) best = t, normal = s * Vec3::UnitZ();
+      if (t > 0 && t < best && d.z() * s < 0 && (o + t * d).head<2>().norm() <= 10)
+        best = t, normal = s * Vec3::UnitZ();
     }
     if (best > 1e29) return {};
     return SurfaceHit{best, normal};

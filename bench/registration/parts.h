@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "scan/simulate.h"
+#include "scan/simulate/simulate.h"
 
 namespace partscribe::registration_cases {
 
@@ -30,7 +30,8 @@ Surface cut_block();
 /// A block that half a turn about z lays onto itself, but for one corner that is cut so much less, mm.
 Surface block_alike_from_two_sides(double difference);
 
-/// A prism that a part of one turn about z lays onto itself, but for one of its upper corners that is cut so much less, mm.
+/// A prism that a part of one turn about z lays onto itself, but for one of its upper corners that is cut so much less,
+/// mm.
 Surface prism_alike_from_sides(int sides, double difference);
 
 struct Ball {

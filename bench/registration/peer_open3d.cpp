@@ -33,14 +33,18 @@ Pose pose_of(const Eigen::Matrix4d& m) { return {m.topLeftCorner<3, 3>(), m.topR
 
 const o3d::ICPConvergenceCriteria end(1e-9, 1e-9, 100);
 
-Pose gicp(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing, double gate) {
+Pose gicp(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing,
+          double gate) {
   auto target = prepare(first, 2 * spacing), source = prepare(second, 2 * spacing);
   target->EstimateCovariances(KDTreeSearchParamKNN(10)), source->EstimateCovariances(KDTreeSearchParamKNN(10));
-  return pose_of(o3d::RegistrationGeneralizedICP(*source, *target, gate, matrix_of(guess), o3d::TransformationEstimationForGeneralizedICP(), end).transformation_);
+  return pose_of(o3d::RegistrationGeneralizedICP(*source, *target, gate, matrix_of(guess),
+                                                 o3d::TransformationEstimationForGeneralizedICP(), end)
+                     .transformation_);
 }
 
 /// Weights end at a quarter of the gate.
-Pose tukey(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing, double gate) {
+Pose tukey(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing,
+           double gate) {
   const auto target = prepare(first, 2 * spacing), source = prepare(second, 2 * spacing);
   const o3d::TransformationEstimationPointToPlane estimation(std::make_shared<o3d::TukeyLoss>(gate / 4));
   return pose_of(o3d::RegistrationICP(*source, *target, gate, matrix_of(guess), estimation, end).transformation_);
@@ -51,7 +55,8 @@ Pose tukey(const std::vector<Vec3>& first, const std::vector<Vec3>& second, cons
 std::vector<Method> open3d_methods() {
   std::vector<Method> result;
   for (const double gate : {0.2, 0.5})
-    for (const auto& [name, align] : {std::pair{"gicp", &gicp}, std::pair{"plane, Tukey", &tukey}}) result.push_back({std::string("Open3D ") + name, gate, align});
+    for (const auto& [name, align] : {std::pair{"gicp", &gicp}, std::pair{"plane, Tukey", &tukey}})
+      result.push_back({std::string("Open3D ") + name, gate, align});
   return result;
 }
 

@@ -1,4 +1,5 @@
-// PCL: GICP, NDT, and point to plane with rejected partners. Its points are floats; clouds are moved to the origin first.
+// PCL: GICP, NDT, and point to plane with rejected partners. Its points are floats; clouds are moved to the origin
+// first.
 #include "peers.h"
 
 #ifdef PARTSCRIBE_HAS_PCL
@@ -33,7 +34,8 @@ Vec3 middle_of(const std::vector<Vec3>& points) {
 
 Cloud::Ptr thinned(const std::vector<Vec3>& points, const Vec3& middle, double voxel) {
   Cloud::Ptr cloud(new Cloud), result(new Cloud);
-  for (const Vec3& p : points) cloud->push_back(Point(float(p.x() - middle.x()), float(p.y() - middle.y()), float(p.z() - middle.z())));
+  for (const Vec3& p : points)
+    cloud->push_back(Point(float(p.x() - middle.x()), float(p.y() - middle.y()), float(p.z() - middle.z())));
   pcl::VoxelGrid<Point> grid;
   grid.setInputCloud(cloud);
   grid.setLeafSize(float(voxel), float(voxel), float(voxel));
@@ -70,7 +72,8 @@ struct Frame {
   Pose end(const Eigen::Matrix4f& m) const {
     Pose p;
     // The nearest rotation: floats do not keep it exactly one.
-    p.rotation = Eigen::Quaterniond(partscribe::Mat3(m.topLeftCorner<3, 3>().cast<double>())).normalized().toRotationMatrix();
+    p.rotation =
+        Eigen::Quaterniond(partscribe::Mat3(m.topLeftCorner<3, 3>().cast<double>())).normalized().toRotationMatrix();
     p.translation = m.topRightCorner<3, 1>().cast<double>() + target - p.rotation * source;
     return p;
   }
@@ -78,8 +81,8 @@ struct Frame {
 
 /// Ends when steps are below 1e-4 mm and rad, as small_gicp's; `epsilon` says so in the method's own terms.
 template <class Registration, class Any>
-Pose run(Registration& registration, const Any& target, const Any& source, const Frame& frame, const Pose& guess, double gate,
-         double epsilon = 1e-8) {
+Pose run(Registration& registration, const Any& target, const Any& source, const Frame& frame, const Pose& guess,
+         double gate, double epsilon = 1e-8) {
   registration.setInputTarget(target);
   registration.setInputSource(source);
   registration.setMaxCorrespondenceDistance(gate);
@@ -90,39 +93,47 @@ Pose run(Registration& registration, const Any& target, const Any& source, const
   return frame.end(registration.getFinalTransformation());
 }
 
-Pose gicp(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing, double gate) {
+Pose gicp(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing,
+          double gate) {
   const Frame frame{middle_of(first), middle_of(second)};
   pcl::GeneralizedIterativeClosestPoint<Point, Point> registration;
   registration.setCorrespondenceRandomness(10);
   registration.setRotationEpsilon(1e-4);
-  return run(registration, thinned(first, frame.target, 2 * spacing), thinned(second, frame.source, 2 * spacing), frame, guess, gate, 1e-4);
+  return run(registration, thinned(first, frame.target, 2 * spacing), thinned(second, frame.source, 2 * spacing), frame,
+             guess, gate, 1e-4);
 }
 
-Pose ndt(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing, double gate) {
+Pose ndt(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing,
+         double gate) {
   const Frame frame{middle_of(first), middle_of(second)};
   pcl::NormalDistributionsTransform<Point, Point> registration;
   registration.setResolution(float(gate / 2));
   registration.setStepSize(gate / 4);
-  return run(registration, thinned(first, frame.target, 2 * spacing), thinned(second, frame.source, 2 * spacing), frame, guess, gate);
+  return run(registration, thinned(first, frame.target, 2 * spacing), thinned(second, frame.source, 2 * spacing), frame,
+             guess, gate);
 }
 
 template <bool trimmed>
-Pose plane(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing, double gate) {
+Pose plane(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const Pose& guess, double spacing,
+           double gate) {
   const Frame frame{middle_of(first), middle_of(second)};
   pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal> registration;
-  pcl::registration::CorrespondenceRejectorSurfaceNormal::Ptr turned(new pcl::registration::CorrespondenceRejectorSurfaceNormal);
+  pcl::registration::CorrespondenceRejectorSurfaceNormal::Ptr turned(
+      new pcl::registration::CorrespondenceRejectorSurfaceNormal);
   turned->setThreshold(std::cos(0.785));
   if constexpr (trimmed) {
     pcl::registration::CorrespondenceRejectorTrimmed::Ptr best(new pcl::registration::CorrespondenceRejectorTrimmed);
     best->setOverlapRatio(0.7f);
     registration.addCorrespondenceRejector(best);
   } else {
-    pcl::registration::CorrespondenceRejectorMedianDistance::Ptr near(new pcl::registration::CorrespondenceRejectorMedianDistance);
+    pcl::registration::CorrespondenceRejectorMedianDistance::Ptr near(
+        new pcl::registration::CorrespondenceRejectorMedianDistance);
     near->setMedianFactor(2);
     registration.addCorrespondenceRejector(near);
   }
   registration.addCorrespondenceRejector(turned);
-  return run(registration, with_normals(thinned(first, frame.target, 2 * spacing)), with_normals(thinned(second, frame.source, 2 * spacing)), frame, guess, gate);
+  return run(registration, with_normals(thinned(first, frame.target, 2 * spacing)),
+             with_normals(thinned(second, frame.source, 2 * spacing)), frame, guess, gate);
 }
 
 }  // namespace
@@ -130,8 +141,9 @@ Pose plane(const std::vector<Vec3>& first, const std::vector<Vec3>& second, cons
 std::vector<Method> pcl_methods() {
   std::vector<Method> result;
   for (const double gate : {0.2, 0.5})
-    for (const auto& [name, align] : {std::pair{"gicp", &gicp}, std::pair{"ndt", &ndt}, std::pair{"plane, median and normals", &plane<false>},
-                                      std::pair{"plane, trimmed and normals", &plane<true>}})
+    for (const auto& [name, align] :
+         {std::pair{"gicp", &gicp}, std::pair{"ndt", &ndt}, std::pair{"plane, median and normals", &plane<false>},
+          std::pair{"plane, trimmed and normals", &plane<true>}})
       result.push_back({std::string("PCL ") + name, gate, align});
   return result;
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scan/register_pair.h"
+#include "scan/register/register_pair.h"
 
 namespace partscribe::registration_cases {
 namespace {
@@ -12,7 +12,8 @@ std::vector<Pose> places_of(const Registration& registration, std::size_t view) 
   const Pose& placed = registration.views[view].world_from_view;
   std::vector<Pose> places{placed};
   for (const AlikePlaces& alike : registration.alike)
-    if (std::find(alike.views.begin(), alike.views.end(), view) != alike.views.end()) places.push_back(rotation_about(alike.point, alike.axis, alike.angle) * placed);
+    if (std::find(alike.views.begin(), alike.views.end(), view) != alike.views.end())
+      places.push_back(rotation_about(alike.point, alike.axis, alike.angle) * placed);
   return places;
 }
 
@@ -35,7 +36,8 @@ std::vector<Pose> best_sides(const std::vector<Pose>& truth, const Registration&
           const Pose d = moved * place * truth[v].inverse();
           return size * size * rotation_vector(d.rotation).squaredNorm() + (d * middle - middle).squaredNorm();
         };
-        poses.push_back(*std::min_element(places[v].begin(), places[v].end(), [&](const Pose& a, const Pose& b) { return off(a) < off(b); }));
+        poses.push_back(*std::min_element(places[v].begin(), places[v].end(),
+                                          [&](const Pose& a, const Pose& b) { return off(a) < off(b); }));
         if (registration.views[v].status != ViewStatus::refused) sum += off(poses.back());
       }
       if (sum < least) least = sum, best = std::move(poses);

@@ -3,12 +3,13 @@
 
 #include <vector>
 
-#include "scan/register.h"
+#include "scan/register/register.h"
 
 namespace partscribe::registration_cases {
 
-/// The pose of every view, of those that were said to fit in several places (Registration::alike) the one with which all together, moved
-/// alike, come nearest to the truth. `size`, mm: what a radian weighs. Refused views stay where they are.
+/// The pose of every view, of those that were said to fit in several places (Registration::alike) the one with which
+/// all together, moved alike, come nearest to the truth. `size`, mm: what a radian weighs. Refused views stay where
+/// they are.
 std::vector<Pose> best_sides(const std::vector<Pose>& truth, const Registration& registration, double size);
 
 }  // namespace partscribe::registration_cases

@@ -53,21 +53,27 @@ int main(int argc, char** argv) {
   Context context;
   context.threads = 2;
   std::printf("%d runs each\n\n", runs);
-  std::printf("| part | data | rms error / bound (worst) | independent | noise intervals hold | noise sigma / error | "
-              "all intervals hold (worst) | sigma / error (worst) |\n|---|---|---|---|---|---|---|---|\n");
-  const auto asked = [](const std::set<std::string>& names, const std::string& name) { return names.empty() || names.count(name) > 0; };
+  std::printf(
+      "| part | data | rms error / bound (worst) | independent | noise intervals hold | noise sigma / error | "
+      "all intervals hold (worst) | sigma / error (worst) |\n|---|---|---|---|---|---|---|---|\n");
+  const auto asked = [](const std::set<std::string>& names, const std::string& name) {
+    return names.empty() || names.count(name) > 0;
+  };
   for (const auto& part : parts) {
     for (const auto& row : rows) {
       if (row.trouble == test::Trouble::facets && part.name == "block") continue;  // flat faces have none
       if (!asked(rows_asked, row.name) || !asked(parts_asked, part.name)) continue;
-      const auto s = test::trials(test::scene_of(part, row.options), row.trouble, std::max(runs / row.share, 1), {}, context);
-      std::printf("| %s | %s | %.2f (%.2f) | %.0f %% | %.1f %% | %.2f | %.1f %% (%.1f) | %.2f (%.2f) |\n", part.name.c_str(),
-                  row.name, s.efficiency, s.worst_efficiency, 100 * s.effective_share, 100 * s.noise_coverage,
-                  s.noise_ratio, 100 * s.total_coverage, 100 * s.worst_coverage, s.total_ratio, s.worst_ratio);
+      const auto s =
+          test::trials(test::scene_of(part, row.options), row.trouble, std::max(runs / row.share, 1), {}, context);
+      std::printf("| %s | %s | %.2f (%.2f) | %.0f %% | %.1f %% | %.2f | %.1f %% (%.1f) | %.2f (%.2f) |\n",
+                  part.name.c_str(), row.name, s.efficiency, s.worst_efficiency, 100 * s.effective_share,
+                  100 * s.noise_coverage, s.noise_ratio, 100 * s.total_coverage, 100 * s.worst_coverage, s.total_ratio,
+                  s.worst_ratio);
       for (const auto& n : s.numbers)
         if (numbers)
-          std::printf("    %-14s bias %8.5f  error %8.5f  noise sigma %8.5f  sigma %8.5f  holds %5.1f %%  sigma / error %.2f\n",
-                      n.name.c_str(), n.bias, n.error, n.noise, n.sigma, 100 * n.held, n.sigma / n.error);
+          std::printf(
+              "    %-14s bias %8.5f  error %8.5f  noise sigma %8.5f  sigma %8.5f  holds %5.1f %%  sigma / error %.2f\n",
+              n.name.c_str(), n.bias, n.error, n.noise, n.sigma, 100 * n.held, n.sigma / n.error);
       std::fflush(stdout);
     }
   }

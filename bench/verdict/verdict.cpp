@@ -1,8 +1,9 @@
-/// How often a true part is refused, and how often a face off by 1.25 to 2 times the tolerance is found, over many seeded
-/// scans, some of which are damaged too; prints the table of the manual, and on standard error why a true part was
-/// not verified.
+/// How often a true part is refused, and how often a face off by 1.25 to 2 times the tolerance is found, over many
+/// seeded scans, some of which are damaged too; prints the table of the manual, and on standard error why a true part
+/// was not verified.
 ///
-///   bench_verdict [RUNS [ROW [EVERY]]]   default 50 scans in each row; ROW counts from 1, 0 for all; EVERY: which scans
+///   bench_verdict [RUNS [ROW [EVERY]]]   default 50 scans in each row; ROW counts from 1, 0 for all; EVERY: which
+///   scans
 ///                                        are damaged too, 5 for every fifth
 #include <algorithm>
 #include <cmath>
@@ -11,9 +12,9 @@
 #include <iterator>
 
 #include "core/random.h"
-#include "scan/simulate.h"
+#include "scan/simulate/simulate.h"
 #include "tests/verify/shapes.h"
-#include "verify/source.h"
+#include "verify/compare/source.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -23,12 +24,12 @@ namespace {
 /// What is true of the scans of one row.
 struct Row {
   const char* name;
-  double sigma;        // mm
-  double ratio;        // tolerance / smallest honest tolerance
-  double outliers;     // share of the pixels
+  double sigma;     // mm
+  double ratio;     // tolerance / smallest honest tolerance
+  double outliers;  // share of the pixels
   double mixed;
-  double poses;        // mm, every view is moved by so much at random
-  bool uneven;         // four in five points of one half are left out
+  double poses;  // mm, every view is moved by so much at random
+  bool uneven;   // four in five points of one half are left out
 };
 
 TriangleMesh part(double raise) {
@@ -99,7 +100,8 @@ int main(int argc, char** argv) {
       if (run % damaged_every != 0) continue;
       ++damaged;
       for (std::size_t i = 0; i < std::size(raised_by); ++i)
-        found[i] += verdict_on(part(raised_by[i] * options.tolerance), scan, options).verdict == Outcome::out_of_tolerance;
+        found[i] +=
+            verdict_on(part(raised_by[i] * options.tolerance), scan, options).verdict == Outcome::out_of_tolerance;
     }
     std::printf("| %s | %.2f | %d | %d | %d |", row.name, honest, count[int(Outcome::verified)],
                 count[int(Outcome::out_of_tolerance)], count[int(Outcome::cannot_decide)]);

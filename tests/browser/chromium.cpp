@@ -23,7 +23,12 @@ std::string decoded_base64(const std::string& text) {
   std::uint32_t group = 0;
   int bits = 0;
   for (const char c : text) {
-    const int value = c >= 'A' && c <= 'Z' ? c - 'A' : c >= 'a' && c <= 'z' ? c - 'a' + 26 : c >= '0' && c <= '9' ? c - '0' + 52 : c == '+' ? 62 : c == '/' ? 63 : -1;
+    const int value = c >= 'A' && c <= 'Z'   ? c - 'A'
+                      : c >= 'a' && c <= 'z' ? c - 'a' + 26
+                      : c >= '0' && c <= '9' ? c - '0' + 52
+                      : c == '+'             ? 62
+                      : c == '/'             ? 63
+                                             : -1;
     if (value < 0) continue;
     group = group << 6 | static_cast<std::uint32_t>(value);
     if ((bits += 6) >= 8) bytes += static_cast<char>(group >> (bits -= 8));
@@ -46,7 +51,8 @@ Screenshot decoded_png(const std::string& png) {
     const std::size_t length = number_at(png, at);
     const std::string type = png.substr(at + 4, 4);
     if (type == "IHDR") {
-      picture.width = static_cast<int>(number_at(png, at + 8)), picture.height = static_cast<int>(number_at(png, at + 12));
+      picture.width = static_cast<int>(number_at(png, at + 8)),
+      picture.height = static_cast<int>(number_at(png, at + 12));
       channels = png.at(at + 17) == 6 ? 4 : 3;
     }
     if (type == "IDAT") packed += png.substr(at + 8, length);
@@ -55,7 +61,8 @@ Screenshot decoded_png(const std::string& png) {
   const std::size_t stride = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(channels);
   std::vector<unsigned char> rows((stride + 1) * static_cast<std::size_t>(picture.height));
   uLongf size = static_cast<uLongf>(rows.size());
-  if (::uncompress(rows.data(), &size, reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size())) != Z_OK)
+  if (::uncompress(rows.data(), &size, reinterpret_cast<const Bytef*>(packed.data()),
+                   static_cast<uLong>(packed.size())) != Z_OK)
     throw std::runtime_error("the screenshot is no PNG that can be read");
   std::vector<unsigned char> above(stride, 0), row(stride);
   const auto step = static_cast<std::size_t>(channels);
@@ -87,8 +94,13 @@ Path find_chromium() {
 Chromium::Chromium(const std::vector<std::string>& flags) {
   int down[2], up[2];
   if (::pipe(down) != 0 || ::pipe(up) != 0) throw std::runtime_error("no pipes for the browser");
-  std::vector<std::string> words = {find_chromium().string(), "--headless", "--no-sandbox", "--enable-unsafe-swiftshader",
-                                    "--disable-dev-shm-usage", "--remote-debugging-pipe", "--user-data-dir=" + profile_.path().string()};
+  std::vector<std::string> words = {find_chromium().string(),
+                                    "--headless",
+                                    "--no-sandbox",
+                                    "--enable-unsafe-swiftshader",
+                                    "--disable-dev-shm-usage",
+                                    "--remote-debugging-pipe",
+                                    "--user-data-dir=" + profile_.path().string()};
   words.insert(words.end(), flags.begin(), flags.end());
   words.push_back("about:blank");
   std::vector<char*> arguments;
@@ -97,7 +109,8 @@ Chromium::Chromium(const std::vector<std::string>& flags) {
   process_ = ::fork();
   if (process_ == 0) {
     // The browser reads from 3 and writes to 4; go by numbers that are neither.
-    const int in = ::fcntl(down[0], F_DUPFD, 20), out = ::fcntl(up[1], F_DUPFD, 20), nothing = ::open("/dev/null", O_RDWR);
+    const int in = ::fcntl(down[0], F_DUPFD, 20), out = ::fcntl(up[1], F_DUPFD, 20),
+              nothing = ::open("/dev/null", O_RDWR);
     ::dup2(in, 3), ::dup2(out, 4), ::dup2(nothing, 0), ::dup2(nothing, 1), ::dup2(nothing, 2);
     for (int k = 5; k < 64; ++k) ::close(k);
     ::setpgid(0, 0);
@@ -111,7 +124,8 @@ Chromium::Chromium(const std::vector<std::string>& flags) {
   for (const auto& target : targets)
     if (target.at("type") == "page") id = target.at("targetId");
   session_ = call("Target.attachToTarget", {{"targetId", id}, {"flatten", true}}).at("sessionId");
-  for (const char* domain : {"Page", "Runtime", "Log", "Network", "Accessibility", "DOM"}) call(std::string(domain) + ".enable");
+  for (const char* domain : {"Page", "Runtime", "Log", "Network", "Accessibility", "DOM"})
+    call(std::string(domain) + ".enable");
 }
 
 Chromium::~Chromium() {
@@ -148,7 +162,8 @@ void Chromium::note(const Json& event) {
   if (method == "Runtime.exceptionThrown") complaints_.push_back(event.at("params").at("exceptionDetails").dump());
   if (method == "Runtime.consoleAPICalled") complaints_.push_back(event.at("params").dump());
   // Reading pixels back is slow, says the driver: that is our doing, not the page's.
-  if (method == "Log.entryAdded" && event.at("params").at("entry").at("text").get<std::string>().find("GPU stall") == std::string::npos)
+  if (method == "Log.entryAdded" &&
+      event.at("params").at("entry").at("text").get<std::string>().find("GPU stall") == std::string::npos)
     complaints_.push_back(event.at("params").at("entry").dump());
   if (method == "Network.requestWillBeSent") {
     const std::string address = event.at("params").at("request").at("url");
@@ -179,8 +194,10 @@ Json Chromium::call(const std::string& method, Json parameters) {
 }
 
 Json Chromium::evaluate(const std::string& expression) {
-  const Json answer = call("Runtime.evaluate", {{"expression", expression}, {"awaitPromise", true}, {"returnByValue", true}});
-  if (answer.contains("exceptionDetails")) throw std::runtime_error(expression + ": " + answer.at("exceptionDetails").dump());
+  const Json answer =
+      call("Runtime.evaluate", {{"expression", expression}, {"awaitPromise", true}, {"returnByValue", true}});
+  if (answer.contains("exceptionDetails"))
+    throw std::runtime_error(expression + ": " + answer.at("exceptionDetails").dump());
   return answer.at("result").value("value", Json());
 }
 
@@ -193,9 +210,11 @@ bool Chromium::wait_for(const std::string& expression, double seconds) {
 }
 
 void Chromium::open(const Path& page, int width, int height) {
-  call("Emulation.setDeviceMetricsOverride", {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
+  call("Emulation.setDeviceMetricsOverride",
+       {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
   call("Page.navigate", {{"url", "file://" + std::filesystem::absolute(page).string()}});
-  if (!wait_for("document.readyState === 'complete' && location.protocol === 'file:'")) throw std::runtime_error("the page does not load");
+  if (!wait_for("document.readyState === 'complete' && location.protocol === 'file:'"))
+    throw std::runtime_error("the page does not load");
 }
 
 void Chromium::point_at(const std::string& selector, double dx, double dy, bool click) {
@@ -216,10 +235,12 @@ void Chromium::press(const std::string& key) {
 }
 
 Screenshot Chromium::screenshot(const std::string& selector) {
-  const Json box = evaluate("(() => { const b = document.querySelector('" + selector +
-                            "').getBoundingClientRect(); return [b.x + scrollX, b.y + scrollY, b.width, b.height]; })()");
+  const Json box =
+      evaluate("(() => { const b = document.querySelector('" + selector +
+               "').getBoundingClientRect(); return [b.x + scrollX, b.y + scrollY, b.width, b.height]; })()");
   const Json clip = {{"x", box.at(0)}, {"y", box.at(1)}, {"width", box.at(2)}, {"height", box.at(3)}, {"scale", 1}};
-  return decoded_png(decoded_base64(call("Page.captureScreenshot", {{"format", "png"}, {"clip", clip}, {"captureBeyondViewport", true}}).at("data")));
+  return decoded_png(decoded_base64(
+      call("Page.captureScreenshot", {{"format", "png"}, {"clip", clip}, {"captureBeyondViewport", true}}).at("data")));
 }
 
 }  // namespace partscribe

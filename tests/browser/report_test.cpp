@@ -6,7 +6,7 @@
 #include <set>
 
 #include "chromium.h"
-#include "cli/report_page.h"
+#include "cli/report/report_page.h"
 #include "core/number.h"
 #include "core/random.h"
 
@@ -14,10 +14,10 @@ namespace partscribe {
 namespace {
 
 /// Says so and ends the test where no browser is installed; ctest then counts it as skipped.
-#define NEEDS_CHROMIUM                                                                                        \
-  if (find_chromium().empty()) {                                                                              \
+#define NEEDS_CHROMIUM                                                                                       \
+  if (find_chromium().empty()) {                                                                             \
     std::cout << "skipped: no Chromium is installed; script/setup --with-browser installs one" << std::endl; \
-    return;                                                                                                   \
+    return;                                                                                                  \
   }
 
 /// A disc of radius 20 and height 6 as a fan of triangles, scanned from above: its rim is 0.15 mm too far out and its
@@ -42,10 +42,13 @@ struct Disc {
     constexpr int sides = 96;
     a.mesh.vertices = {{0, 0, 6}, {0, 0, 0}};
     for (int k = 0; k < sides; ++k)
-      for (const double z : {6.0, 0.0}) a.mesh.vertices.push_back({20 * std::cos(2 * pi * k / sides), 20 * std::sin(2 * pi * k / sides), z});
+      for (const double z : {6.0, 0.0})
+        a.mesh.vertices.push_back({20 * std::cos(2 * pi * k / sides), 20 * std::sin(2 * pi * k / sides), z});
     for (std::uint32_t k = 0; k < sides; ++k) {
       const std::uint32_t up = 2 + 2 * k, down = up + 1, next_up = 2 + 2 * ((k + 1) % sides), next_down = next_up + 1;
-      a.mesh.triangles.insert(a.mesh.triangles.end(), {{0, up, next_up}, {1, next_down, down}, {up, down, next_down}, {up, next_down, next_up}});
+      a.mesh.triangles.insert(
+          a.mesh.triangles.end(),
+          {{0, up, next_up}, {1, next_down, down}, {up, down, next_down}, {up, next_down, next_up}});
       a.triangle_object.insert(a.triangle_object.end(), {0, 2, 1, 1});
     }
     Random random(5);
@@ -85,8 +88,16 @@ struct Page {
     Context context;
     const std::optional<Model> none;
     const auto scene = report_scene(none, disc.verdict, disc.cloud, context);
-    const std::string text = report_page({"disc", none, disc.verdict, scene, draw_report(scene, context),
-                                          {{"disc.scad", "cylinder(r = 20, h = 6);\n"}, {"disc.scl", "# disc\nr : 20;\n"}}, {{"disc.ply", "abc"}}, {}, "1"});
+    const std::string text =
+        report_page({"disc",
+                     none,
+                     disc.verdict,
+                     scene,
+                     draw_report(scene, context),
+                     {{"disc.scad", "cylinder(r = 20, h = 6);\n"}, {"disc.scl", "# disc\nr : 20;\n"}},
+                     {{"disc.ply", "abc"}},
+                     {},
+                     "1"});
     size = text.size();
     REQUIRE(write_file(file, text).ok());
   }
@@ -94,7 +105,8 @@ struct Page {
 
 void wait_until_drawn(Chromium& browser) {
   REQUIRE(browser.wait_for("Number(document.getElementById('canvas').dataset.frames) > 0"));
-  browser.evaluate("document.documentElement.style.scrollBehavior = 'auto'; document.getElementById('map').scrollIntoView(); 0");
+  browser.evaluate(
+      "document.documentElement.style.scrollBehavior = 'auto'; document.getElementById('map').scrollIntoView(); 0");
   browser.evaluate("new Promise(done => setTimeout(done, 150))");
 }
 
@@ -102,7 +114,8 @@ void wait_until_drawn(Chromium& browser) {
 template <class Test>
 std::size_t count_pixels(const Screenshot& picture, Test test) {
   std::size_t count = 0;
-  for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3) count += test(picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]);
+  for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3)
+    count += test(picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]);
   return count;
 }
 bool drawn(int r, int g, int b) { return r < 250 || g < 250 || b < 250; }
@@ -239,7 +252,8 @@ TEST_CASE("browser: every control has a name, and nothing overflows a narrow win
   Chromium browser;
   browser.open(page.file, 1200, 900);
   wait_until_drawn(browser);
-  const std::set<std::string> controls = {"button", "radio", "checkbox", "combobox", "link", "application", "image", "img", "region", "status", "heading"};
+  const std::set<std::string> controls = {"button", "radio", "checkbox", "combobox", "link",   "application",
+                                          "image",  "img",   "region",   "status",   "heading"};
   std::size_t named = 0;
   std::set<std::string> roles;
   const Json tree = browser.call("Accessibility.getFullAXTree");
@@ -254,8 +268,10 @@ TEST_CASE("browser: every control has a name, and nothing overflows a narrow win
     named += !name.empty();
   }
   CHECK(named > 40);
-  for (const char* role : {"main", "navigation", "banner", "contentinfo", "table", "status"}) CHECK(roles.count(role) == 1);
-  browser.call("Emulation.setDeviceMetricsOverride", {{"width", 400}, {"height", 800}, {"deviceScaleFactor", 1}, {"mobile", false}});
+  for (const char* role : {"main", "navigation", "banner", "contentinfo", "table", "status"})
+    CHECK(roles.count(role) == 1);
+  browser.call("Emulation.setDeviceMetricsOverride",
+               {{"width", 400}, {"height", 800}, {"deviceScaleFactor", 1}, {"mobile", false}});
   CHECK(browser.evaluate("document.documentElement.scrollWidth <= 400") == true);
   const Json faint = faint_texts(browser);
   INFO(faint.dump());
@@ -290,18 +306,22 @@ TEST_CASE("browser: a dark screen gets dark colours that can be read, the button
     CHECK(count_pixels(browser.screenshot("#canvas"), is_white) > 40000);
     browser.evaluate("document.getElementById('scheme').click()");
     CHECK(browser.evaluate(ground) == "rgb(21, 26, 32)");
-    browser.call("Emulation.setEmulatedMedia", {{"media", "print"}, {"features", {{{"name", "prefers-color-scheme"}, {"value", "dark"}}}}});
+    browser.call("Emulation.setEmulatedMedia",
+                 {{"media", "print"}, {"features", {{{"name", "prefers-color-scheme"}, {"value", "dark"}}}}});
     CHECK(browser.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--page').trim()") == "#fff");
     CHECK(browser.evaluate("document.getElementById('scheme').getClientRects().length") == 0);
     expect_quiet(browser, page);
   }
 }
 
-TEST_CASE("browser: every artifact has its map; another one is seen from where the first was, findings lead back to the first") {
+TEST_CASE(
+    "browser: every artifact has its map; another one is seen from where the first was, findings lead back to the "
+    "first") {
   NEEDS_CHROMIUM
   const Page page;
   for (const bool webgl : {true, false}) {
-    Chromium browser(webgl ? std::vector<std::string>{"--force-prefers-reduced-motion"} : std::vector<std::string>{"--force-prefers-reduced-motion", "--disable-3d-apis"});
+    Chromium browser(webgl ? std::vector<std::string>{"--force-prefers-reduced-motion"}
+                           : std::vector<std::string>{"--force-prefers-reduced-motion", "--disable-3d-apis"});
     browser.open(page.file, 1200, 900);
     wait_until_drawn(browser);
     CHECK(browser.evaluate("[...document.getElementById('artifact').options].map(o => o.textContent).join('; ')") ==
@@ -310,8 +330,11 @@ TEST_CASE("browser: every artifact has its map; another one is seen from where t
     browser.press("2");
     settle(browser);
     const auto first = browser.screenshot("#canvas");
-    const Json turned = browser.evaluate("document.getElementById('canvas').dataset.view.split(' ').slice(0, 9).join(' ')");
-    const std::string choose = "(() => { const list = document.getElementById('artifact'); list.value = '1'; list.dispatchEvent(new Event('change')); })()";
+    const Json turned =
+        browser.evaluate("document.getElementById('canvas').dataset.view.split(' ').slice(0, 9).join(' ')");
+    const std::string choose =
+        "(() => { const list = document.getElementById('artifact'); list.value = '1'; list.dispatchEvent(new "
+        "Event('change')); })()";
     for (int round = 0; round < 20; ++round) {  // more often than a browser has contexts to draw in
       browser.evaluate(choose);
       if (round < 19) browser.evaluate("document.querySelector('.pick[data-feature=\"0\"]').click()");
@@ -323,8 +346,10 @@ TEST_CASE("browser: every artifact has its map; another one is seen from where t
     CHECK(count_pixels(first, far_out) > 2000);
     CHECK(count_pixels(second, far_out) < 100);  // this rim is right
     CHECK(count_pixels(second, drawn) > 20000);
-    CHECK(browser.evaluate("document.getElementById('canvas').dataset.view.split(' ').slice(0, 9).join(' ')") == turned);
-    CHECK(browser.evaluate("[...document.querySelectorAll('[data-map]')].filter(e => !e.hidden).length") == 2);  // its scale and remark
+    CHECK(browser.evaluate("document.getElementById('canvas').dataset.view.split(' ').slice(0, 9).join(' ')") ==
+          turned);
+    CHECK(browser.evaluate("[...document.querySelectorAll('[data-map]')].filter(e => !e.hidden).length") ==
+          2);  // its scale and remark
     CHECK(browser.evaluate("document.querySelectorAll('.mark').length") == 0);
     browser.evaluate("document.querySelector('.pick[data-finding=\"0\"]').click()");
     REQUIRE(browser.wait_for("document.getElementById('canvas').dataset.artifact === 'disc.scad'"));
@@ -342,7 +367,9 @@ TEST_CASE("browser: prints on A4 without the interactive parts, and every script
   Chromium browser;
   browser.open(page.file, 1200, 900);
   wait_until_drawn(browser);
-  const auto pdf = browser.call("Page.printToPDF", {{"preferCSSPageSize", true}, {"printBackground", true}}).at("data").get<std::string>();
+  const auto pdf = browser.call("Page.printToPDF", {{"preferCSSPageSize", true}, {"printBackground", true}})
+                       .at("data")
+                       .get<std::string>();
   CHECK(pdf.starts_with("JVBERi"));  // "%PDF" in base64
   CHECK(pdf.size() > 30'000);
   CHECK(pdf.size() < 5'000'000);

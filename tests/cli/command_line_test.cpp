@@ -90,7 +90,8 @@ TEST_CASE("command line: an unknown procedure is refused before anything is read
     const auto output = run_partscribe({command, "missing.ply", "--procedure", "foo"});
     INFO(output.err);
     CHECK(output.exit_code == 2);
-    for (const char* name : {"'foo'", "sphere", "cylinder", "revolve", "extrude", "triangulation"}) CHECK(output.err.find(name) != std::string::npos);
+    for (const char* name : {"'foo'", "sphere", "cylinder", "revolve", "extrude", "triangulation"})
+      CHECK(output.err.find(name) != std::string::npos);
     // What explain calls a rival may be asked for as well.
     for (const char* name : {"extrude", "surface of revolution", "triangulation"})
       CHECK(run_partscribe({command, "missing.ply", "--procedure", name}).exit_code == 3);
@@ -98,7 +99,8 @@ TEST_CASE("command line: an unknown procedure is refused before anything is read
 }
 
 TEST_CASE("command line: numbers with a decimal comma or a unit are refused with the number to write") {
-  const std::vector<std::pair<std::string, std::string>> numbers = {{"0,1", "write 0.1"}, {"0.1mm", "write 0.1"}, {"0,1 mm", "write 0.1"}};
+  const std::vector<std::pair<std::string, std::string>> numbers = {
+      {"0,1", "write 0.1"}, {"0.1mm", "write 0.1"}, {"0,1 mm", "write 0.1"}};
   for (const auto& [given, advice] : numbers) {
     const auto output = run_partscribe({"build", "x.ply", "--tolerance", given});
     INFO(output.err);
@@ -124,20 +126,27 @@ TEST_CASE("command line: a file whose name begins with a dash is read by its pat
   check_one_line(hint.err);
   CHECK(run_partscribe({"scan", "./-dash.off", "--units", "mm", "--quiet"}, folder.path()).exit_code == 0);
   CHECK(std::filesystem::is_regular_file(folder.path() / "dash-partscribe/cloud.ply"));
-  CHECK(run_partscribe({"scan", "--units", "mm", "--quiet", "--out", "out", "--", "-dash.off"}, folder.path()).exit_code == 0);
+  CHECK(run_partscribe({"scan", "--units", "mm", "--quiet", "--out", "out", "--", "-dash.off"}, folder.path())
+            .exit_code == 0);
 }
 
 TEST_CASE("command line: --force replaces no other part's results in a folder that only a name led to") {
   const TemporaryDirectory folder;
   const auto cwd = folder.path();
   for (const char* file : {"a b.off", "a_b.off"}) REQUIRE(write_file(cwd / file, tetrahedron_off()).ok());
-  REQUIRE(run_partscribe({"fit", "a b.off", "--units", "mm", "--quiet", "--procedure", "triangulation"}, cwd).exit_code == 0);
+  REQUIRE(
+      run_partscribe({"fit", "a b.off", "--units", "mm", "--quiet", "--procedure", "triangulation"}, cwd).exit_code ==
+      0);
   const auto refused = run_partscribe({"fit", "a_b.off", "--force", "--quiet"}, cwd);
   CHECK(refused.exit_code == 2);
   CHECK(refused.err.find("a b.off") != std::string::npos);
   check_one_line(refused.err);
-  CHECK(run_partscribe({"fit", "a b.off", "--units", "mm", "--force", "--quiet", "--procedure", "triangulation"}, cwd).exit_code == 0);
-  CHECK(run_partscribe({"fit", "a_b.off", "--units", "mm", "--force", "--quiet", "--procedure", "triangulation", "--out", "a_b-partscribe"}, cwd).exit_code == 0);
+  CHECK(run_partscribe({"fit", "a b.off", "--units", "mm", "--force", "--quiet", "--procedure", "triangulation"}, cwd)
+            .exit_code == 0);
+  CHECK(run_partscribe({"fit", "a_b.off", "--units", "mm", "--force", "--quiet", "--procedure", "triangulation",
+                        "--out", "a_b-partscribe"},
+                       cwd)
+            .exit_code == 0);
 }
 
 TEST_CASE("command line: emitting takes the verdict on the old files away") {
@@ -155,7 +164,8 @@ TEST_CASE("command line: that a file is judged by itself is remarked on") {
     REQUIRE(write_file(folder.path() / name, bytes).ok());
     return (folder.path() / name).string();
   };
-  const std::string one = file("one.off", tetrahedron_off()), copy = file("copy.off", tetrahedron_off()), other = file("other.off", tetrahedron_off() + "# other\n");
+  const std::string one = file("one.off", tetrahedron_off()), copy = file("copy.off", tetrahedron_off()),
+                    other = file("other.off", tetrahedron_off() + "# other\n");
   const auto remarks = [&](const std::string& artifact, const std::string& scan) {
     const auto output = run_partscribe({"verify", artifact, scan, "--units", "mm", "--tolerance", "0.1", "--quiet"});
     INFO(output.err);
@@ -242,14 +252,16 @@ TEST_CASE("command line: Ctrl-C is obeyed within a second, wherever it comes") {
   Random random(3);
   for (int i = 0; i < 60'000; ++i) {
     const Vec3 p(random.normal(), random.normal(), random.normal());
-    text += print_number(30 * p.x() / p.norm()) + " " + print_number(20 * p.y() / p.norm()) + " " + print_number(10 * std::abs(p.z())) + "\n";
+    text += print_number(30 * p.x() / p.norm()) + " " + print_number(20 * p.y() / p.norm()) + " " +
+            print_number(10 * std::abs(p.z())) + "\n";
   }
   REQUIRE(write_file(folder.path() / "lump.xyz", text).ok());
   Context context;
   constexpr int before_it_listens = 130;  // ended by the signal itself
   for (const double moment : {0.3, 0.8, 1.5, 2.3}) {
-    const auto run = run_process({"timeout", "--preserve-status", "-s", "INT", print_number(moment), PARTSCRIBE_PROGRAM, "build", "lump.xyz",
-                                  "--out", "o", "--force"}, {.seconds = 60}, context, folder.path());
+    const auto run = run_process({"timeout", "--preserve-status", "-s", "INT", print_number(moment), PARTSCRIBE_PROGRAM,
+                                  "build", "lump.xyz", "--out", "o", "--force"},
+                                 {.seconds = 60}, context, folder.path());
     REQUIRE(run.ok());
     INFO(moment << " s: " << run->err);
     CHECK((run->exit_code == 5 || (run->exit_code == before_it_listens && run->err.empty())));

@@ -189,7 +189,8 @@ TEST_CASE("corpus: with --json standard output holds what was found, written and
   CHECK(json.at("parameters") == model.at("parameters"));
   for (const auto& parameter : json.at("parameters")) CHECK(parameter.at("sigma") > 0);
   std::set<std::string> there, told;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "out")) there.insert(entry.path().string());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "out"))
+    there.insert(entry.path().string());
   for (const auto& file : json.at("files")) told.insert(file.get<std::string>());
   CHECK(told == there);
 }
@@ -201,7 +202,8 @@ TEST_CASE("corpus: the tolerance that is named where a procedure fails is one at
     for (const double side : {-1, 1})
       for (int i = -9; i <= 9; ++i)
         for (int j = -9; j <= 9; ++j) {
-          const double u = i == 9 || i == -9 ? i / 9.0 * 19.6 : i * 2.1, v = j == 9 || j == -9 ? j / 9.0 * 19.6 : j * 2.1;
+          const double u = i == 9 || i == -9 ? i / 9.0 * 19.6 : i * 2.1,
+                       v = j == 9 || j == -9 ? j / 9.0 * 19.6 : j * 2.1;
           Vec3 place, core;
           place[axis] = 20 * side, place[(axis + 1) % 3] = u, place[(axis + 2) % 3] = v;
           core = place.cwiseMax(-18.5).cwiseMin(18.5);
@@ -212,8 +214,8 @@ TEST_CASE("corpus: the tolerance that is named where a procedure fails is one at
   const std::string cube = (folder.path() / "cube.xyz").string();
   REQUIRE(write_file(cube, points).ok());
   const auto build = [&](const std::string& tolerance) {
-    return run_partscribe({"build", cube, "--json", "--units", "mm", "--to", "openscad", "--procedure", "box", "--tolerance", tolerance,
-                           "--out", (folder.path() / tolerance).string()});
+    return run_partscribe({"build", cube, "--json", "--units", "mm", "--to", "openscad", "--procedure", "box",
+                           "--tolerance", tolerance, "--out", (folder.path() / tolerance).string()});
   };
   const auto first = build("0.1");
   INFO(first.out << first.err);
@@ -225,13 +227,26 @@ TEST_CASE("corpus: the tolerance that is named where a procedure fails is one at
   CHECK(build(print_number(tolerance)).exit_code == 0);
 }
 
-TEST_CASE("corpus: a build that is interrupted while it verifies leaves no file, and may be run again without --force") {
+TEST_CASE(
+    "corpus: a build that is interrupted while it verifies leaves no file, and may be run again without --force") {
   const TemporaryDirectory folder;
   REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(9, false)).ok());
   const Path out = folder.path() / "out";
   const std::string log = (folder.path() / "log").string();
-  const std::vector<std::string> build = {PARTSCRIBE_PROGRAM, "build", (folder.path() / "rod.xyz").string(), "--units", "mm", "--quiet", "--log", log, "--out", out.string()};
-  std::vector<std::string> words = {"sh", "-c", "\"$@\" & child=$!; until grep -qs write: \"$0\" || ! kill -0 $child; do sleep 0.01; done; kill -INT $child; wait $child", log};
+  const std::vector<std::string> build = {PARTSCRIBE_PROGRAM,
+                                          "build",
+                                          (folder.path() / "rod.xyz").string(),
+                                          "--units",
+                                          "mm",
+                                          "--quiet",
+                                          "--log",
+                                          log,
+                                          "--out",
+                                          out.string()};
+  std::vector<std::string> words = {"sh", "-c",
+                                    "\"$@\" & child=$!; until grep -qs write: \"$0\" || ! kill -0 $child; do sleep "
+                                    "0.01; done; kill -INT $child; wait $child",
+                                    log};
   words.insert(words.end(), build.begin(), build.end());
   Context context;
   const auto output = run_process(words, {.seconds = 300}, context);
@@ -253,8 +268,13 @@ TEST_CASE("corpus: a build that is interrupted while it verifies leaves no file,
 TEST_CASE("corpus: where no procedure describes a part, the last line says so and why") {
   // A tetrahedron with a smaller one on a face: neither extruded nor turned, nor convex.
   const TemporaryDirectory folder;
-  REQUIRE(write_file(folder.path() / "lump.off", "OFF\n5 6 0\n0 0 0\n30 0 0\n0 30 0\n0 0 30\n4 5 3\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 4\n3 2 3 4\n3 3 1 4\n").ok());
-  const auto output = run_partscribe({"build", (folder.path() / "lump.off").string(), "--units", "mm", "--tolerance", "0.05", "--to", "step", "--out", (folder.path() / "out").string()});
+  REQUIRE(
+      write_file(
+          folder.path() / "lump.off",
+          "OFF\n5 6 0\n0 0 0\n30 0 0\n0 30 0\n0 0 30\n4 5 3\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 4\n3 2 3 4\n3 3 1 4\n")
+          .ok());
+  const auto output = run_partscribe({"build", (folder.path() / "lump.off").string(), "--units", "mm", "--tolerance",
+                                      "0.05", "--to", "step", "--out", (folder.path() / "out").string()});
   INFO(output.out << output.err);
   CHECK(output.exit_code == 0);
   const auto at = output.out.find("No CAD procedure was found: no single extrusion or turned body describes it");
@@ -267,11 +287,12 @@ ProcessOutput interrupted_build(const Path& folder, int interrupts) {
   simulate_part("pin", folder / "scan", 512, 0.01);
   const std::string script =
       "\"$@\" & child=$!; until [ -s \"$0\" ] || ! kill -0 $child; do sleep 0.01; done; "
-      "for i in $(seq " + std::to_string(interrupts) + "); do kill -INT $child; sleep 0.002; done 2>/dev/null; wait $child";
+      "for i in $(seq " +
+      std::to_string(interrupts) + "); do kill -INT $child; sleep 0.002; done 2>/dev/null; wait $child";
   Context context;
   const std::string log = (folder / "log").string();
-  const auto output = run_process({"sh", "-c", script, log, PARTSCRIBE_PROGRAM, "build", (folder / "scan").string(), "--quiet", "--log",
-                                   log, "--out", (folder / "out").string()},
+  const auto output = run_process({"sh", "-c", script, log, PARTSCRIBE_PROGRAM, "build", (folder / "scan").string(),
+                                   "--quiet", "--log", log, "--out", (folder / "out").string()},
                                   {.seconds = 300}, context);
   REQUIRE(output.ok());
   return *output;

@@ -76,7 +76,7 @@ TEST_CASE("layers: no two files define types of one name") {
   // The linker would take the functions of one for the other, without a word.
   std::map<std::string, Path> first;
   for (const auto& [folder, below] : allowed)
-    for (const auto& entry : std::filesystem::directory_iterator(source_file(folder))) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(source_file(folder))) {
       const auto suffix = entry.path().extension();
       if (suffix != ".h" && suffix != ".cpp") continue;
       for (const auto& type : types_of(entry.path())) {
@@ -90,20 +90,38 @@ TEST_CASE("layers: no two files define types of one name") {
 TEST_CASE("layers: a type within an unnamed namespace is the file's own") {
   const TemporaryDirectory folder;
   const Path file = folder.path() / "types.cpp";
-  REQUIRE(write_file(file, "namespace a {\nnamespace {\nstruct Own {\n};\n}  // namespace\nstruct Shared {\n};\nstruct Shared::Part {\n};\nstruct alignas(64) Wide {\n};\n}  // namespace a\n").ok());
+  REQUIRE(write_file(file,
+                     "namespace a {\nnamespace {\nstruct Own {\n};\n}  // namespace\nstruct Shared {\n};\nstruct "
+                     "Shared::Part {\n};\nstruct alignas(64) Wide {\n};\n}  // namespace a\n")
+              .ok());
   CHECK(types_of(file) == std::set<std::string>{"Shared", "Wide"});
 }
 
 TEST_CASE("layers: every folder includes only what stands below it") {
   std::size_t files = 0;
   for (const auto& [folder, below] : allowed)
-    for (const auto& entry : std::filesystem::directory_iterator(source_file(folder))) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(source_file(folder))) {
       const auto suffix = entry.path().extension();
       if (suffix != ".h" && suffix != ".cpp") continue;
       ++files;
       for (const auto& complaint : broken_rules(folder, entry.path())) FAIL_CHECK(complaint);
     }
   CHECK(files > 50);
+}
+
+TEST_CASE("layers: every room has its sentence in CONTRIBUTING") {
+  std::set<std::string> there, told;
+  for (const auto& [folder, below] : allowed)
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(source_file(folder)))
+      if (entry.is_directory()) there.insert(std::filesystem::relative(entry.path(), source_file(".")).string());
+  std::istringstream lines(bytes_of(source_file("CONTRIBUTING.md")));
+  for (std::string line; std::getline(lines, line);) {
+    const auto end = line.find("` | ");
+    if (!line.starts_with("| `") || end == std::string::npos || line.find('/') > end) continue;
+    told.insert(line.substr(3, end - 3));
+    CHECK(line.size() > end + 20);
+  }
+  CHECK(told == there);
 }
 
 TEST_CASE("layers: an include that points upward is noticed") {

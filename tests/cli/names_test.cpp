@@ -21,7 +21,7 @@ TEST_CASE("names: inside scripts letters of other languages are written in plain
   CHECK(part_name("轴.stl") == "u8f74");
   CHECK(part_name("轴 2.stl") == "u8f74_2");
   CHECK(part_name("cafe\xcc\x81.stl") == "cafe");  // an accent of its own
-  CHECK(part_name("\xf6ko.stl") == "ko");           // no UTF-8
+  CHECK(part_name("\xf6ko.stl") == "ko");          // no UTF-8
 }
 
 TEST_CASE("names: folders keep their characters and stay apart") {

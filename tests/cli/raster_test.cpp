@@ -1,11 +1,11 @@
-#include "cli/raster.h"
+#include "cli/pictures/raster.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "cli/color_scale.h"
-#include "cli/raster_text.h"
+#include "cli/pictures/color_scale.h"
+#include "cli/pictures/raster_text.h"
 
 namespace partscribe {
 namespace {
@@ -103,9 +103,11 @@ TEST_CASE("raster: a PNG has the signature, its size and an end") {
 TEST_CASE("scale: lightness alone tells a deviation beyond the tolerance from one within it") {
   auto lightness = [](Color c) { return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue; };
   double darkest_within = 255, lightest_beyond = 0;
-  for (int k = -100; k <= 100; ++k) darkest_within = std::min(darkest_within, lightness(deviation_color(k * 0.001, 0.1)));
+  for (int k = -100; k <= 100; ++k)
+    darkest_within = std::min(darkest_within, lightness(deviation_color(k * 0.001, 0.1)));
   for (int k = 101; k <= 500; ++k)
-    for (const int side : {-1, 1}) lightest_beyond = std::max(lightest_beyond, lightness(deviation_color(side * k * 0.001, 0.1)));
+    for (const int side : {-1, 1})
+      lightest_beyond = std::max(lightest_beyond, lightness(deviation_color(side * k * 0.001, 0.1)));
   CHECK(darkest_within > 2 * lightest_beyond);
   CHECK_FALSE(deviation_color(0.09, 0.1) == deviation_color(-0.09, 0.1));
   CHECK_FALSE(deviation_color(0.3, 0.1) == deviation_color(-0.3, 0.1));

@@ -1,4 +1,4 @@
-#include "cli/report_map.h"
+#include "cli/report/report_map.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "cli/report_points.h"
+#include "cli/report/report_points.h"
 #include "core/random.h"
-#include "geometry/mesh_distance.h"
+#include "geometry/mesh/mesh_distance.h"
 
 namespace partscribe {
 namespace {
@@ -153,7 +153,8 @@ TEST_CASE("report map: which points are shown does not depend on their order") {
   auto values = part.verdict.artifacts[0].point_deviation;
   auto places = [&] {
     std::set<std::array<double, 3>> set;
-    for (const auto i : shown_points(points, values, 0.1, 900).index) set.insert({points[i].x(), points[i].y(), points[i].z()});
+    for (const auto i : shown_points(points, values, 0.1, 900).index)
+      set.insert({points[i].x(), points[i].y(), points[i].z()});
     return set;
   };
   const auto before = places();

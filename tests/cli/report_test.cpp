@@ -4,9 +4,9 @@
 
 #include "cli/describe.h"
 #include "cli/inputs.h"
-#include "cli/report_code.h"
-#include "cli/report_page.h"
-#include "cli/report_words.h"
+#include "cli/report/report_code.h"
+#include "cli/report/report_page.h"
+#include "cli/report/report_words.h"
 #include "cli/verdict_file.h"
 #include "core/files.h"
 
@@ -84,8 +84,15 @@ std::string page_of(const std::optional<Model>& model, const Verdict& verdict, c
   Context context;
   const auto scene = report_scene(model, verdict, cloud, context);
   const auto pictures = draw_report(scene, context);
-  return report_page({"ball <1>", model, verdict, scene, pictures, {{"part.scad", "if (a < b) cube(1.5); // <why>"}},
-                      {{"ball.ply", "abc"}}, {"unit guessed"}, "1.2.3"});
+  return report_page({"ball <1>",
+                      model,
+                      verdict,
+                      scene,
+                      pictures,
+                      {{"part.scad", "if (a < b) cube(1.5); // <why>"}},
+                      {{"ball.ply", "abc"}},
+                      {"unit guessed"},
+                      "1.2.3"});
 }
 
 /// What stands between `before` and `after`, every time.
@@ -128,7 +135,8 @@ TEST_CASE("describe: a triangulation names the plainest procedure that came near
   CHECK(line == "Nearest procedure: a box, off by up to 1.65 mm.");
   model.rivals[1].deviation = 1.9;  // no longer as near as the extrusion
   CHECK(nearest_procedure_line(model) == "Nearest procedure: an extrusion, off by up to 1.62 mm.");
-  model.rivals = {{"sphere", false, 4.1, 990, "deviates by 4.1 mm at (1, 2, 3)"}};  // farther than three hundredths of the size
+  model.rivals = {
+      {"sphere", false, 4.1, 990, "deviates by 4.1 mm at (1, 2, 3)"}};  // farther than three hundredths of the size
   CHECK(nearest_procedure_line(model).empty());
   model.rivals = {{"box", false, 1.65, 950, "deviates by 1.65 mm at (1, 2, 3)"}};
   model.fallback = false;  // a triangulation that was asked for
@@ -195,7 +203,8 @@ TEST_CASE("report: only the page's own programs may run, and no name can end its
   for (const auto& program : programs) {
     std::string digest;
     const std::string hex = sha256(program);
-    for (std::size_t i = 0; i < hex.size(); i += 2) digest += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+    for (std::size_t i = 0; i < hex.size(); i += 2)
+      digest += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
     allowed += " 'sha256-" + base64(digest) + "'";
   }
   CHECK(page.find(allowed + ";") != std::string::npos);
@@ -275,8 +284,10 @@ TEST_CASE("report: highlighting changes no character of the script") {
   const std::string html = highlighted(scad, CodeLanguage::openscad);
   std::string text;
   for (std::size_t i = 0; i < html.size(); ++i) {
-    if (html[i] == '<') i = html.find('>', i);
-    else text += html[i];
+    if (html[i] == '<')
+      i = html.find('>', i);
+    else
+      text += html[i];
   }
   CHECK(text == escaped(scad));
   CHECK(html.find("<span class=\"c\">// a &lt; b</span>") != std::string::npos);

@@ -15,7 +15,8 @@ Result<int> stopped_run(const Path& folder, const std::string& input) {
   ResultFolder results(folder, names, "build", {input});
   REQUIRE(results.check(true).ok());
   REQUIRE(results.begin().ok());
-  for (const char* file : {"model.json", "part.step"}) REQUIRE(write_file(folder / file, std::string("of ") + input).ok());
+  for (const char* file : {"model.json", "part.step"})
+    REQUIRE(write_file(folder / file, std::string("of ") + input).ok());
   return results.close(Error{"cancelled", ErrorKind::stopped});
 }
 
@@ -30,7 +31,8 @@ TEST_CASE("result folder: a stopped run says what it leaves, and the next run of
   const auto outcome = stopped_run(folder.path(), "a.ply");
   REQUIRE_FALSE(outcome.ok());
   CHECK(outcome.error().kind == ErrorKind::stopped);
-  CHECK(outcome.error().message.starts_with("cancelled; what is in " + folder.path().string() + " (model.json part.step) is unfinished"));
+  CHECK(outcome.error().message.starts_with("cancelled; what is in " + folder.path().string() +
+                                            " (model.json part.step) is unfinished"));
 
   CHECK(may_write(folder.path(), "build", "a.ply"));
   CHECK_FALSE(may_write(folder.path(), "build", "b.ply"));
@@ -56,7 +58,9 @@ TEST_CASE("result folder: what was changed after a stopped run is somebody's") {
   CHECK_FALSE(may_write(folder.path(), "build", "a.ply"));
 }
 
-TEST_CASE("result folder: an old verdict does not stay beside new files, and a run that fails before it writes changes nothing") {
+TEST_CASE(
+    "result folder: an old verdict does not stay beside new files, and a run that fails before it writes changes "
+    "nothing") {
   const TemporaryDirectory folder;
   REQUIRE(write_file(folder.path() / "verdict.json", "old").ok());
   ResultFolder results(folder.path(), names, "build", {"a.ply"});

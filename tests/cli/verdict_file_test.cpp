@@ -1,7 +1,7 @@
 /// Claims about reading verdict.json back.
-#include <catch2/catch.hpp>
-
 #include "cli/verdict_file.h"
+
+#include <catch2/catch.hpp>
 
 namespace partscribe {
 
@@ -24,7 +24,8 @@ TEST_CASE("verdict.json: features, their dimensions and the findings survive wri
   Finding finding;
   finding.kind = Finding::Kind::missing_material;
   finding.feature = "hole 3", finding.place = {1, 2, 3}, finding.direction = {0, 0, -1}, finding.deviation = 0.19;
-  finding.area = 14, finding.extent = 5, finding.points = 12, finding.reason = "because", finding.text = "hole 3: wrong";
+  finding.area = 14, finding.extent = 5, finding.points = 12, finding.reason = "because",
+  finding.text = "hole 3: wrong";
   artifact.findings = {finding};
   verdict.artifacts = {artifact};
 

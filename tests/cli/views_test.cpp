@@ -11,8 +11,11 @@ namespace {
 
 /// A scan of the bundled part whose guesses are off by some degrees.
 std::string rough_scan(const std::string& part, const Path& folder, const std::vector<std::string>& more) {
-  std::vector<std::string> arguments = {"simulate", source_file("corpus/" + part + "/model.json").string(), "--resolution", "160",
-                                        "--sigma",  "0.02", "--out", folder.string(), "--quiet"};
+  std::vector<std::string> arguments = {"simulate",     source_file("corpus/" + part + "/model.json").string(),
+                                        "--resolution", "160",
+                                        "--sigma",      "0.02",
+                                        "--out",        folder.string(),
+                                        "--quiet"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const auto output = run_partscribe(arguments);
   INFO(output.err);
@@ -24,7 +27,8 @@ std::string rough_scan(const std::string& part, const Path& folder, const std::v
 
 TEST_CASE("views: from rough poses to one cloud without a point twice") {
   const TemporaryDirectory folder;
-  const std::string scan = rough_scan("tie_bar", folder.path() / "scan", {"--views", "8", "--pose-noise-angle", "3", "--pose-noise-shift", "1"});
+  const std::string scan = rough_scan("tie_bar", folder.path() / "scan",
+                                      {"--views", "8", "--pose-noise-angle", "3", "--pose-noise-shift", "1"});
   const Path out = folder.path() / "out";
   const auto output = run_partscribe({"scan", scan, "--poses", "guess", "--out", out.string()});
   INFO(output.out << output.err);
@@ -35,8 +39,10 @@ TEST_CASE("views: from rough poses to one cloud without a point twice") {
   std::size_t placed = 0;
   for (const auto& view : poses.at("views")) {
     CHECK(view.at("covariance").size() == 6);
-    if (view.at("status") == "refused") CHECK(view.contains("reason"));
-    else ++placed;
+    if (view.at("status") == "refused")
+      CHECK(view.contains("reason"));
+    else
+      ++placed;
   }
   CHECK(placed >= 6);
   REQUIRE(poses.at("covariance_between_views").size() == 48);
@@ -46,7 +52,8 @@ TEST_CASE("views: from rough poses to one cloud without a point twice") {
 
 TEST_CASE("views: what is built from rough poses is verified") {
   const TemporaryDirectory folder;
-  const std::string scan = rough_scan("tie_bar", folder.path() / "scan", {"--views", "8", "--pose-noise-angle", "3", "--pose-noise-shift", "1"});
+  const std::string scan = rough_scan("tie_bar", folder.path() / "scan",
+                                      {"--views", "8", "--pose-noise-angle", "3", "--pose-noise-shift", "1"});
   const auto output = run_partscribe({"build", scan, "--poses", "guess", "--tolerance", "0.25", "--to", "step", "--out",
                                       (folder.path() / "out").string()});
   INFO(output.out << output.err);
@@ -54,7 +61,8 @@ TEST_CASE("views: what is built from rough poses is verified") {
   // They stand where they stand in the merged cloud.
   const Path merged = folder.path() / "merged";
   REQUIRE(run_partscribe({"scan", scan, "--poses", "guess", "--out", merged.string()}).exit_code == 0);
-  CHECK(nlohmann::json::parse(bytes_of(folder.path() / "out/poses.json")).at("views") == nlohmann::json::parse(bytes_of(merged / "poses.json")).at("views"));
+  CHECK(nlohmann::json::parse(bytes_of(folder.path() / "out/poses.json")).at("views") ==
+        nlohmann::json::parse(bytes_of(merged / "poses.json")).at("views"));
 }
 
 TEST_CASE("views: the plan is that of a regular polyhedron, and a part seen all around needs no further view") {
@@ -90,7 +98,8 @@ TEST_CASE("views: one view cannot be registered, and an unknown way of poses is 
   const auto alone = run_partscribe({"scan", file, "--poses", "none", "--units", "mm"}, folder.path());
   CHECK(alone.exit_code == 2);
   CHECK(alone.err.find("several views") != std::string::npos);
-  const auto corrected = run_partscribe({"scan", file, "--poses", "guess", "--correct-depth", "--units", "mm"}, folder.path());
+  const auto corrected =
+      run_partscribe({"scan", file, "--poses", "guess", "--correct-depth", "--units", "mm"}, folder.path());
   CHECK(corrected.exit_code == 2);
   CHECK(corrected.err.find("--correct-depth: expected --poses turntable") != std::string::npos);
   const auto unknown = run_partscribe({"scan", file, "--poses", "somewhere"}, folder.path());
@@ -108,7 +117,8 @@ TEST_CASE("views: a part on a table is cut out, and nothing is written when ther
   REQUIRE(write_file(folder.path() / "scene.xyz", scene).ok());
   const Path out = folder.path() / "out";
   const auto scan = [&](const char* which) {
-    return run_partscribe({"scan", (folder.path() / "scene.xyz").string(), "--units", "mm", "--on-table", which, "--out", out.string()});
+    return run_partscribe(
+        {"scan", (folder.path() / "scene.xyz").string(), "--units", "mm", "--on-table", which, "--out", out.string()});
   };
   const auto none = scan("2");
   CHECK(none.exit_code == 3);
@@ -124,8 +134,8 @@ TEST_CASE("views: a part on a table is cut out, and nothing is written when ther
   CHECK(points > 1000);
   CHECK(points < 1257);  // 400 pi in all
 
-  // Whoever builds the whole scene is told, once that has failed: a crowd in the air, as of a hand in the picture, is no surface that a
-  // triangulation follows.
+  // Whoever builds the whole scene is told, once that has failed: a crowd in the air, as of a hand in the picture, is
+  // no surface that a triangulation follows.
   Random random(4);
   for (int i = 0; i < 600; ++i) {
     for (const double middle : {30, 30, 12}) scene += std::to_string(middle + 3 * random.normal()) + " ";
@@ -133,8 +143,8 @@ TEST_CASE("views: a part on a table is cut out, and nothing is written when ther
   }
   REQUIRE(write_file(folder.path() / "room.xyz", scene).ok());
   const Path room = folder.path() / "room.xyz";
-  const auto built = run_partscribe({"build", room.string(), "--units", "mm", "--tolerance", "0.5", "--procedure", "triangulation", "--to",
-                                     "alpha1", "--out", (folder.path() / "room").string()});
+  const auto built = run_partscribe({"build", room.string(), "--units", "mm", "--tolerance", "0.5", "--procedure",
+                                     "triangulation", "--to", "alpha1", "--out", (folder.path() / "room").string()});
   INFO(built.out << built.err);
   CHECK(built.exit_code == 1);
   CHECK(built.out.find("partscribe scan " + room.string() + " --units mm --on-table 1") != std::string::npos);

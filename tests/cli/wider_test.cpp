@@ -1,5 +1,5 @@
 /// A tolerance is named only where a build at it is verified.
-#include "cli/wider.h"
+#include "cli/commands/wider.h"
 
 #include <catch2/catch.hpp>
 
@@ -58,7 +58,8 @@ TEST_CASE("wider: the tolerance named is one that was verified, not the one that
 
 TEST_CASE("wider: the least tolerance is tried first, and a procedure that is not found gives way to the next") {
   Trials trials{{{"box", 1.6}, {"extrude", 0.9}}, {}};
-  const auto found = first_verified({{"box", 1.7}, {"cone", 0.5}, {"extrude", 1}, {"extrude", 0.95}}, 3, std::ref(trials));
+  const auto found =
+      first_verified({{"box", 1.7}, {"cone", 0.5}, {"extrude", 1}, {"extrude", 0.95}}, 3, std::ref(trials));
   REQUIRE((found.ok() && found->has_value()));
   CHECK((*found)->procedure == "extrude");
   CHECK((*found)->tolerance == 0.95);

@@ -1,19 +1,20 @@
 /// Alpha_1 procedures: what is written is what was committed, and our interpreter makes the model's geometry of it.
 ///
 /// PARTSCRIBE_WRITE_GOLDENS=1 rewrites tests/golden and ends red: regenerating is not verifying.
-#include <catch2/catch.hpp>
+#include "codegen/alpha1/alpha1.h"
+
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
 
-#include "codegen/alpha1.h"
-#include "codegen/alpha1_superellipsoid.h"
+#include "codegen/alpha1/alpha1_superellipsoid.h"
 #include "core/number.h"
 #include "core/random.h"
 #include "golden_models.h"
 #include "model/distance.h"
 #include "model/json.h"
-#include "verify/alpha1.h"
+#include "verify/evaluate/alpha1.h"
 
 using namespace partscribe;
 
@@ -57,7 +58,8 @@ double deviation(const TriangleMesh& mesh, const ModelDistance& distance) {
   const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / 10000);
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
     const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
-    for (const Vec3& p : {a, Vec3(0.5 * a + 0.3 * b + 0.2 * c), Vec3(0.46 * a + 0.54 * b)}) worst = std::max(worst, std::abs(distance(p).distance));
+    for (const Vec3& p : {a, Vec3(0.5 * a + 0.3 * b + 0.2 * c), Vec3(0.46 * a + 0.54 * b)})
+      worst = std::max(worst, std::abs(distance(p).distance));
   }
   return worst;
 }
@@ -131,11 +133,13 @@ TEST_CASE("alpha1: every shape, run by the interpreter, lies on the model within
     const int tries = 60000;
     int inside = 0;
     for (int i = 0; i < tries; ++i) {
-      const Vec3 p(random.uniform(box.low.x(), box.high.x()), random.uniform(box.low.y(), box.high.y()), random.uniform(box.low.z(), box.high.z()));
+      const Vec3 p(random.uniform(box.low.x(), box.high.x()), random.uniform(box.low.y(), box.high.y()),
+                   random.uniform(box.low.z(), box.high.z()));
       inside += distance(p).distance < 0;
     }
     const double whole = box.size().prod(), share = double(inside) / tries;
-    CHECK(volume(e.mesh) == Approx(share * whole).margin(5 * whole * std::sqrt(share * (1 - share) / tries) + 1e-3 * whole));
+    CHECK(volume(e.mesh) ==
+          Approx(share * whole).margin(5 * whole * std::sqrt(share * (1 - share) / tries) + 1e-3 * whole));
   }
 }
 
@@ -214,7 +218,8 @@ TEST_CASE("alpha1: damaged procedures are refused, never guessed") {
 
 TEST_CASE("alpha1: labels are CamelCase, never collide and never hide a word of SCL") {
   Model m = one_object(Box{Expr::of("facet"), Expr::of("bore_1_2"), Expr::of("bore_12") + Expr::of("r")},
-                       {parameter("facet", 1), parameter("bore_1_2", 2), parameter("bore_12", 3), parameter("r", 4), parameter("quartic", 5)});
+                       {parameter("facet", 1), parameter("bore_1_2", 2), parameter("bore_12", 3), parameter("r", 4),
+                        parameter("quartic", 5)});
   m.objects.insert(m.objects.begin(), Object{"blank", Sphere{1}, {}, {}, ""});
   m.objects.back().name = "bore_1_2b";
   const std::string text = emitted(m).files[0].bytes;
@@ -227,10 +232,17 @@ TEST_CASE("alpha1: labels are CamelCase, never collide and never hide a word of 
   CHECK(volume(evaluated(emitted(m), 0.1).mesh) == Approx(1 * 2 * 7));
 }
 
-TEST_CASE("alpha1: angles are degrees, reals have a point, and functions SCL may not have become numbers with a remark") {
-  Model m = one_object(Box{2 * Expr::of("size"), Expr::call(Expr::Kind::sqrt, {Expr::of("size")}), 1e-7 + Expr::of("size") / 4},
-                       {parameter("size", 9), parameter("tilt", radians(30), Quantity::angle)});
-  m.objects.back().frame = {5, 0, -Expr::of("size"), 2 * Expr::of("tilt") - radians(15), 0, Expr::call(Expr::Kind::atan2, {3, Expr::of("size")})};
+TEST_CASE(
+    "alpha1: angles are degrees, reals have a point, and functions SCL may not have become numbers with a remark") {
+  Model m = one_object(
+      Box{2 * Expr::of("size"), Expr::call(Expr::Kind::sqrt, {Expr::of("size")}), 1e-7 + Expr::of("size") / 4},
+      {parameter("size", 9), parameter("tilt", radians(30), Quantity::angle)});
+  m.objects.back().frame = {5,
+                            0,
+                            -Expr::of("size"),
+                            2 * Expr::of("tilt") - radians(15),
+                            0,
+                            Expr::call(Expr::Kind::atan2, {3, Expr::of("size")})};
   const std::string text = emitted(m).files[0].bytes;
   CHECK(contains(text, "Tilt : 30.0;"));
   CHECK(contains(text, "2.0 * Tilt - 15.0"));

@@ -9,11 +9,11 @@
 #include "codegen/describe.h"
 #include "codegen/emit.h"
 #include "core/number.h"
-#include "geometry/mesh_distance.h"
+#include "geometry/mesh/mesh_distance.h"
 #include "golden_models.h"
 #include "model/distance.h"
 #include "model/json.h"
-#include "verify/evaluate.h"
+#include "verify/evaluate/evaluate.h"
 
 using namespace partscribe;
 

@@ -331,9 +331,9 @@ Model lens() {
 }  // namespace
 
 std::vector<Model> golden_models() {
-  return {sphere(),    box(),           wedge(),       cylinder(), cone(),    torus(),
-          ellipsoid(), superellipsoid(), supertoroid(), fillet(),   half_spaces(), pin(),
-          tie_bar(),   tri_surface(),   sheet(),       nurbs_vase(), bracket(), lens()};
+  return {sphere(),         box(),         wedge(),   cylinder(),    cone(), torus(),   ellipsoid(),
+          superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),  tie_bar(), tri_surface(),
+          sheet(),          nurbs_vase(),  bracket(), lens()};
 }
 
 }  // namespace partscribe

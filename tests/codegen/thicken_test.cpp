@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "geometry/self_intersection.h"
-#include "geometry/triangle_mesh.h"
+#include "geometry/mesh/self_intersection.h"
+#include "geometry/mesh/triangle_mesh.h"
 
 using namespace partscribe;
 

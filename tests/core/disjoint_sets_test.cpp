@@ -30,7 +30,8 @@ TEST_CASE("disjoint sets: random unions agree with labels that are painted over"
   std::vector<std::uint32_t> label(count);
   for (std::uint32_t i = 0; i < count; ++i) label[i] = i;
   for (int step = 0; step < 180; ++step) {
-    const auto a = static_cast<std::uint32_t>(random.uniform(0, count)), b = static_cast<std::uint32_t>(random.uniform(0, count));
+    const auto a = static_cast<std::uint32_t>(random.uniform(0, count)),
+               b = static_cast<std::uint32_t>(random.uniform(0, count));
     CHECK(sets.unite(a, b) == (label[a] != label[b]));
     const std::uint32_t low = std::min(label[a], label[b]), high = std::max(label[a], label[b]);
     for (auto& l : label)

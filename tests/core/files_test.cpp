@@ -1,11 +1,11 @@
 // Files appear whole, and content has one name.
-#include <catch2/catch.hpp>
+#include "core/files.h"
 
+#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
 
 #include "core/context.h"
-#include "core/files.h"
 #include "core/parallel.h"
 
 using namespace partscribe;
@@ -45,8 +45,10 @@ TEST_CASE("temporary directory: where none can be made that is an error, not the
   const std::string kept = before ? before : "";
   ::setenv("TMPDIR", "/nonexistent/folder", 1);
   const auto made = TemporaryDirectory::make();
-  if (before) ::setenv("TMPDIR", kept.c_str(), 1);
-  else ::unsetenv("TMPDIR");
+  if (before)
+    ::setenv("TMPDIR", kept.c_str(), 1);
+  else
+    ::unsetenv("TMPDIR");
   REQUIRE_FALSE(made.ok());
   CHECK(made.error().kind == ErrorKind::stopped);
   CHECK(made.error().message.find("TMPDIR") != std::string::npos);
@@ -60,5 +62,7 @@ TEST_CASE("parallel_for: every index once, whatever the number of threads") {
     });
     CHECK(std::all_of(hits.begin(), hits.end(), [](int h) { return h == 1; }));
   }
-  CHECK_THROWS_AS(parallel_for(100, 3, [](std::size_t, std::size_t) { throw std::runtime_error("x"); }, 1), std::runtime_error);
+  CHECK_THROWS_AS(parallel_for(
+                      100, 3, [](std::size_t, std::size_t) { throw std::runtime_error("x"); }, 1),
+                  std::runtime_error);
 }

@@ -1,7 +1,8 @@
 // What print_number promises: the shortest text that is the value, and nothing a language could stumble over.
+#include "core/number.h"
+
 #include <catch2/catch.hpp>
 
-#include "core/number.h"
 #include "core/random.h"
 
 using namespace partscribe;

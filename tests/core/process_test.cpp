@@ -20,9 +20,13 @@ ProcessOutput ran(const std::vector<std::string>& arguments, const ProcessLimits
   return std::move(output).value();
 }
 
-ProcessOutput shell(const std::string& script, const ProcessLimits& limits = {.seconds = 20}) { return ran({"sh", "-c", script}, limits); }
+ProcessOutput shell(const std::string& script, const ProcessLimits& limits = {.seconds = 20}) {
+  return ran({"sh", "-c", script}, limits);
+}
 
-bool runs(const std::string& pid) { return std::filesystem::exists(Path("/proc") / pid / "stat") && shell("kill -0 " + pid).exit_code == 0; }
+bool runs(const std::string& pid) {
+  return std::filesystem::exists(Path("/proc") / pid / "stat") && shell("kill -0 " + pid).exit_code == 0;
+}
 
 /// Whether the process ends within two seconds.
 bool ends(const std::string& pid) {
@@ -104,7 +108,8 @@ TEST_CASE("process: a program ends when the one that started it is killed") {
   const Path pid = folder.path() / "pid";
   // This test program once more starts the child, and is killed.
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
-  shell("CHILD_PID=" + pid.string() + "; export XDG_CHILD_PID=$CHILD_PID; '" + self + "' '[.leaves a child]' & parent=$!; " +
+  shell("CHILD_PID=" + pid.string() + "; export XDG_CHILD_PID=$CHILD_PID; '" + self +
+        "' '[.leaves a child]' & parent=$!; " +
         "for i in $(seq 200); do [ -s $CHILD_PID ] && break; sleep 0.05; done; kill -9 $parent; wait $parent");
   const auto text = read_file(pid);
   REQUIRE(text.ok());
@@ -127,11 +132,11 @@ TEST_CASE("process: a confined program sees the files that were named, and neith
   REQUIRE(write_file(named.path() / "a", "named").ok());
   REQUIRE(write_file(other.path() / "b", "other").ok());
   Context context;
-  const auto output = run_confined(
-      {"sh", "-c",
-       "cat " + (named.path() / "a").string() + "; cat " + (other.path() / "b").string() + "; cat /etc/passwd; echo x > out; echo x > " +
-           (named.path() / "c").string() + "; echo x > /usr/c; ls /sys/class/net; ls $HOME; grep -c : /proc/net/dev"},
-      {.seconds = 20}, {{named.path()}, {scratch.path()}}, context);
+  const auto output = run_confined({"sh", "-c",
+                                    "cat " + (named.path() / "a").string() + "; cat " + (other.path() / "b").string() +
+                                        "; cat /etc/passwd; echo x > out; echo x > " + (named.path() / "c").string() +
+                                        "; echo x > /usr/c; ls /sys/class/net; ls $HOME; grep -c : /proc/net/dev"},
+                                   {.seconds = 20}, {{named.path()}, {scratch.path()}}, context);
   REQUIRE(output.ok());
   INFO(output->out << output->err);
   CHECK(output->out == "named1\n");  // and of the network the loop to itself
@@ -147,7 +152,8 @@ TEST_CASE("process: a confined program that never ends is ended with all that it
   }
   const TemporaryDirectory scratch;
   Context context;
-  const auto output = run_confined({"sh", "-c", "(setsid sleep 301.25 &); sleep 302.25"}, {.seconds = 0.5}, {{}, {scratch.path()}}, context);
+  const auto output = run_confined({"sh", "-c", "(setsid sleep 301.25 &); sleep 302.25"}, {.seconds = 0.5},
+                                   {{}, {scratch.path()}}, context);
   REQUIRE(output.ok());
   CHECK(output->timed_out);
   bool left = true;

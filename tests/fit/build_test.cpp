@@ -1,14 +1,14 @@
 // From points to a model: the right procedure, the true numbers inside their stated uncertainty, and the same bytes
 // whatever the order of the points and the number of threads.
-#include <catch2/catch.hpp>
+#include "fit/build.h"
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
 
-#include "fit/build.h"
 #include "model/distance.h"
 #include "model/json.h"
 #include "tests/fit/sampled.h"
@@ -38,9 +38,9 @@ std::string kind(const Model& m) { return std::string(kind_of(m.objects.back().s
 
 /// The parameter nearest to a true value must hold it within three sigma.
 void expect_value(const Model& m, double truth) {
-  const auto best = std::min_element(m.parameters.begin(), m.parameters.end(), [&](const Parameter& a, const Parameter& b) {
-    return std::abs(a.fitted - truth) < std::abs(b.fitted - truth);
-  });
+  const auto best = std::min_element(
+      m.parameters.begin(), m.parameters.end(),
+      [&](const Parameter& a, const Parameter& b) { return std::abs(a.fitted - truth) < std::abs(b.fitted - truth); });
   REQUIRE(best != m.parameters.end());
   INFO(best->name << " " << best->fitted << " +- " << best->sigma << ", truth " << truth);
   CHECK(std::abs(best->fitted - truth) < 3 * best->sigma + 1e-9);
@@ -150,7 +150,8 @@ TEST_CASE("build: order of the points and number of threads leave every byte alo
   const Scan scan = test::sampled(truth, s);
   Scan shuffled = scan;
   Random random(5);
-  for (std::size_t i = shuffled.cloud.points.size(); i > 1; --i) std::swap(shuffled.cloud.points[i - 1], shuffled.cloud.points[random.below(i)]);
+  for (std::size_t i = shuffled.cloud.points.size(); i > 1; --i)
+    std::swap(shuffled.cloud.points[i - 1], shuffled.cloud.points[random.below(i)]);
   const std::string first = write_model_json(built(scan, 0.15, 1));
   CHECK(write_model_json(built(scan, 0.15, 2)) == first);
   CHECK(write_model_json(built(shuffled, 0.15, 1)) == first);
@@ -188,10 +189,13 @@ TEST_CASE("build: which of equal faces, ends and holes comes first is the scan's
   for (const Vec3& turn : {Vec3(0, 0, 0), Vec3(0, 0, pi / 2), Vec3(2.6, 0.3, 0.9)}) {
     std::optional<Pose> known;
     for (const std::uint64_t seed : {1, 2, 3, 4}) {
-      const Model m = built(test::sampled(tie_bar(turn), {.points = seed % 2 ? 15000u : 9000u, .noise = 0.03, .reach = 80, .seed = seed}), 0.15);
+      const Model m = built(
+          test::sampled(tie_bar(turn), {.points = seed % 2 ? 15000u : 9000u, .noise = 0.03, .reach = 80, .seed = seed}),
+          0.15);
       REQUIRE(kind(m) == "extrude");
       const Pose frame = frame_of(m);
-      INFO("seed " << seed << ", z " << frame.rotation.col(2).transpose() << ", x " << frame.rotation.col(0).transpose());
+      INFO("seed " << seed << ", z " << frame.rotation.col(2).transpose() << ", x "
+                   << frame.rotation.col(0).transpose());
       CHECK(frame.rotation(2, 2) > 0);
       if (turn.x() == 0) CHECK(frame.rotation.col(0)[turn.z() == 0 ? 0 : 1] > 0.99);
       if (!known) known = frame;

@@ -1,18 +1,19 @@
 // A drawn body's facets lie below its round faces: its corners tell the true sizes, to the last place of the file.
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/number.h"
 #include "core/random.h"
 #include "fit/build.h"
-#include "scan/read.h"
+#include "scan/read/read.h"
 
 using namespace partscribe;
 
 namespace {
 
-/// A plate 50 x 40 x 12 with one corner rounded by 8, in facets of 5 degrees, in single precision like an STL file. `noise` moves every corner.
+/// A plate 50 x 40 x 12 with one corner rounded by 8, in facets of 5 degrees, in single precision like an STL file.
+/// `noise` moves every corner.
 Scan rounded_plate(double noise) {
   std::vector<Vec2> outline = {{0, 0}, {50, 0}, {50, 40}};
   for (int k = 0; k <= 18; ++k) {

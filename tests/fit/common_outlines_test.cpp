@@ -1,4 +1,4 @@
-#include "fit/common_outlines.h"
+#include "fit/sketch/common_outlines.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "fit/round_holes.h"
+#include "fit/sketch/round_holes.h"
 
 using namespace partscribe;
 
@@ -14,7 +14,9 @@ namespace {
 
 constexpr double noise = 0.3, band = 0.75, turn = 0.4;
 
-Vec2 turned(const Vec2& p) { return {std::cos(turn) * p.x() - std::sin(turn) * p.y(), std::sin(turn) * p.x() + std::cos(turn) * p.y()}; }
+Vec2 turned(const Vec2& p) {
+  return {std::cos(turn) * p.x() - std::sin(turn) * p.y(), std::sin(turn) * p.x() + std::cos(turn) * p.y()};
+}
 
 /// Walls and end faces of a plate that stands turned, with strays among them.
 struct Plate {
@@ -25,7 +27,8 @@ struct Plate {
   void wall(const Vec2& from, const Vec2& to, int count) {
     const Vec2 along = (to - from).normalized(), out(along.y(), -along.x());
     for (int i = 0; i < count; ++i)
-      data.walls.push_back({turned(from + random.uniform() * (to - from) + noise * random.normal() * out), turned(out)});
+      data.walls.push_back(
+          {turned(from + random.uniform() * (to - from) + noise * random.normal() * out), turned(out)});
   }
   void arc(const Vec2& center, double radius, double from, double to, int count) {
     for (int i = 0; i < count; ++i) {
@@ -43,7 +46,8 @@ struct Plate {
   void strays(const Vec2& low, const Vec2& high, int count) {
     for (int i = 0; i < count; ++i) {
       const double a = random.uniform(0, 2 * pi);
-      data.walls.push_back({turned({random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y())}), {std::cos(a), std::sin(a)}});
+      data.walls.push_back(
+          {turned({random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y())}), {std::cos(a), std::sin(a)}});
     }
   }
 };
@@ -64,7 +68,8 @@ TEST_CASE("common outlines: a slot of which one end and one wall were hidden") {
   const double r = 10, l = 30;
   plate.wall({0, -r}, {l, -r}, 120);
   plate.arc({0, 0}, r, pi / 2, 1.5 * pi, 80);
-  plate.face({-r, -r}, {l + r, r}, 1500, [&](const Vec2& p) { return (p - Vec2(std::clamp(p.x(), 0.0, l), 0)).norm() < r; });
+  plate.face({-r, -r}, {l + r, r}, 1500,
+             [&](const Vec2& p) { return (p - Vec2(std::clamp(p.x(), 0.0, l), 0)).norm() < r; });
   plate.strays({-20, -20}, {50, 20}, 60);
   const auto outlines = common_outlines(plate.data);
   REQUIRE_FALSE(outlines.empty());
@@ -192,7 +197,8 @@ TEST_CASE("round holes: beside a shadow in the end faces their walls say how lar
   Plate plate;
   const Vec2 centre(25, 22), shadow(33, 31);
   const double r = 7;
-  plate.face({0, 0}, {80, 44}, 1500, [&](const Vec2& p) { return (p - centre).norm() > r && (p - shadow).norm() > 14; });
+  plate.face({0, 0}, {80, 44}, 1500,
+             [&](const Vec2& p) { return (p - centre).norm() > r && (p - shadow).norm() > 14; });
   std::vector<Vec2> between;
   for (int i = 0; i < 70; ++i) {
     const double a = plate.random.uniform(0.75 * pi, 1.25 * pi);

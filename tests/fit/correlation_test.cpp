@@ -1,5 +1,5 @@
 /// Correlation of noise on a grid whose filter is known.
-#include "fit/correlation.h"
+#include "fit/uncertainty/correlation.h"
 
 #include <catch2/catch.hpp>
 

@@ -18,7 +18,8 @@ Scan rod(std::size_t points, double radius, double length, double noise) {
   Scan scan;
   scan.files = {"scan"};
   for (std::size_t i = 0; i < points; ++i) {
-    const double part = random.uniform() * (side + 2 * end), angle = random.uniform(0, 2 * pi), off = noise * random.normal();
+    const double part = random.uniform() * (side + 2 * end), angle = random.uniform(0, 2 * pi),
+                 off = noise * random.normal();
     const Vec3 out(std::cos(angle), std::sin(angle), 0);
     const double r = radius * std::sqrt(random.uniform());
     const Vec3 p = part < side         ? Vec3((radius + off) * out + Vec3(0, 0, random.uniform(0, length)))

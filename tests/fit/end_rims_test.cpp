@@ -1,9 +1,10 @@
 /// Rims of end faces: where a face ends, and where it does not.
+#include "fit/sketch/end_rims.h"
+
 #include <catch2/catch.hpp>
 
 #include "core/number.h"
 #include "core/random.h"
-#include "fit/end_rims.h"
 
 namespace partscribe {
 
@@ -19,9 +20,12 @@ TEST_CASE("end rims: a ring's face ends at its two circles, and its rim points o
   std::size_t at_hole = 0, at_edge = 0, astray = 0;
   for (const auto& p : rim) {
     const double r = p.position.norm(), out = p.normal.dot(p.position) / r;
-    if (std::abs(r - outer) < 2 * spacing && out > 0.7) ++at_edge;
-    else if (std::abs(r - inner) < 2 * spacing && out < -0.7) ++at_hole;
-    else ++astray;
+    if (std::abs(r - outer) < 2 * spacing && out > 0.7)
+      ++at_edge;
+    else if (std::abs(r - inner) < 2 * spacing && out < -0.7)
+      ++at_hole;
+    else
+      ++astray;
   }
   CHECK(double(at_edge) > 0.5 * 2 * pi * outer / (2 * spacing));
   CHECK(double(at_hole) > 0.5 * 2 * pi * inner / (2 * spacing));

@@ -1,5 +1,5 @@
 /// Which of equals is taken, and that a little more or less changes nothing.
-#include "fit/equal_choices.h"
+#include "fit/search/equal_choices.h"
 
 #include <catch2/catch.hpp>
 
@@ -9,7 +9,9 @@ using namespace partscribe;
 
 TEST_CASE("equal choices: a sense follows the scan's axes, whatever noise does to a direction that lies across one") {
   Random random(3);
-  const auto shaken = [&](const Vec3& v) { return Vec3((v + 0.01 * Vec3(random.normal(), random.normal(), random.normal())).normalized()); };
+  const auto shaken = [&](const Vec3& v) {
+    return Vec3((v + 0.01 * Vec3(random.normal(), random.normal(), random.normal())).normalized());
+  };
   for (int k = 0; k < 50; ++k) {
     CHECK(nearest_sense(shaken({0, 0, -1})).z() > 0.9);
     CHECK(nearest_sense(shaken({-1, 0, 0})).x() > 0.9);  // z has no say: it is 0 but for noise

@@ -1,5 +1,5 @@
 /// Which points around one judge a candidate together.
-#include "fit/evidence.h"
+#include "fit/evidence/evidence.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,13 +1,13 @@
 /// Extrusions among strays: where a sweep begins and ends.
-#include "fit/coverage.h"
-#include "fit/extrude.h"
+#include "fit/propose/extrude.h"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 
-#include "fit/prepare.h"
-#include "fit/refine.h"
+#include "fit/evidence/coverage.h"
+#include "fit/input/prepare.h"
+#include "fit/refine/refine.h"
 #include "tests/fit/sampled.h"
 
 using namespace partscribe;
@@ -21,10 +21,12 @@ TEST_CASE("coverage: a wall that is folded within the noise is thin, a plain one
     plate.shape = Extrude{{{outline}}, Expr(40)};
     return plate;
   };
-  const Candidate plain = plate_of({SketchPoint{0, 0, ""}, SketchPoint{40, 0, ""}, SketchPoint{40, 6, ""}, SketchPoint{0, 6, ""}});
-  // Its lower wall runs to the right, back above itself, and to the right again: a wall and a slot, each within the noise.
-  const Candidate folded = plate_of({SketchPoint{0, -0.4, ""}, SketchPoint{35, -0.4, ""}, SketchPoint{5, 0, ""}, SketchPoint{40, 0.4, ""},
-                                     SketchPoint{40, 6, ""}, SketchPoint{0, 6, ""}});
+  const Candidate plain =
+      plate_of({SketchPoint{0, 0, ""}, SketchPoint{40, 0, ""}, SketchPoint{40, 6, ""}, SketchPoint{0, 6, ""}});
+  // Its lower wall runs to the right, back above itself, and to the right again: a wall and a slot, each within the
+  // noise.
+  const Candidate folded = plate_of({SketchPoint{0, -0.4, ""}, SketchPoint{35, -0.4, ""}, SketchPoint{5, 0, ""},
+                                     SketchPoint{40, 0.4, ""}, SketchPoint{40, 6, ""}, SketchPoint{0, 6, ""}});
   Scan scan = test::sampled(bare_model(plain), {.points = 4000, .noise = 0.4, .reach = 45, .seed = 2});
   Context context;
   auto input = prepare(scan, 1.2, context);
@@ -37,7 +39,8 @@ TEST_CASE("coverage: a wall that is folded within the noise is thin, a plain one
 TEST_CASE("extrude: strays beside the walls do not move the ends of the sweep") {
   Loop outline;
   outline.name = "outline";
-  outline.elements = {SketchPoint{0, 0, ""}, SketchPoint{60, 0, ""}, SketchPoint{60, 15, ""}, SketchPoint{25, 40, ""}, SketchPoint{0, 40, ""}};
+  outline.elements = {SketchPoint{0, 0, ""}, SketchPoint{60, 0, ""}, SketchPoint{60, 15, ""}, SketchPoint{25, 40, ""},
+                      SketchPoint{0, 40, ""}};
   Model plate;
   plate.objects.push_back({"part", Extrude{{{outline}}, Expr(12)}, {}, {}, {}});
   plate.as_scanned = false;
@@ -57,6 +60,7 @@ TEST_CASE("extrude: strays beside the walls do not move the ends of the sweep") 
   input->stray_share = 0.02;
   const auto candidates = propose_extrudes(*input, {Vec3::UnitZ()}, context);
   CHECK(std::any_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
-    return std::any_of(c.parameters.begin(), c.parameters.end(), [](const Parameter& p) { return p.name == "height" && std::abs(p.value - 12) < 0.1; });
+    return std::any_of(c.parameters.begin(), c.parameters.end(),
+                       [](const Parameter& p) { return p.name == "height" && std::abs(p.value - 12) < 0.1; });
   }));
 }

@@ -1,5 +1,5 @@
 /// Where scanned plane faces end: at the body, or in a shadow.
-#include "fit/face_ends.h"
+#include "fit/evidence/face_ends.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,7 +14,8 @@ namespace {
 Candidate ell() {
   Loop outline;
   outline.name = "outline";
-  outline.elements = {SketchPoint{0, 0, ""}, SketchPoint{60, 0, ""}, SketchPoint{60, 15, ""}, SketchPoint{25, 15, ""}, SketchPoint{25, 40, ""}, SketchPoint{0, 40, ""}};
+  outline.elements = {SketchPoint{0, 0, ""},   SketchPoint{60, 0, ""},  SketchPoint{60, 15, ""},
+                      SketchPoint{25, 15, ""}, SketchPoint{25, 40, ""}, SketchPoint{0, 40, ""}};
   Candidate c;
   c.object_name = "plate", c.shape = Extrude{{{outline}}, Expr(20)};
   return c;
@@ -43,7 +44,9 @@ FitInput end_face(const std::function<bool(double, double)>& lit) {
 
 TEST_CASE("face ends: a face that is an L is one of an L, seen whole or with a shadow on it") {
   const auto is_ell = [](double x, double y) { return x < 25 || y < 15; };
-  const auto shaded = [&](double x, double y) { return is_ell(x, y) && std::hypot(x - 20, y - 30) > 6 && std::hypot(x - 60, y) > 8; };
+  const auto shaded = [&](double x, double y) {
+    return is_ell(x, y) && std::hypot(x - 20, y - 30) > 6 && std::hypot(x - 60, y) > 8;
+  };
   CHECK(face_ends_told(ell(), block(), end_face(is_ell)) > 25);
   CHECK(face_ends_told(ell(), block(), end_face(shaded)) > 20);
   CHECK(face_ends_told(block(), ell(), end_face(is_ell)) < -25);

@@ -1,18 +1,18 @@
 /// Blocks, wedges and convex polyhedra from noisy points whose normals have no sense, some faces never scanned.
-#include "fit/half_spaces.h"
+#include "fit/propose/half_spaces.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 
 #include "core/number.h"
 #include "core/random.h"
-#include "fit/convex_body.h"
-#include "fit/evidence.h"
-#include "fit/rivals.h"
-#include "geometry/convex.h"
+#include "fit/evidence/evidence.h"
+#include "fit/propose/convex_body.h"
+#include "fit/search/rivals.h"
+#include "geometry/mesh/convex.h"
 
 using namespace partscribe;
 
@@ -28,7 +28,8 @@ FitInput scanned(const std::vector<Plane3>& planes, double noise, double outlier
   FitInput input;
   std::vector<std::pair<Vec3, Vec3>> drawn;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 n = triangle_normal(mesh, t), a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;
+    const Vec3 n = triangle_normal(mesh, t), a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a,
+               v = mesh.corner(t, 2) - a;
     if (!seen(n)) continue;
     const auto count = static_cast<int>(0.5 * u.cross(v).norm() * density);
     for (int i = 0; i < count; ++i) {
@@ -148,7 +149,8 @@ TEST_CASE("half spaces: two faces alone do not make a body") {
 TEST_CASE("half spaces: a right-angled wedge is proposed as a wedge, whole or with its tip cut off") {
   Context context;
   const Vec3 slope = Vec3(30, 50, 0).normalized();
-  std::vector<Plane3> wedge = {{{-1, 0, 0}, 0}, {{0, -1, 0}, 0}, {{0, 0, 1}, 25}, {{0, 0, -1}, 0}, {slope, slope.x() * 50}};
+  std::vector<Plane3> wedge = {
+      {{-1, 0, 0}, 0}, {{0, -1, 0}, 0}, {{0, 0, 1}, 25}, {{0, 0, -1}, 0}, {slope, slope.x() * 50}};
   const auto whole = propose_polyhedra(scanned(wedge, 0.03, 0, all, 4), context);
   const Candidate* c = find(whole, "wedge");
   REQUIRE(c);
@@ -191,9 +193,12 @@ TEST_CASE("half spaces: an oblique hexahedron and a pyramid come as polyhedra, n
   REQUIRE(candidates.size() == 1);
   CHECK(worst_corner(candidates[0], pyramid) < 0.08);
   // Its base unscanned: what the sides' areas leave over is the direction of the missing face.
-  candidates = propose_polyhedra(scanned(pyramid, 0.03, 0, [](const Vec3& n) { return n.z() > 0; }, 8), context);
+  candidates = propose_polyhedra(scanned(
+                                     pyramid, 0.03, 0, [](const Vec3& n) { return n.z() > 0; }, 8),
+                                 context);
   // Beside it stand only wedges, for a face that was not seen may lean.
-  CHECK(std::count_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return !std::holds_alternative<Wedge>(c.shape); }) == 1);
+  CHECK(std::count_if(candidates.begin(), candidates.end(),
+                      [](const Candidate& c) { return !std::holds_alternative<Wedge>(c.shape); }) == 1);
   const Candidate* open = find(candidates, "convex polyhedron");
   REQUIRE(open);
   CHECK(worst_corner(*open, pyramid) < 1.5);
@@ -239,26 +244,30 @@ TEST_CASE("half spaces: no points, or points without normals, give no proposal")
   CHECK(propose_polyhedra(input, context).empty());
 }
 
-TEST_CASE("wedges: among strays a block whose side was not seen may be a wedge; one whose slope was seen has its numbers") {
+TEST_CASE(
+    "wedges: among strays a block whose side was not seen may be a wedge; one whose slope was seen has its numbers") {
   Context context;
   const auto wedges_of = [&](const FitInput& input) {
     std::vector<Candidate> wedges = propose_polyhedra(input, context);
     std::erase_if(wedges, [](const Candidate& c) { return c.procedure != "wedge"; });
     return wedges;
   };
-  FitInput hidden = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 3);
+  FitInput hidden = scanned(
+      block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 3);
   CHECK(wedges_of(hidden).empty());
   hidden.stray_share = 0.2;
   CHECK_FALSE(wedges_of(hidden).empty());
 
   auto planes = block(40, 25, 30);
   planes[0] = {Vec3(25, 18, 0).normalized(), 25 * 40 / std::hypot(25.0, 18.0)};  // foot 40, top 22
-  FitInput seen = scanned(planes, 0.3, 0, [](const Vec3& n) { return n.y() > 0.5 || n.x() > 0.5 || n.z() > 0.5; }, 4);
+  FitInput seen = scanned(
+      planes, 0.3, 0, [](const Vec3& n) { return n.y() > 0.5 || n.x() > 0.5 || n.z() > 0.5; }, 4);
   seen.stray_share = 0.2;
   const auto wedges = wedges_of(seen);
   CHECK(std::any_of(wedges.begin(), wedges.end(), [&](const Candidate& c) {
-    return c.parameters.size() == 4 && std::abs(value(c, "foot_length") - 40) < 1 && std::abs(value(c, "height") - 25) < 1 &&
-           std::abs(value(c, "width") - 30) < 1 && std::abs(value(c, "top_length") - 22) < 1;
+    return c.parameters.size() == 4 && std::abs(value(c, "foot_length") - 40) < 1 &&
+           std::abs(value(c, "height") - 25) < 1 && std::abs(value(c, "width") - 30) < 1 &&
+           std::abs(value(c, "top_length") - 22) < 1;
   }));
 }
 
@@ -278,13 +287,15 @@ TEST_CASE("wedges: of a slope that was not scanned the border of a cheek says wh
   auto planes = block(40, 25, 30);
   planes[0] = {Vec3(25, 18, 0).normalized(), 25 * 40 / std::hypot(25.0, 18.0)};  // foot 40, top 22
   for (const std::uint64_t seed : {4, 5, 6}) {
-    FitInput input = scanned(planes, 0.05, 0, [](const Vec3& n) { return n.z() > 0.5 || n.x() < -0.5 || std::abs(n.y()) > 0.9; }, seed);
+    FitInput input = scanned(
+        planes, 0.05, 0, [](const Vec3& n) { return n.z() > 0.5 || n.x() < -0.5 || std::abs(n.y()) > 0.9; }, seed);
     // A shadow across the back: the data end at a plane there that no wedge has.
     const Pose part_from_scan = Pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}}.inverse();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < input.cloud.size(); ++i) {
       const Vec3 q = part_from_scan * input.cloud.points[i];
-      if (q.z() > 4 + 0.3 * q.y()) input.cloud.points[kept] = input.cloud.points[i], input.cloud.normals[kept++] = input.cloud.normals[i];
+      if (q.z() > 4 + 0.3 * q.y())
+        input.cloud.points[kept] = input.cloud.points[i], input.cloud.normals[kept++] = input.cloud.normals[i];
     }
     input.cloud.points.resize(kept), input.cloud.normals.resize(kept);
     const auto proposed = propose_polyhedra(input, context);
@@ -297,10 +308,13 @@ TEST_CASE("wedges: of a slope that was not scanned the border of a cheek says wh
 
 TEST_CASE("evidence: a face that was set aside whole tells which of two blocks ends there, but not among many strays") {
   Context context;
-  FitInput input = scanned(block(60, 35, 22), 0.03, 0, [](const Vec3& n) { return n.x() < 0.5; }, 2);
+  FitInput input = scanned(
+      block(60, 35, 22), 0.03, 0, [](const Vec3& n) { return n.x() < 0.5; }, 2);
   const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
   Random random(3);
-  for (int i = 0; i < 40; ++i) input.set_aside.points.push_back(pose * Vec3(60 + 0.03 * random.normal(), random.uniform(0, 35), random.uniform(0, 22)));
+  for (int i = 0; i < 40; ++i)
+    input.set_aside.points.push_back(pose *
+                                     Vec3(60 + 0.03 * random.normal(), random.uniform(0, 35), random.uniform(0, 22)));
   const auto cost = [&](double length) {
     Candidate box;
     box.shape = Box{length, 35, 22}, box.scan_from_part = pose;
@@ -313,28 +327,34 @@ TEST_CASE("evidence: a face that was set aside whole tells which of two blocks e
 
 TEST_CASE("half-spaces: among strays no bevel is made of points beside an edge") {
   Context context;
-  FitInput input = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 5);
+  FitInput input = scanned(
+      block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 5);
   input.tolerance = 1;
   // Points on a narrow plane that cuts the edge of the faces +x and +z by two sigmas.
   const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
   const Vec3 outward = Vec3(1, 0, 1).normalized(), across = Vec3(1, 0, -1).normalized();
   Random random(7);
   for (int i = 0; i < 200; ++i) {
-    const Vec3 p = Vec3(40, random.uniform(0, 25), 30) + random.uniform(-1, 1) * across + (0.05 * random.normal() - 0.7) * outward;
-    input.cloud.points.push_back(pose * p), input.cloud.normals.push_back(pose.rotation * outward), input.cloud.sigma.push_back(0.3f);
+    const Vec3 p =
+        Vec3(40, random.uniform(0, 25), 30) + random.uniform(-1, 1) * across + (0.05 * random.normal() - 0.7) * outward;
+    input.cloud.points.push_back(pose * p), input.cloud.normals.push_back(pose.rotation * outward),
+        input.cloud.sigma.push_back(0.3f);
   }
   CHECK(scanned_faces(input, context).size() == 4);
   input.stray_share = 0.2;
   CHECK(scanned_faces(input, context).size() == 3);
 }
 
-TEST_CASE("half-spaces: few points on a plane that cuts a block's corner are a face, as many strewn through the block are none") {
+TEST_CASE(
+    "half-spaces: few points on a plane that cuts a block's corner are a face, as many strewn through the block are "
+    "none") {
   Context context;
   auto planes = block(60, 35, 22);
   const Vec3 n = Vec3(1, 1, 1).normalized();
   const double offset = n.dot(Vec3(60, 35, 22)) - 6;
   planes.push_back({n, offset});
-  FitInput input = scanned(planes, 0.1, 0, [](const Vec3& v) { return v.maxCoeff() > 0.9; }, 5, 2.0);
+  FitInput input = scanned(
+      planes, 0.1, 0, [](const Vec3& v) { return v.maxCoeff() > 0.9; }, 5, 2.0);
   input.tolerance = 0.3;
   const auto seen = scanned_faces(input, context);
   const auto closed = closed_body(seen, input, context);
@@ -345,21 +365,26 @@ TEST_CASE("half-spaces: few points on a plane that cuts a block's corner are a f
   FitInput bevel = input, strewn = input;
   for (int i = 0; i < 60; ++i) {
     const Vec3 place(random.uniform(1, 59), random.uniform(1, 34), random.uniform(1, 21));
-    strewn.cloud.points.push_back(pose * place), strewn.cloud.normals.push_back(Vec3::UnitX()), strewn.cloud.sigma.push_back(0.1f);
-    Vec3 on = Vec3(60, 35, 22) - 6 * n + random.uniform(-4, 4) * n.unitOrthogonal() + random.uniform(-4, 4) * n.cross(n.unitOrthogonal());
+    strewn.cloud.points.push_back(pose * place), strewn.cloud.normals.push_back(Vec3::UnitX()),
+        strewn.cloud.sigma.push_back(0.1f);
+    Vec3 on = Vec3(60, 35, 22) - 6 * n + random.uniform(-4, 4) * n.unitOrthogonal() +
+              random.uniform(-4, 4) * n.cross(n.unitOrthogonal());
     on += 0.1 * random.normal() * n;
-    bevel.cloud.points.push_back(pose * on), bevel.cloud.normals.push_back(Vec3::UnitX()), bevel.cloud.sigma.push_back(0.1f);
+    bevel.cloud.points.push_back(pose * on), bevel.cloud.normals.push_back(Vec3::UnitX()),
+        bevel.cloud.sigma.push_back(0.1f);
   }
   const auto more = with_a_face_more(seen, closed, bevel, context);
   REQUIRE(more.size() == 4);
-  CHECK(std::any_of(more.begin(), more.end(), [&](const ConvexFace& f) { return f.normal.dot(pose.rotation * n) > 0.998; }));
+  CHECK(std::any_of(more.begin(), more.end(),
+                    [&](const ConvexFace& f) { return f.normal.dot(pose.rotation * n) > 0.998; }));
   CHECK(with_a_face_more(seen, closed, strewn, context).empty());
   CHECK(with_a_face_more(seen, closed, input, context).empty());
 }
 
 TEST_CASE("half-spaces: where two faces hold the points, a block says that their end was not scanned") {
   Context context;
-  FitInput input = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 6);
+  FitInput input = scanned(
+      block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 6);
   input.stray_share = 0.2;
   Candidate box;
   box.shape = Box{40, 25, 30};
@@ -372,11 +397,13 @@ TEST_CASE("half-spaces: where two faces hold the points, a block says that their
   input.stray_share = 0.05;
   CHECK(open_polyhedron(box, 1e9, input, context).empty());
   // Three faces that cost no less than the block speak for it.
-  FitInput corner = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 6);
+  FitInput corner = scanned(
+      block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 6);
   corner.stray_share = 0.2;
   CHECK(open_polyhedron(box, 0, corner, context).empty());
   // Three of which two are opposite do not: an angle has such faces, too.
-  FitInput channel = scanned(block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.x() < -0.5 || std::abs(n.z()) > 0.5; }, 6);
+  FitInput channel = scanned(
+      block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.x() < -0.5 || std::abs(n.z()) > 0.5; }, 6);
   channel.stray_share = 0.2;
   CHECK(open_polyhedron(box, 0, channel, context).find("3 plane faces") != std::string::npos);
 }

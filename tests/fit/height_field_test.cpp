@@ -1,4 +1,4 @@
-#include "fit/height_field.h"
+#include "fit/surface/height_field.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/self_intersection.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/mesh/self_intersection.h"
 
 using namespace partscribe;
 

@@ -1,11 +1,11 @@
 // Round sizes: believed when the part as a whole gives reason to, refused when it is worn, named as a shop names them.
-#include <catch2/catch.hpp>
+#include "fit/refine/nominal.h"
 
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/number.h"
 #include "core/random.h"
-#include "fit/nominal.h"
 #include "tests/model/parts.h"
 
 using namespace partscribe;
@@ -61,8 +61,9 @@ TEST_CASE("nominal: a drill of the inch tables is named") {
 }
 
 TEST_CASE("nominal: a place on the other side of the origin is as round, in inches too") {
-  const auto found = answers({measured("length", 76.203, 0.004), measured("width", 38.098, 0.004), measured("hole_x", -9.527, 0.004),
-                              measured("hole_y", -19.051, 0.004), measured("tilt", radians(-14.999), 1e-4, Quantity::angle)});
+  const auto found =
+      answers({measured("length", 76.203, 0.004), measured("width", 38.098, 0.004), measured("hole_x", -9.527, 0.004),
+               measured("hole_y", -19.051, 0.004), measured("tilt", radians(-14.999), 1e-4, Quantity::angle)});
   CHECK(kept(found[2], -9.525));
   CHECK(kept(found[3], -19.05));
   CHECK(kept(found[4], radians(-15)));

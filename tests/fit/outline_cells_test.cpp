@@ -1,4 +1,4 @@
-#include "fit/outline_cells.h"
+#include "fit/sketch/outline_cells.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,9 +1,10 @@
 // Profiles: chains find their way around corners, and the fewest pieces explain them.
+#include "fit/sketch/profile.h"
+
 #include <catch2/catch.hpp>
 
 #include "core/number.h"
 #include "core/random.h"
-#include "fit/profile.h"
 
 using namespace partscribe;
 
@@ -17,7 +18,9 @@ std::vector<PlanePoint> along(const std::vector<Vec2>& corners, bool closed, dou
     const Vec2 a = corners[i], b = corners[(i + 1) % corners.size()];
     const Vec2 t = (b - a).normalized(), n(t.y(), -t.x());
     const int count = static_cast<int>((b - a).norm() * 60);
-    for (int k = 0; k < count; ++k) points.push_back({a + (b - a) * random.uniform() + n * noise * random.normal(), random.uniform() < 0.5 ? n : Vec2(-n)});
+    for (int k = 0; k < count; ++k)
+      points.push_back(
+          {a + (b - a) * random.uniform() + n * noise * random.normal(), random.uniform() < 0.5 ? n : Vec2(-n)});
   }
   return points;
 }
@@ -70,7 +73,11 @@ TEST_CASE("profile: line, tangent arc, line come out as three pieces") {
 
 TEST_CASE("profile: missing data leave a gap that is bridged and told") {
   auto points = along({{0, 0}, {40, 0}, {40, 30}, {0, 30}}, true, 0.01, 8);
-  points.erase(std::remove_if(points.begin(), points.end(), [](const PlanePoint& p) { return p.position.y() < 1 && p.position.x() > 10 && p.position.x() < 16; }), points.end());
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [](const PlanePoint& p) {
+                                return p.position.y() < 1 && p.position.x() > 10 && p.position.x() < 16;
+                              }),
+               points.end());
   const auto chains = chains_of(points, {.cell = 0.4, .noise = 0.01});
   REQUIRE(chains.size() == 1);
   CHECK(chains[0].closed);
@@ -82,7 +89,8 @@ TEST_CASE("profile: a wavy edge is one spline, not a chain of arcs") {
   Random random(12);
   std::vector<PlanePoint> points;
   for (int i = 0; i < 9000; ++i) {
-    const double x = random.uniform(0, 60), y = 4 * std::sin(x / 6) + 0.02 * x * x / 6, slope = 4 / 6.0 * std::cos(x / 6) + 0.04 * x / 6;
+    const double x = random.uniform(0, 60), y = 4 * std::sin(x / 6) + 0.02 * x * x / 6,
+                 slope = 4 / 6.0 * std::cos(x / 6) + 0.04 * x / 6;
     const Vec2 n = Vec2(-slope, 1).normalized();
     points.push_back({Vec2(x, y) + n * 0.01 * random.normal(), n});
   }

@@ -1,9 +1,9 @@
 /// Starts for balls, ellipsoids and superellipsoids from whole, one-sided and soiled data.
-#include "fit/quadrics.h"
+#include "fit/propose/quadrics.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/random.h"
@@ -25,7 +25,9 @@ FitInput scanned(const Vec3& radii, double noise, double outliers, double least,
     if (n.z() < least) continue;
     Vec3 p = u.cwiseProduct(radii) + noise * random.normal() * n;
     Vec3 m = (n + 0.03 * gaussian(random)).normalized();
-    if (random.uniform() < outliers) p = 1.3 * radii.maxCoeff() * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)), m = gaussian(random).normalized();
+    if (random.uniform() < outliers)
+      p = 1.3 * radii.maxCoeff() * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)),
+      m = gaussian(random).normalized();
     input.cloud.points.push_back(pose * p);
     input.cloud.normals.push_back((random.uniform() < 0.5 ? -1 : 1) * (pose.rotation * m));
   }

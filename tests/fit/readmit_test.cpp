@@ -1,5 +1,5 @@
 /// The last refinement among strays: what was set aside near the surface comes back, and only that.
-#include "fit/readmit.h"
+#include "fit/outliers/readmit.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,7 +14,8 @@ constexpr double radius = 20, noise = 0.5;
 
 Candidate ellipsoid(double r) {
   Candidate c;
-  c.procedure = "ellipsoid", c.object_name = "ellipsoid_body", c.shape = Ellipsoid{Expr::of("radius_x"), Expr::of("radius_y"), Expr::of("radius_z")};
+  c.procedure = "ellipsoid", c.object_name = "ellipsoid_body",
+  c.shape = Ellipsoid{Expr::of("radius_x"), Expr::of("radius_y"), Expr::of("radius_z")};
   for (const char* name : {"radius_x", "radius_y", "radius_z"}) {
     Parameter p;
     p.name = name, p.quantity = Quantity::length, p.value = p.fitted = r;
@@ -27,7 +28,9 @@ Candidate ellipsoid(double r) {
 FitInput soiled() {
   FitInput input;
   Random random(3);
-  const auto add = [](PointCloud& to, const Vec3& p, const Vec3& n) { to.points.push_back(p), to.normals.push_back(n); };
+  const auto add = [](PointCloud& to, const Vec3& p, const Vec3& n) {
+    to.points.push_back(p), to.normals.push_back(n);
+  };
   while (input.cloud.size() < 2000) {
     const Vec3 n = Vec3(random.normal(), random.normal(), random.normal()).normalized();
     if (n.z() < 0.2) continue;
@@ -59,7 +62,8 @@ TEST_CASE("readmit: points of a slope that were taken for strays no longer draw 
   }
 }
 
-TEST_CASE("readmit: a ball among few strays has the points of its slope back, and is not drawn to where the strays are") {
+TEST_CASE(
+    "readmit: a ball among few strays has the points of its slope back, and is not drawn to where the strays are") {
   FitInput input = soiled();
   input.stray_share = 0.08;
   Random random(5);

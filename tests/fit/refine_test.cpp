@@ -1,13 +1,14 @@
 // Refinement: as good as an independent solver, and honest about its uncertainty.
+#include "fit/refine/refine.h"
+
 #include <ceres/ceres.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/random.h"
-#include "fit/prepare.h"
-#include "fit/refine.h"
-#include "fit/unknowns.h"
+#include "fit/input/prepare.h"
+#include "fit/refine/unknowns.h"
 #include "tests/fit/sampled.h"
 #include "tests/fit/trials.h"
 #include "tests/model/parts.h"
@@ -68,7 +69,8 @@ TEST_CASE("refine: the sphere that Ceres finds on the same points") {
   double center[3] = {0.5, 0.5, 0.5}, radius = 10;
   ceres::Problem problem;
   for (const auto& p : input.cloud.points)
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SphereResidual, 1, 3, 1>(new SphereResidual{p}), nullptr, center, &radius);
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SphereResidual, 1, 3, 1>(new SphereResidual{p}), nullptr,
+                             center, &radius);
   ceres::Solver::Options solver;
   solver.function_tolerance = 1e-15;
   ceres::Solver::Summary summary;
@@ -93,7 +95,8 @@ TEST_CASE("refine: a cylinder comes home from a start that is well off") {
   CHECK(std::abs(c.parameters[1].value - 25) < 3 * c.parameters[1].sigma);
 }
 
-/// A wall from `seen_from` to `seen_to` about z, narrowing by `slope`, 200 points a millimetre, and the face at its foot.
+/// A wall from `seen_from` to `seen_to` about z, narrowing by `slope`, 200 points a millimetre, and the face at its
+/// foot.
 Scan open_wall(double seen_from, double seen_to, double slope, bool end) {
   Scan scan;
   Random random(4);
@@ -103,14 +106,18 @@ Scan open_wall(double seen_from, double seen_to, double slope, bool end) {
   };
   for (int i = 0; i < 4000; ++i) {
     const double z = random.uniform(seen_from, seen_to);
-    if (end && i % 4 == 0) add((8 - slope * 25) * std::sqrt(random.uniform()), 25 + 0.02 * random.normal());
-    else add(8 - slope * z + 0.02 * random.normal(), z);
+    if (end && i % 4 == 0)
+      add((8 - slope * 25) * std::sqrt(random.uniform()), 25 + 0.02 * random.normal());
+    else
+      add(8 - slope * z + 0.02 * random.normal(), z);
   }
-  for (int i = 0; i < 1000; ++i) add(8 * std::sqrt(random.uniform()), 0.02 * random.normal());  // the foot, so that it cannot slide
+  for (int i = 0; i < 1000; ++i)
+    add(8 * std::sqrt(random.uniform()), 0.02 * random.normal());  // the foot, so that it cannot slide
   return scan;
 }
 
-TEST_CASE("refine: a length that no point speaks about ends where the data end, as surely as its wall's last points tell") {
+TEST_CASE(
+    "refine: a length that no point speaks about ends where the data end, as surely as its wall's last points tell") {
   const auto height_of = [](Scan scan) {
     Candidate rod = cylinder_start(8, 25, Pose());
     Context context;
@@ -140,13 +147,15 @@ TEST_CASE("refine: a length that no point speaks about ends where the data end, 
 }
 
 TEST_CASE("refine: numbers that only together are open know it, though many points speak about each") {
-  // Of a cone without its upper face height and upper radius change together. A start 2 mm short comes out to where the wall ends.
+  // Of a cone without its upper face height and upper radius change together. A start 2 mm short comes out to where the
+  // wall ends.
   for (const double start : {18.0, 20.0}) {
     Scan scan = open_wall(1, 20, 0.2, false);
     Candidate cone;
     cone.object_name = "cone";
     cone.shape = Cone{Expr::of("bottom_radius"), Expr::of("top_radius"), Expr::of("height")};
-    for (const auto& [name, value] : {std::pair{"bottom_radius", 8.0}, {"top_radius", 8 - 0.2 * start}, {"height", start}}) {
+    for (const auto& [name, value] :
+         {std::pair{"bottom_radius", 8.0}, {"top_radius", 8 - 0.2 * start}, {"height", start}}) {
       Parameter p;
       p.name = name, p.value = value;
       cone.parameters.push_back(p);
@@ -226,7 +235,7 @@ Pooled pooled(test::Trouble trouble, int runs, const test::TrialOptions& options
 
 TEST_CASE("refine: ideal data are used up to the Cramer-Rao bound, and sigma_noise says so") {
   const Pooled p = pooled(test::Trouble::none, 30, {});
-  CHECK(p.efficiency < 1.1);       // 480 errors: known to 3 %
+  CHECK(p.efficiency < 1.1);  // 480 errors: known to 3 %
   CHECK(p.efficiency > 0.9);
   CHECK(p.noise_coverage > 0.92);  // 95 % +- 1
   CHECK(p.noise_coverage < 0.98);
@@ -392,7 +401,8 @@ TEST_CASE("refine: a point that noise pushed through a thin wall is measured fro
   const Vec3 down(0, 0, -1);
   // Before the wall, in its front half, in its back half, behind it, behind it beside its rim.
   const std::vector<Vec3> points = {{20, 20, 0.5}, {20, 20, 0.2}, {20, 20, 0.05}, {20, 20, -0.2}, {-5, 20, -0.2}};
-  const RayFeet feet = unknowns.along_rays(plate, points, std::vector<Vec3>(points.size(), down), unknowns.distances(plate, points, 1), 6, 1);
+  const RayFeet feet = unknowns.along_rays(plate, points, std::vector<Vec3>(points.size(), down),
+                                           unknowns.distances(plate, points, 1), 6, 1);
   for (std::size_t i = 0; i < 4; ++i) {
     INFO(points[i].transpose());
     CHECK(feet.at.value[i] == Approx(points[i].z() - 0.3).margin(1e-6));
@@ -419,16 +429,20 @@ std::vector<Parameter> fitted_block(const FitInput& input) {
 
 TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   const double height = 10;
-  Scan scan = test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
+  Scan scan =
+      test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
   // A curtain that grazes the top.
   Random random(5);
-  for (int i = 0; i < 250; ++i) scan.cloud.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
+  for (int i = 0; i < 250; ++i)
+    scan.cloud.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
   FitInput input = input_of(scan, 0.3);
   input.stray_share = 0;
   const auto trusting = fitted_block(input);
   input.stray_share = 0.2;
   const auto wary = fitted_block(input);
-  const auto by_strays = [&](std::size_t k) { return std::sqrt(std::pow(wary[k].sigma, 2) - std::pow(trusting[k].sigma, 2)); };
+  const auto by_strays = [&](std::size_t k) {
+    return std::sqrt(std::pow(wary[k].sigma, 2) - std::pow(trusting[k].sigma, 2));
+  };
   CHECK(trusting[2].fitted == wary[2].fitted);
   CHECK(by_strays(2) > 0.15 * std::abs(wary[2].fitted - height));
   CHECK(by_strays(0) < 0.2 * by_strays(2));  // its faces are clean
@@ -436,7 +450,8 @@ TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
 
 TEST_CASE("refine: sigma holds what points set aside as strays would bend if they were the part's own") {
   const double height = 10;
-  Scan scan = test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
+  Scan scan =
+      test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
   FitInput input = input_of(scan, 0.3);
   input.stray_share = 0.1;
   const auto alone = fitted_block(input);
@@ -444,7 +459,9 @@ TEST_CASE("refine: sigma holds what points set aside as strays would bend if the
   for (int i = 0; i < 250; ++i)
     input.set_aside.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
   const auto beside = fitted_block(input);
-  const auto by_set_aside = [&](std::size_t k) { return std::sqrt(std::max(std::pow(beside[k].sigma, 2) - std::pow(alone[k].sigma, 2), 0.0)); };
+  const auto by_set_aside = [&](std::size_t k) {
+    return std::sqrt(std::max(std::pow(beside[k].sigma, 2) - std::pow(alone[k].sigma, 2), 0.0));
+  };
   for (std::size_t k = 0; k < 3; ++k) CHECK(beside[k].fitted == alone[k].fitted);
   CHECK(by_set_aside(2) > alone[2].sigma);
   CHECK(by_set_aside(0) < 0.2 * by_set_aside(2));  // its faces have none near
@@ -456,7 +473,8 @@ TEST_CASE("refine: a side that only strays speak of stays where it starts, unles
   Scan scan = test::sampled(test::model_with(Box{30, 20, 40}), s);
   FitInput input = input_of(scan, 0.5);
   Random random(3);
-  for (int k = 0; k < 30; ++k) input.cloud.points.emplace_back(random.uniform(3, 27), random.uniform(3, 17), -2 + 0.1 * random.normal());
+  for (int k = 0; k < 30; ++k)
+    input.cloud.points.emplace_back(random.uniform(3, 27), random.uniform(3, 17), -2 + 0.1 * random.normal());
   for (const bool near : {true, false}) {
     Candidate c;
     c.object_name = "block";

@@ -1,16 +1,16 @@
 /// Turned parts from points whose noise is a hundredth of the part: axis, profile, square steps.
-#include "fit/revolve.h"
+#include "fit/propose/revolve.h"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/number.h"
-#include "fit/coverage.h"
-#include "fit/evidence.h"
-#include "fit/plane_chain.h"
-#include "fit/prepare.h"
-#include "fit/refine.h"
+#include "fit/evidence/coverage.h"
+#include "fit/evidence/evidence.h"
+#include "fit/input/prepare.h"
+#include "fit/refine/refine.h"
+#include "fit/sketch/plane_chain.h"
 #include "tests/fit/sampled.h"
 
 using namespace partscribe;
@@ -21,7 +21,7 @@ namespace {
 Model stepped_pin(double round = 0) {
   Loop loop;
   loop.name = "profile";
-  loop.elements = {SketchPoint{0, 0, ""}, SketchPoint{20, 0, ""},  SketchPoint{20, 30, ""}, SketchPoint{9, 30, ""},
+  loop.elements = {SketchPoint{0, 0, ""},  SketchPoint{20, 0, ""},  SketchPoint{20, 30, ""}, SketchPoint{9, 30, ""},
                    SketchPoint{9, 60, ""}, SketchPoint{12, 60, ""}, SketchPoint{12, 74, ""}, SketchPoint{0, 74, ""}};
   if (round > 0) loop.elements[1] = SketchArc{20 - round, round, round, -pi / 2, 0, "", ""};
   Model model;
@@ -30,8 +30,10 @@ Model stepped_pin(double round = 0) {
   return model;
 }
 
-FitInput noisy_input(Scan& scan, double noise, double tolerance, Context& context, double round = 0, Vec3 seen_from = {1, 0.6, 0.7}) {
-  scan = test::sampled(stepped_pin(round), {.points = 4000, .noise = noise, .reach = 80, .seen_from = seen_from, .seed = 3});
+FitInput noisy_input(Scan& scan, double noise, double tolerance, Context& context, double round = 0,
+                     Vec3 seen_from = {1, 0.6, 0.7}) {
+  scan = test::sampled(stepped_pin(round),
+                       {.points = 4000, .noise = noise, .reach = 80, .seen_from = seen_from, .seed = 3});
   auto input = prepare(scan, tolerance, context);
   REQUIRE(input);
   return *input;
@@ -68,15 +70,18 @@ TEST_CASE("revolve: steps are made square where a round edge stays") {
   const auto found = std::find_if(candidates.begin(), candidates.end(), [&](Candidate& c) {
     if (!std::holds_alternative<Revolve>(c.shape) || c.parameters.size() > 7) return false;
     refine(c, input, {.points = 6000, .uncertainty = false}, context);
-    return std::abs(nearest_value(c, 20) - 20) < 0.3 && std::abs(nearest_value(c, 9) - 9) < 0.3 && std::abs(nearest_value(c, 12) - 12) < 0.3 &&
-           std::abs(nearest_value(c, 6) - 6) < 0.6 && evidence_of(c, input, context).local_max < input.tolerance;
+    return std::abs(nearest_value(c, 20) - 20) < 0.3 && std::abs(nearest_value(c, 9) - 9) < 0.3 &&
+           std::abs(nearest_value(c, 12) - 12) < 0.3 && std::abs(nearest_value(c, 6) - 6) < 0.6 &&
+           evidence_of(c, input, context).local_max < input.tolerance;
   });
   CHECK(found != candidates.end());
 }
 
 TEST_CASE("revolve: a wall of which few points were seen belongs to the profile") {
   Context context;
-  Scan dense = test::sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, -0.7}, .seed = 3}), scan = dense;
+  Scan dense = test::sampled(stepped_pin(),
+                             {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, -0.7}, .seed = 3}),
+       scan = dense;
   scan.cloud = {};
   for (std::size_t i = 0; i < dense.cloud.size(); ++i)
     if (dense.cloud.points[i].z() < 31 || i % 12 == 0) scan.cloud.points.push_back(dense.cloud.points[i]);
@@ -84,13 +89,15 @@ TEST_CASE("revolve: a wall of which few points were seen belongs to the profile"
   REQUIRE(input);
   const auto candidates = propose_revolves(*input, {Vec3(0.1, 0, 1)}, context);
   CHECK(std::any_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
-    return std::abs(nearest_value(c, 20) - 20) < 0.1 && std::abs(nearest_value(c, 9) - 9) < 0.1 && std::abs(nearest_value(c, 12) - 12) < 0.1;
+    return std::abs(nearest_value(c, 20) - 20) < 0.1 && std::abs(nearest_value(c, 9) - 9) < 0.1 &&
+           std::abs(nearest_value(c, 12) - 12) < 0.1;
   }));
 }
 
 TEST_CASE("revolve: a neck that nobody saw lies where the shoulder below it ends") {
   Context context;
-  const Scan dense = test::sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
+  const Scan dense =
+      test::sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
   Scan scan = dense;
   scan.cloud = {};
   for (const Vec3& p : dense.cloud.points)
@@ -99,8 +106,8 @@ TEST_CASE("revolve: a neck that nobody saw lies where the shoulder below it ends
   REQUIRE(input);
   auto candidates = propose_revolves(*input, {Vec3(0.1, 0, 1), Vec3::UnitX()}, context);
   const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
-    return std::abs(nearest_value(c, 20) - 20) < 0.2 && std::abs(nearest_value(c, 12) - 12) < 0.2 && std::abs(nearest_value(c, 9) - 9) < 0.6 &&
-           evidence_of(c, *input, context).local_max < input->tolerance;
+    return std::abs(nearest_value(c, 20) - 20) < 0.2 && std::abs(nearest_value(c, 12) - 12) < 0.2 &&
+           std::abs(nearest_value(c, 9) - 9) < 0.6 && evidence_of(c, *input, context).local_max < input->tolerance;
   });
   CHECK(found != candidates.end());
 }
@@ -108,7 +115,8 @@ TEST_CASE("revolve: a neck that nobody saw lies where the shoulder below it ends
 TEST_CASE("revolve: the wall of a step hardly thicker than the nodes are wide is no part of the axis") {
   Loop loop;
   loop.name = "profile";
-  loop.elements = {SketchPoint{0, 0, ""}, SketchPoint{20, 0, ""}, SketchPoint{20, 30, ""}, SketchPoint{4, 30, ""}, SketchPoint{4, 74, ""}, SketchPoint{0, 74, ""}};
+  loop.elements = {SketchPoint{0, 0, ""},  SketchPoint{20, 0, ""}, SketchPoint{20, 30, ""},
+                   SketchPoint{4, 30, ""}, SketchPoint{4, 74, ""}, SketchPoint{0, 74, ""}};
   Model model;
   model.objects.push_back({"part", Revolve{{{loop}}}, {}, {}, {}});
   model.as_scanned = false;
@@ -122,7 +130,8 @@ TEST_CASE("revolve: the wall of a step hardly thicker than the nodes are wide is
   CHECK(std::any_of(candidates.begin(), candidates.end(), [&](Candidate& c) {
     if (!std::holds_alternative<Revolve>(c.shape) || c.parameters.size() > 6) return false;
     refine(c, *input, {.points = 6000, .uncertainty = false}, context);
-    return std::abs(nearest_value(c, 20) - 20) < 0.3 && std::abs(nearest_value(c, 4) - 4) < 0.3 && evidence_of(c, *input, context).local_max < input->tolerance;
+    return std::abs(nearest_value(c, 20) - 20) < 0.3 && std::abs(nearest_value(c, 4) - 4) < 0.3 &&
+           evidence_of(c, *input, context).local_max < input->tolerance;
   }));
 }
 

@@ -2,16 +2,16 @@
 #pragma once
 
 #include "core/random.h"
-#include "geometry/point_cloud.h"
+#include "geometry/points/point_cloud.h"
 #include "model/distance.h"
 
 namespace partscribe::test {
 
 struct Sampling {
   std::size_t points = 20000;
-  double noise = 0.02;      ///< mm along the normal
-  double outliers = 0;      ///< share of points strewn over the bounding box
-  double reach = 40;        ///< mm; starts are drawn from this half cube
+  double noise = 0.02;            ///< mm along the normal
+  double outliers = 0;            ///< share of points strewn over the bounding box
+  double reach = 40;              ///< mm; starts are drawn from this half cube
   Vec3 seen_from = Vec3::Zero();  ///< not zero: only what faces this direction
   std::uint64_t seed = 1;
 };
@@ -32,7 +32,8 @@ inline Scan sampled(const Model& model, const Sampling& s) {
     double d = 0;
     for (int step = 0; step < 30; ++step) {
       d = distance(p).distance;
-      for (int k = 0; k < 3; ++k) g[k] = (distance(p + h * Vec3::Unit(k)).distance - distance(p - h * Vec3::Unit(k)).distance) / (2 * h);
+      for (int k = 0; k < 3; ++k)
+        g[k] = (distance(p + h * Vec3::Unit(k)).distance - distance(p - h * Vec3::Unit(k)).distance) / (2 * h);
       if (std::abs(g.norm() - 1) > 1e-3 || std::abs(d) < 1e-10) break;
       p -= d * g;
     }
@@ -40,7 +41,8 @@ inline Scan sampled(const Model& model, const Sampling& s) {
     if (s.seen_from.norm() > 0 && g.dot(s.seen_from.normalized()) < 0.15) continue;
     scan.cloud.points.push_back(p + s.noise * random.normal() * g);
     if (random.uniform() < s.outliers)
-      scan.cloud.points.push_back(center + Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)) * s.reach);
+      scan.cloud.points.push_back(center +
+                                  Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)) * s.reach);
   }
   return scan;
 }

@@ -1,5 +1,5 @@
 /// A body that stands between the sensor and what it saw is not the part.
-#include "fit/seen_through.h"
+#include "fit/evidence/seen_through.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -30,7 +30,8 @@ Scan half_wall(bool outside) {
 
 FitInput input_of(const Scan& scan) {
   FitInput input;
-  input.cloud = scan.cloud, input.bounds = scan.cloud.bounds(), input.sampling.sigma = noise, input.tolerance = tolerance;
+  input.cloud = scan.cloud, input.bounds = scan.cloud.bounds(), input.sampling.sigma = noise,
+  input.tolerance = tolerance;
   return input;
 }
 
@@ -49,7 +50,9 @@ Result<CheckedModel> built(Scan scan) {
   return build_model(scan, options, context);
 }
 
-bool is_rod(const Result<CheckedModel>& model) { return model.ok() && std::holds_alternative<Cylinder>((**model).objects.back().shape); }
+bool is_rod(const Result<CheckedModel>& model) {
+  return model.ok() && std::holds_alternative<Cylinder>((**model).objects.back().shape);
+}
 
 }  // namespace
 

@@ -1,12 +1,12 @@
 // Sketches are dimensioned as a designer would: sizes, spacings, symmetry about the origin.
-#include "fit/sketch_layout.h"
+#include "fit/sketch/sketch_layout.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
 
 #include "core/number.h"
-#include "fit/sketch_builder.h"
+#include "fit/sketch/sketch_builder.h"
 
 using namespace partscribe;
 
@@ -45,12 +45,18 @@ using Sizes = std::map<std::string, double>;
 }  // namespace
 
 TEST_CASE("sketch: a plate with holes evenly about its middle has seven sizes, none of them a coordinate") {
-  std::vector<LoopPieces> loops = {rectangle({10, 20}, {90, 70}, false, "outline"), circle({50, 45}, 11, true, "hole 1")};
+  std::vector<LoopPieces> loops = {rectangle({10, 20}, {90, 70}, false, "outline"),
+                                   circle({50, 45}, 11, true, "hole 1")};
   for (const double x : {20, 80})
     for (const double y : {30, 60}) loops.push_back(circle({x, y}, 3, true, "hole"));
   const BuiltSketch sketch = build_sketch(loops, {.tolerance = 0.1});
   CHECK(sketch.origin == Vec2(50, 45));
-  CHECK(sizes_of(sketch) == Sizes{{"length", 80}, {"width", 50}, {"hole_radius", 11}, {"hole_2_radius", 3}, {"hole_spacing_x", 60}, {"hole_spacing_y", 30}});
+  CHECK(sizes_of(sketch) == Sizes{{"length", 80},
+                                  {"width", 50},
+                                  {"hole_radius", 11},
+                                  {"hole_2_radius", 3},
+                                  {"hole_spacing_x", 60},
+                                  {"hole_spacing_y", 30}});
 }
 
 TEST_CASE("sketch: an even row of holes has one pitch") {
@@ -61,16 +67,23 @@ TEST_CASE("sketch: an even row of holes has one pitch") {
 }
 
 TEST_CASE("sketch: holes off the middle are placed from the corner, and from one another") {
-  const BuiltSketch sketch = build_sketch({rectangle({0, 0}, {100, 40}, false, "outline"), circle({12, 10}, 3, true, "hole 1"), circle({37, 10}, 3, true, "hole 2")}, {.tolerance = 0.1});
+  const BuiltSketch sketch = build_sketch({rectangle({0, 0}, {100, 40}, false, "outline"),
+                                           circle({12, 10}, 3, true, "hole 1"), circle({37, 10}, 3, true, "hole 2")},
+                                          {.tolerance = 0.1});
   CHECK(sketch.origin == Vec2(0, 0));
-  CHECK(sizes_of(sketch) == Sizes{{"length", 100}, {"width", 40}, {"hole_radius", 3}, {"hole_x", 12}, {"hole_spacing_x", 25}, {"hole_y", 10}});
+  CHECK(
+      sizes_of(sketch) ==
+      Sizes{
+          {"length", 100}, {"width", 40}, {"hole_radius", 3}, {"hole_x", 12}, {"hole_spacing_x", 25}, {"hole_y", 10}});
 }
 
 TEST_CASE("sketch: a round outline has its origin in its centre, whatever its hole, and a square hole one size") {
-  const BuiltSketch sketch = build_sketch({circle({7, -3}, 10, false, "outline"), rectangle({4, -6}, {10, 0}, true, "hole")}, {.tolerance = 0.1});
+  const BuiltSketch sketch = build_sketch(
+      {circle({7, -3}, 10, false, "outline"), rectangle({4, -6}, {10, 0}, true, "hole")}, {.tolerance = 0.1});
   CHECK(sketch.origin == Vec2(7, -3));
   CHECK(sizes_of(sketch) == Sizes{{"disc_radius", 10}, {"hole_side", 6}});
-  const BuiltSketch off = build_sketch({circle({0, 0}, 10, false, "outline"), rectangle({1, -2}, {7, 2}, true, "hole")}, {.tolerance = 0.1});
+  const BuiltSketch off = build_sketch({circle({0, 0}, 10, false, "outline"), rectangle({1, -2}, {7, 2}, true, "hole")},
+                                       {.tolerance = 0.1});
   CHECK(sizes_of(off) == Sizes{{"disc_radius", 10}, {"hole_length", 6}, {"hole_width", 4}, {"hole_x", 4}});
 }
 

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "core/number.h"
-#include "fit/sketch_builder.h"
+#include "fit/sketch/sketch_builder.h"
 
 using namespace partscribe;
 
@@ -12,14 +12,16 @@ namespace {
 
 ProfileSegment line(const Vec2& start, const Vec2& end) {
   ProfileSegment s;
-  s.start = start, s.end = end, s.point = 0.5 * (start + end), s.direction = (end - start).normalized(), s.nodes = 20, s.points = 400;
+  s.start = start, s.end = end, s.point = 0.5 * (start + end), s.direction = (end - start).normalized(), s.nodes = 20,
+  s.points = 400;
   return s;
 }
 
 LoopPieces outline(const std::vector<Vec2>& corners) {
   LoopPieces loop;
   loop.name = "outline";
-  for (std::size_t i = 0; i < corners.size(); ++i) loop.segments.push_back(line(corners[i], corners[(i + 1) % corners.size()]));
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    loop.segments.push_back(line(corners[i], corners[(i + 1) % corners.size()]));
   return loop;
 }
 
@@ -41,14 +43,16 @@ std::set<std::string> names_of(const BuiltSketch& built) {
 /// Roles of the straight edges of the outline.
 std::set<std::string> edges_of(const BuiltSketch& built) {
   std::set<std::string> edges;
-  for (const auto& element : built.sketch.loops.front().elements) std::visit([&](const auto& e) { edges.insert(e.edge); }, element);
+  for (const auto& element : built.sketch.loops.front().elements)
+    std::visit([&](const auto& e) { edges.insert(e.edge); }, element);
   return edges;
 }
 
 }  // namespace
 
 TEST_CASE("sketch names: a parameter with a number is of the hole with that number") {
-  std::vector<LoopPieces> loops = {outline({{0, 0}, {80, 0}, {80, 40}, {0, 40}}), hole("hole 1", {15, 20}, 6), hole("hole 2", {40, 20}, 6), hole("hole 3", {65, 30}, 4)};
+  std::vector<LoopPieces> loops = {outline({{0, 0}, {80, 0}, {80, 40}, {0, 40}}), hole("hole 1", {15, 20}, 6),
+                                   hole("hole 2", {40, 20}, 6), hole("hole 3", {65, 30}, 4)};
   const auto names = names_of(build_sketch(loops, {.tolerance = 0.1}));
   // The third hole is the only one with a second radius and a second height.
   CHECK(names.count("hole_3_radius") == 1);

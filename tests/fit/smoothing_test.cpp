@@ -1,13 +1,13 @@
-#include "fit/smoothing.h"
+#include "fit/input/smoothing.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/number.h"
 #include "core/random.h"
-#include "fit/noise_model.h"
-#include "fit/one_sided.h"
-#include "fit/refine.h"
+#include "fit/evidence/one_sided.h"
+#include "fit/refine/refine.h"
+#include "fit/uncertainty/noise_model.h"
 #include "model/distance.h"
 #include "tests/model/parts.h"
 
@@ -48,7 +48,8 @@ AllPoints nodes_at(const std::vector<std::pair<Vec3, Vec3>>& places, const Pose&
 
 }  // namespace
 
-TEST_CASE("smoothing: a mean of the surroundings flattens the side of a cylinder, not its ends, wherever the edge is near") {
+TEST_CASE(
+    "smoothing: a mean of the surroundings flattens the side of a cylinder, not its ends, wherever the edge is near") {
   const Pose place{rotation_of({0.3, -0.5, 0.2}), {12, -7, 30}};
   constexpr double variance = 0.25;
   const double reach = 1.5 * std::sqrt(2 * variance);
@@ -97,7 +98,8 @@ TEST_CASE("smoothing: what would have rounded every place off, and did not, was 
   CHECK_FALSE(chance_by_rims(all, residuals, Deviation(count, 0.0), 1).has_value());
 }
 
-TEST_CASE("one-sided mean: where a view's picture of a slanted face ends, not inside, and not on a face that looks at it") {
+TEST_CASE(
+    "one-sided mean: where a view's picture of a slanted face ends, not inside, and not on a face that looks at it") {
   constexpr int side = 20;
   constexpr double variance = 2.0 / 3;  // of a mean over 3 x 3 pixels of 1 mm
   for (const double slope : {0.0, 1.0}) {

@@ -1,5 +1,5 @@
 /// Steps of turned parts that few points show, among strays.
-#include "fit/sparse_step.h"
+#include "fit/propose/sparse_step.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -16,13 +16,15 @@ constexpr double noise = 0.1, top = 30;
 std::vector<Vec2> strays(std::size_t count, std::uint64_t seed) {
   Random random(seed);
   std::vector<Vec2> places;
-  for (std::size_t i = 0; i < count; ++i) places.emplace_back(25 * std::sqrt(random.uniform()), top + random.uniform(-10, 30));
+  for (std::size_t i = 0; i < count; ++i)
+    places.emplace_back(25 * std::sqrt(random.uniform()), top + random.uniform(-10, 30));
   return places;
 }
 
 void add_wall(std::vector<Vec2>& places, std::size_t count, double radius, double from, double to, std::uint64_t seed) {
   Random random(seed);
-  for (std::size_t i = 0; i < count; ++i) places.emplace_back(radius + noise * random.normal(), random.uniform(from, to));
+  for (std::size_t i = 0; i < count; ++i)
+    places.emplace_back(radius + noise * random.normal(), random.uniform(from, to));
 }
 
 }  // namespace

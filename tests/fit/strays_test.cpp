@@ -1,4 +1,4 @@
-#include "fit/strays.h"
+#include "fit/outliers/strays.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -50,18 +50,22 @@ std::vector<Vec3> patched(std::size_t patch, double times, std::size_t strays) {
   const double width = 20, whole = 100, per_area = double(patch) / (width * width);
   const auto rest = static_cast<std::size_t>(per_area / times * (whole * whole - width * width));
   std::vector<Vec3> points;
-  while (points.size() < patch) points.emplace_back(random.uniform(0, width), random.uniform(0, width), random.normal());
+  while (points.size() < patch)
+    points.emplace_back(random.uniform(0, width), random.uniform(0, width), random.normal());
   while (points.size() < patch + rest) {
     const Vec3 p(random.uniform(-40, 60), random.uniform(-40, 60), random.normal());
     if (p.x() < 0 || p.x() > width || p.y() < 0 || p.y() > width) points.push_back(p);
   }
-  for (std::size_t i = 0; i < strays; ++i) points.emplace_back(random.uniform(-40, 60), random.uniform(-40, 60), random.uniform(-50, 50));
+  for (std::size_t i = 0; i < strays; ++i)
+    points.emplace_back(random.uniform(-40, 60), random.uniform(-40, 60), random.uniform(-50, 50));
   return points;
 }
 
 }  // namespace
 
-TEST_CASE("strays: the densest of a surface are none, though they all lie within what was thought to be noise of one another") {
+TEST_CASE(
+    "strays: the densest of a surface are none, though they all lie within what was thought to be noise of one "
+    "another") {
   Context context;
   const std::size_t patch = 1200;
   const SurfacePoints found = surface_points_of(patched(patch, 10, 700), {}, 3.2, context);

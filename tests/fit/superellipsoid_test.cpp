@@ -1,10 +1,10 @@
 /// The hypothesis: right class from noisy, soiled, shuffled and one-sided data.
-#include "fit/superellipsoid.h"
+#include "fit/propose/superellipsoid.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <algorithm>
 #include <array>
+#include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -99,9 +99,9 @@ TEST_CASE("superellipsoid: names seven kinds of solids from full data with 1 % n
       for (const Solid& solid : solids()) {
         const SuperellipsoidFit fit = recover_superellipsoid(sampled(solid, 4000, 0.4, outliers, seed), context);
         const auto& h = fit.hypothesis;
-        INFO(solid.expected << " seed " << seed << " outliers " << outliers << ": a " << h.a1 << " " << h.a2 << " " << h.a3
-             << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " " << h.taper_y << " gof " << h.gof << " mm "
-             << h.gof_mm << " inliers " << fit.inlier_share);
+        INFO(solid.expected << " seed " << seed << " outliers " << outliers << ": a " << h.a1 << " " << h.a2 << " "
+                            << h.a3 << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " " << h.taper_y
+                            << " gof " << h.gof << " mm " << h.gof_mm << " inliers " << fit.inlier_share);
         CHECK(h.suggests == solid.expected);
         CHECK(h.gof_mm < 1.5);
       }
@@ -133,11 +133,13 @@ TEST_CASE("superellipsoid: half a rounded block finds its axes by its normals") 
     Vec3 p(random.uniform(-18, 18), random.uniform(-13, 13), random.uniform(-13, 13)), n;
     for (int step = 0; step < 8; ++step) {
       const double d = distance(p).distance;
-      for (int k = 0; k < 3; ++k) n[k] = (distance(p + 1e-5 * Vec3::Unit(k)).distance - distance(p - 1e-5 * Vec3::Unit(k)).distance) / 2e-5;
+      for (int k = 0; k < 3; ++k)
+        n[k] = (distance(p + 1e-5 * Vec3::Unit(k)).distance - distance(p - 1e-5 * Vec3::Unit(k)).distance) / 2e-5;
       p -= d * n.normalized();
     }
     if (n.normalized().dot(Vec3(0.5, 0.6, 0.6).normalized()) < 0.2) continue;  // seen from one side
-    points.push_back(rotation * (p + 0.3 * random.normal() * n.normalized())), normals.push_back(rotation * n.normalized());
+    points.push_back(rotation * (p + 0.3 * random.normal() * n.normalized())),
+        normals.push_back(rotation * n.normalized());
   }
   const SuperellipsoidFit fit = recover_superellipsoid(points, context, normals);
   INFO(fit.shape.a1 << " " << fit.shape.a2 << " " << fit.shape.a3 << " " << fit.shape.e1 << " " << fit.shape.e2);
@@ -181,11 +183,13 @@ TEST_CASE("superellipsoid: a ball seen from one side with a tenth of outliers is
     const Vec3 u = unit_vector(random);
     if (u.z() < 0) continue;
     points.push_back(30 * u + 0.15 * unit_vector(random));
-    if (random.uniform() < 0.1) points.back() = Vec3(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(-5, 35));
+    if (random.uniform() < 0.1)
+      points.back() = Vec3(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(-5, 35));
   }
   const SuperellipsoidFit fit = recover_superellipsoid(points, context);
   const auto& h = fit.hypothesis;
-  INFO("a " << h.a1 << " " << h.a2 << " " << h.a3 << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " " << h.taper_y << " gof_mm " << h.gof_mm);
+  INFO("a " << h.a1 << " " << h.a2 << " " << h.a3 << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " "
+            << h.taper_y << " gof_mm " << h.gof_mm);
   CHECK(h.gof_mm < 0.5);
   CHECK((h.suggests == "sphere" || h.suggests == "ellipsoid" || h.suggests == "surface of revolution"));
 }
@@ -207,7 +211,9 @@ TEST_CASE("superellipsoid: a stepped pin is taken as a whole, a body of revoluti
     points.push_back(p + 0.03 * unit_vector(random));
   }
   const SuperellipsoidFit fit = recover_superellipsoid(points, context);
-  INFO("a " << fit.shape.a1 << " " << fit.shape.a2 << " " << fit.shape.a3 << " taper " << fit.shape.taper_x << " " << fit.shape.taper_y << " mm " << fit.hypothesis.gof_mm << " inliers " << fit.inlier_share << " e " << fit.shape.e1 << " " << fit.shape.e2);
+  INFO("a " << fit.shape.a1 << " " << fit.shape.a2 << " " << fit.shape.a3 << " taper " << fit.shape.taper_x << " "
+            << fit.shape.taper_y << " mm " << fit.hypothesis.gof_mm << " inliers " << fit.inlier_share << " e "
+            << fit.shape.e1 << " " << fit.shape.e2);
   CHECK(fit.hypothesis.suggests == "surface of revolution");
   CHECK(fit.shape.e2 == Approx(1).margin(0.25));
   CHECK(std::abs(fit.scan_from_shape.rotation(2, 2)) > 0.98);
@@ -233,6 +239,7 @@ TEST_CASE("superellipsoid: takes less than a second", "[.][speed]") {
     const auto points = sampled(solid, 60000, 0.3, 0.05, 1);
     const auto start = std::chrono::steady_clock::now();
     recover_superellipsoid(points, context);
-    WARN(solid.expected << " " << std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() << " s");
+    WARN(solid.expected << " " << std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()
+                        << " s");
   }
 }

@@ -4,7 +4,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "fit/refine.h"
+#include "fit/refine/refine.h"
 
 using namespace partscribe;
 

@@ -1,8 +1,9 @@
 // Numbers for print: round ones only with evidence, and never far from what was measured.
+#include "fit/refine/tidy.h"
+
 #include <catch2/catch.hpp>
 
 #include "core/number.h"
-#include "fit/tidy.h"
 #include "tests/model/parts.h"
 
 using namespace partscribe;
@@ -60,7 +61,8 @@ TEST_CASE("tidy: printed values are the values") {
 
 TEST_CASE("tidy: normals that are square within the tolerance become square") {
   Candidate c;
-  c.shape = HalfSpaces{{{1.0000000000000004, 5.6e-17, -0.00002, Expr::of("face_1_offset"), ""}, {0.6, 0.8, 0.00001, 5, ""}}};
+  c.shape =
+      HalfSpaces{{{1.0000000000000004, 5.6e-17, -0.00002, Expr::of("face_1_offset"), ""}, {0.6, 0.8, 0.00001, 5, ""}}};
   c.parameters = {test::length("face_1_offset", 7)};
   snap_parameters(c, {.tolerance = 0.1, .size = 50});
   const auto& planes = std::get<HalfSpaces>(c.shape).planes;

@@ -1,4 +1,4 @@
-#include "fit/torus_piece.h"
+#include "fit/propose/torus_piece.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -37,8 +37,7 @@ std::pair<Vec3, Vec3> of_torus(double ring, double tube, double about_axis, doub
 
 TEST_CASE("torus: a twelfth of its outer side tells ring and tube") {
   for (const double strays : {0.0, 0.1}) {
-    const FitInput input =
-        seen([](double u, double v) { return of_torus(30, 18, 0.26 * u, 1.2 * v); }, 0.1, strays);
+    const FitInput input = seen([](double u, double v) { return of_torus(30, 18, 0.26 * u, 1.2 * v); }, 0.1, strays);
     const auto found = propose_torus_piece(input);
     REQUIRE(found.size() == 1);
     INFO("strays " << strays);
@@ -54,7 +53,8 @@ TEST_CASE("torus: a piece of a ball or of a block is none") {
   };
   CHECK(propose_torus_piece(seen(ball, 0.1, 0)).empty());
   const auto corner = [](double u, double v) {
-    return u < 0 ? std::pair<Vec3, Vec3>{{20 * u, 20 * v, 0}, Vec3::UnitZ()} : std::pair<Vec3, Vec3>{{0, 20 * v, -20 * u}, Vec3::UnitX()};
+    return u < 0 ? std::pair<Vec3, Vec3>{{20 * u, 20 * v, 0}, Vec3::UnitZ()}
+                 : std::pair<Vec3, Vec3>{{0, 20 * v, -20 * u}, Vec3::UnitX()};
   };
   CHECK(propose_torus_piece(seen(corner, 0.1, 0)).empty());
 }

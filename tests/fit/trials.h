@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "fit/refine.h"
+#include "fit/refine/refine.h"
 #include "model/distance.h"
 #include "tests/model/parts.h"
 
@@ -19,13 +19,13 @@ enum class Trouble { none, uneven, correlated, poses, facets, filtered, outliers
 
 struct TrialOptions {
   int views = 8;
-  int resolution = 40;       ///< pixels a side
-  double sigma = 0.05;       ///< mm, along the normal
-  double turn = 0.0005;      ///< rad about each axis, standard deviation of a disturbed pose
-  double shift = 0.02;       ///< mm along each axis
-  int filter = 1;            ///< pixels that a filter's mean takes in to each side
-  double step = 1.5;         ///< pixels of range; what differs by more is kept out of the mean
-  bool rays = true;          ///< false: the points do not know where they were seen from, nor in which view
+  int resolution = 40;   ///< pixels a side
+  double sigma = 0.05;   ///< mm, along the normal
+  double turn = 0.0005;  ///< rad about each axis, standard deviation of a disturbed pose
+  double shift = 0.02;   ///< mm along each axis
+  int filter = 1;        ///< pixels that a filter's mean takes in to each side
+  double step = 1.5;     ///< pixels of range; what differs by more is kept out of the mean
+  bool rays = true;      ///< false: the points do not know where they were seen from, nor in which view
 };
 
 /// A part of known size, where it stands, and which of its parameters are asked for.
@@ -38,15 +38,25 @@ struct TrialPart {
 inline std::vector<TrialPart> trial_parts() {
   const auto p = [](const char* name) { return Expr::of(name); };
   const Pose place{rotation_of({0.3, -0.5, 0.2}), {12, -7, 30}};
-  Loop outline = polygon({{Expr(0), Expr(0)}, {p("width"), Expr(0)}, {p("width"), p("step_depth")},
-                          {p("step_width"), p("step_depth")}, {p("step_width"), p("depth")}, {Expr(0), p("depth")}});
-  return {{"sphere", model_with(Sphere{p("radius")}, {length("radius", 12)}), place},
-          {"cylinder", model_with(Cylinder{p("radius"), p("height")}, {length("radius", 8), length("height", 25)}), place},
-          {"cone", model_with(Cone{p("bottom_radius"), p("top_radius"), p("height")},
-                              {length("bottom_radius", 12), length("top_radius", 5), length("height", 20)}), place},
-          {"pin", pin(), place},
-          {"block", model_with(Extrude{{{outline}}, p("height")}, {length("width", 40), length("depth", 30), length("step_width", 22),
-                                        length("step_depth", 17), length("height", 15)}), place}};
+  Loop outline = polygon({{Expr(0), Expr(0)},
+                          {p("width"), Expr(0)},
+                          {p("width"), p("step_depth")},
+                          {p("step_width"), p("step_depth")},
+                          {p("step_width"), p("depth")},
+                          {Expr(0), p("depth")}});
+  return {
+      {"sphere", model_with(Sphere{p("radius")}, {length("radius", 12)}), place},
+      {"cylinder", model_with(Cylinder{p("radius"), p("height")}, {length("radius", 8), length("height", 25)}), place},
+      {"cone",
+       model_with(Cone{p("bottom_radius"), p("top_radius"), p("height")},
+                  {length("bottom_radius", 12), length("top_radius", 5), length("height", 20)}),
+       place},
+      {"pin", pin(), place},
+      {"block",
+       model_with(Extrude{{{outline}}, p("height")},
+                  {length("width", 40), length("depth", 30), length("step_width", 22), length("step_depth", 17),
+                   length("height", 15)}),
+       place}};
 }
 
 /// What one noise-free pixel sees, in the scan's frame.
@@ -102,7 +112,8 @@ inline TrialScene scene_of(const TrialPart& part, const TrialOptions& options) {
     for (int row = 0; row < options.resolution; ++row)
       for (int column = 0; column < options.resolution; ++column) {
         const double half = 0.5 * (options.resolution - 1);
-        const Vec3 start = scene.center - radius * view.ray + scene.pitch * ((column - half) * frame.col(0) + (row - half) * frame.col(1));
+        const Vec3 start = scene.center - radius * view.ray +
+                           scene.pitch * ((column - half) * frame.col(0) + (row - half) * frame.col(1));
         double t = 0, d = 0;
         for (int step = 0; step < 400 && t < 2 * radius; ++step) {
           d = distance(part_from_scan * (start + t * view.ray)).distance;
@@ -134,7 +145,8 @@ inline std::vector<double> noise_image(int size, bool smooth, Random& random) {
     for (int c = 0; c < size; ++c) {
       double sum = 0;
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) sum += (i == 1 ? 2 : 1) * (j == 1 ? 2 : 1) * raw[std::size_t((r + i) * wide + c + j)];
+        for (int j = 0; j < 3; ++j)
+          sum += (i == 1 ? 2 : 1) * (j == 1 ? 2 : 1) * raw[std::size_t((r + i) * wide + c + j)];
       result[std::size_t(r * size + c)] = smooth ? sum / 6 : raw[std::size_t((r + 1) * wide + c + 1)];
     }
   return result;
@@ -160,14 +172,16 @@ inline TriangleMesh faceted(const TrialPart& part, int segments, double phase) {
   if (const auto* s = std::get_if<RevolveOf<double>>(&shape))
     for (const auto& e : s->sketch.loops[0].elements) {
       if (const auto* q = std::get_if<SketchPointOf<double>>(&e)) profile.emplace_back(q->x, q->y);
-      if (const auto* a = std::get_if<SketchArcOf<double>>(&e)) arc({a->center_x, a->center_y}, a->radius, a->from, a->to);
+      if (const auto* a = std::get_if<SketchArcOf<double>>(&e))
+        arc({a->center_x, a->center_y}, a->radius, a->from, a->to);
     }
   TriangleMesh mesh;
   const auto n = static_cast<std::uint32_t>(segments);
   for (const auto& q : profile)
     for (std::uint32_t k = 0; k < n; ++k) {
       const double a = phase + 2 * pi * k / segments;
-      mesh.vertices.push_back(part.scan_from_part * Vec3(std::max(q.x(), 0.0) * std::cos(a), std::max(q.x(), 0.0) * std::sin(a), q.y()));
+      mesh.vertices.push_back(part.scan_from_part *
+                              Vec3(std::max(q.x(), 0.0) * std::cos(a), std::max(q.x(), 0.0) * std::sin(a), q.y()));
     }
   for (std::uint32_t i = 0; i + 1 < profile.size(); ++i)
     for (std::uint32_t k = 0; k < n; ++k) {
@@ -189,10 +203,12 @@ inline Scan scan_of(TriangleMesh mesh, std::size_t count, Random& random) {
     sum.push_back((sum.empty() ? 0 : sum.back()) + a);
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const auto t = static_cast<std::size_t>(std::lower_bound(sum.begin(), sum.end(), random.uniform() * sum.back()) - sum.begin());
+    const auto t =
+        static_cast<std::size_t>(std::lower_bound(sum.begin(), sum.end(), random.uniform() * sum.back()) - sum.begin());
     double u = random.uniform(), v = random.uniform();
     if (u + v > 1) u = 1 - u, v = 1 - v;
-    scan.cloud.points.push_back(mesh.corner(t, 0) + u * (mesh.corner(t, 1) - mesh.corner(t, 0)) + v * (mesh.corner(t, 2) - mesh.corner(t, 0)));
+    scan.cloud.points.push_back(mesh.corner(t, 0) + u * (mesh.corner(t, 1) - mesh.corner(t, 0)) +
+                                v * (mesh.corner(t, 2) - mesh.corner(t, 0)));
     scan.cloud.normals.push_back(triangle_normal(mesh, t));
   }
   scan.mesh = std::move(mesh);
@@ -239,7 +255,8 @@ inline Scan measured(const TrialScene& scene, Trouble trouble, std::uint64_t see
           for (int a = std::max(r - o.filter, 0); a <= std::min(r + o.filter, size - 1); ++a)
             for (int b = std::max(c - o.filter, 0); b <= std::min(c + o.filter, size - 1); ++b) {
               const auto j = std::size_t(a * size + b);
-              if (view.pixels[j].hit && std::abs(range(j) - range(i)) < o.step * scene.pitch) sum += range(j), count += 1;
+              if (view.pixels[j].hit && std::abs(range(j) - range(i)) < o.step * scene.pitch)
+                sum += range(j), count += 1;
             }
           along[i] = sum / count - (range(i) - raw[i]);
         }
@@ -297,25 +314,26 @@ inline std::vector<double> cramer_rao(const TrialScene& scene, Trouble trouble) 
 /// What many runs say of one parameter, mm or rad.
 struct TrialNumber {
   std::string name;
-  double bias = 0;       ///< mean error
-  double error = 0;      ///< rms
-  double noise = 0;      ///< rms of sigma_noise
-  double sigma = 0;      ///< rms
-  double held = 0;       ///< share of 95 % intervals from sigma that hold the truth
+  double bias = 0;   ///< mean error
+  double error = 0;  ///< rms
+  double noise = 0;  ///< rms of sigma_noise
+  double sigma = 0;  ///< rms
+  double held = 0;   ///< share of 95 % intervals from sigma that hold the truth
 };
 
 /// What many runs say of one scene and trouble, over all parameters.
 struct TrialSummary {
   int runs = 0;
-  double efficiency = 0;        ///< rms error / Cramer-Rao bound of white noise, quadratic mean over the parameters
+  double efficiency = 0;  ///< rms error / Cramer-Rao bound of white noise, quadratic mean over the parameters
   double worst_efficiency = 0;
-  double noise_coverage = 0;    ///< share of 95 % intervals from sigma_noise that hold the truth
-  double total_coverage = 0;    ///< from sigma
-  double worst_coverage = 1;    ///< of the parameter that does worst, from sigma
-  double noise_ratio = 0;       ///< rms of sigma_noise / rms error, quadratic mean; parameters a tenth of the bound exact left out
-  double total_ratio = 0;       ///< rms of sigma / rms error
-  double worst_ratio = 0;       ///< of the parameter with the widest intervals
-  double effective_share = 0;   ///< independent points / points, mean
+  double noise_coverage = 0;  ///< share of 95 % intervals from sigma_noise that hold the truth
+  double total_coverage = 0;  ///< from sigma
+  double worst_coverage = 1;  ///< of the parameter that does worst, from sigma
+  double noise_ratio =
+      0;  ///< rms of sigma_noise / rms error, quadratic mean; parameters a tenth of the bound exact left out
+  double total_ratio = 0;      ///< rms of sigma / rms error
+  double worst_ratio = 0;      ///< of the parameter with the widest intervals
+  double effective_share = 0;  ///< independent points / points, mean
   std::vector<TrialNumber> numbers;
 };
 
@@ -326,12 +344,14 @@ inline Candidate trial_start(const TrialScene& scene, Random& random) {
   c.parameters = scene.part.truth.parameters;
   for (auto& p : c.parameters) p.value *= 1 + 0.01 * random.normal();
   c.scan_from_part = scene.part.scan_from_part;
-  c.scan_from_part.rotation = rotation_of({0.01 * random.normal(), 0.01 * random.normal(), 0.01 * random.normal()}) * c.scan_from_part.rotation;
+  c.scan_from_part.rotation =
+      rotation_of({0.01 * random.normal(), 0.01 * random.normal(), 0.01 * random.normal()}) * c.scan_from_part.rotation;
   c.scan_from_part.translation += 0.2 * Vec3(random.normal(), random.normal(), random.normal());
   return c;
 }
 
-inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, const RefineOptions& options, Context& context) {
+inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, const RefineOptions& options,
+                           Context& context) {
   const auto& truth = scene.part.truth.parameters;
   const auto bound = cramer_rao(scene, trouble);
   std::vector<double> sum(truth.size(), 0), square(sum), noise(sum), total(sum), held(sum);
@@ -357,7 +377,8 @@ inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, c
     for (std::size_t k = 0; k < truth.size(); ++k) {
       const auto& p = c.parameters[k];
       const double e = p.value - truth[k].value;
-      sum[k] += e / runs, square[k] += e * e / runs, noise[k] += p.sigma_noise * p.sigma_noise / runs, total[k] += p.sigma * p.sigma / runs;
+      sum[k] += e / runs, square[k] += e * e / runs, noise[k] += p.sigma_noise * p.sigma_noise / runs,
+          total[k] += p.sigma * p.sigma / runs;
       s.noise_coverage += std::abs(e) <= 1.959964 * p.sigma_noise ? 1.0 / (runs * double(truth.size())) : 0;
       held[k] += std::abs(e) <= 1.959964 * p.sigma ? 1.0 / runs : 0;
     }
@@ -374,7 +395,8 @@ inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, c
     }
     s.total_coverage += held[k] / count;
     s.worst_coverage = std::min(s.worst_coverage, held[k]);
-    s.numbers.push_back({truth[k].name, sum[k], std::sqrt(square[k]), std::sqrt(noise[k]), std::sqrt(total[k]), held[k]});
+    s.numbers.push_back(
+        {truth[k].name, sum[k], std::sqrt(square[k]), std::sqrt(noise[k]), std::sqrt(total[k]), held[k]});
   }
   s.efficiency = std::sqrt(s.efficiency), s.noise_ratio = std::sqrt(s.noise_ratio / std::max(counted, 1.0));
   s.total_ratio = std::sqrt(s.total_ratio / std::max(counted, 1.0));

@@ -1,5 +1,4 @@
-#include "core/statistics.h"
-#include "fit/triangulate.h"
+#include "fit/surface/triangulate.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -10,13 +9,14 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "core/statistics.h"
 #include "fit/build.h"
-#include "fit/prepare.h"
-#include "fit/reconstruct.h"
-#include "geometry/kd_tree.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/read_geometry.h"
-#include "geometry/self_intersection.h"
+#include "fit/input/prepare.h"
+#include "fit/surface/reconstruct.h"
+#include "geometry/io/read_geometry.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/mesh/self_intersection.h"
+#include "geometry/points/kd_tree.h"
 #include "tests/drilled_block.h"
 
 using namespace partscribe;
@@ -124,7 +124,8 @@ TEST_CASE("triangulate: a noisy block with a step becomes a small closed solid w
   }
 }
 
-TEST_CASE("triangulate: a block with holes beside thin walls is one solid, though nobody knows from where it was seen") {
+TEST_CASE(
+    "triangulate: a block with holes beside thin walls is one solid, though nobody knows from where it was seen") {
   Context context;
   context.threads = 2;
   Random random(41);
@@ -182,7 +183,8 @@ struct Cup {
       const Vec3 from = within(0.9 * inner) + Vec3(0, 0, height);
       Vec3 p, n, ray;
       if (choice < 0.38) {
-        n = radial, p = outer * n + Vec3(0, 0, random.uniform(0, height)), ray = (-n + 0.3 * direction(random)).normalized();
+        n = radial, p = outer * n + Vec3(0, 0, random.uniform(0, height)),
+        ray = (-n + 0.3 * direction(random)).normalized();
       } else if (choice < 0.71) {
         n = -radial, p = -inner * n + Vec3(0, 0, random.uniform(floor, height)), ray = (p - from).normalized();
       } else if (choice < 0.84) {
@@ -260,7 +262,8 @@ TEST_CASE("triangulate: a strip of two rows, whose normals lie within it, faces 
 
 namespace {
 
-/// A dense ball with a groove, in whose ground one view saw a strip of three rows, five times as far apart as other points.
+/// A dense ball with a groove, in whose ground one view saw a strip of three rows, five times as far apart as other
+/// points.
 struct GroovedBall {
   Scan scan;
   std::vector<Vec3> strip;
@@ -309,7 +312,8 @@ TEST_CASE("triangulate: of a scan with hardly a stray no surface is set aside") 
   const auto model = build_model(scan, options, context);
   REQUIRE(model.ok());
   const std::size_t first = scan.cloud.size() - ball.strip.size();
-  CHECK(std::count(scan.cloud.rejected.begin() + std::ptrdiff_t(first), scan.cloud.rejected.end(), 1) * 10 < int(ball.strip.size()));
+  CHECK(std::count(scan.cloud.rejected.begin() + std::ptrdiff_t(first), scan.cloud.rejected.end(), 1) * 10 <
+        int(ball.strip.size()));
 }
 
 TEST_CASE("triangulate: simplified again and again, from the same surface") {

@@ -1,4 +1,4 @@
-#include "geometry/bent_surface.h"
+#include "geometry/images/bent_surface.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

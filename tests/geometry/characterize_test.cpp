@@ -1,10 +1,10 @@
-#include "geometry/characterize.h"
+#include "geometry/normals/characterize.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "geometry/normals.h"
+#include "geometry/normals/normals.h"
 #include "tests/geometry/range_scenes.h"
 
 using namespace partscribe;

@@ -1,4 +1,4 @@
-#include "geometry/decimate.h"
+#include "geometry/mesh/decimate.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -7,8 +7,8 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/self_intersection.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/mesh/self_intersection.h"
 
 using namespace partscribe;
 

@@ -1,4 +1,4 @@
-#include "geometry/deriche.h"
+#include "geometry/images/deriche.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "geometry/grid_normals.h"
+#include "geometry/images/grid_normals.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -57,7 +57,8 @@ TEST_CASE("grid normals: on a plane the error is that of a plane through 25 poin
       std::vector<double> inside;
       const auto normals = grid_normals(scene.image, {}, 1);
       for (int r = 2; r < o.height - 2; ++r)
-        for (int c = 2; c < o.width - 2; ++c) inside.push_back(angle(normals[static_cast<std::size_t>(r * o.width + c)], truth));
+        for (int c = 2; c < o.width - 2; ++c)
+          inside.push_back(angle(normals[static_cast<std::size_t>(r * o.width + c)], truth));
       INFO("slope " << slope << ", sigma " << sigma);
       // Two slopes, each with sigma / 7.07; tilted, they turn the normal less.
       const double cosine = -truth.z();
@@ -71,7 +72,8 @@ TEST_CASE("grid normals: without noise they are a plane's, also at the borders o
   RangeSceneOptions o;
   o.sigma = 0, o.q = 1.0 / 512;
   const RangeScene scene = range_scene(o, [](double c, double r) { return 30 + 0.25 * c - 0.25 * r; });
-  for (const double e : errors(scene, [](double, double) { return Vec3(0.25, -0.25, -1).normalized(); })) REQUIRE(e < 1e-3);
+  for (const double e : errors(scene, [](double, double) { return Vec3(0.25, -0.25, -1).normalized(); }))
+    REQUIRE(e < 1e-3);
 }
 
 TEST_CASE("grid normals: a crease stays sharp up to the pixels beside it") {
@@ -93,7 +95,9 @@ TEST_CASE("grid normals: samples beyond a step or a hole have no part in a norma
   RangeSceneOptions o;
   o.sigma = 0.01;
   const auto hole = [](double c, double r) { return std::hypot(c - 60, r - 40) < 6.3 || (c > 8 && c < 11 && r < 20); };
-  const RangeScene scene = range_scene(o, [&](double c, double r) { return hole(c, r) ? nothing : c < 30 ? 20 : r < 25.5 ? 23 : 20.5; });
+  const RangeScene scene = range_scene(o, [&](double c, double r) {
+    return hole(c, r) ? nothing : c < 30 ? 20 : r < 25.5 ? 23 : 20.5;
+  });
   const auto normals = grid_normals(scene.image, {}, 1);
   for (std::size_t i = 0; i < normals.size(); ++i) REQUIRE(normals[i].isZero() == std::isnan(scene.truth[i]));
   const auto off = errors(scene, [](double, double) { return Vec3(0, 0, -1); });
@@ -114,13 +118,16 @@ TEST_CASE("grid normals: a bent surface is not taken for edges") {
   RangeSceneOptions o;
   o.sigma = 0.002, o.q = 0.001;
   const double radius = 60;
-  const auto height = [&](double c, double r) { return 70 - std::sqrt(radius * radius - std::pow(c - 40, 2) - std::pow(r - 30, 2)); };
+  const auto height = [&](double c, double r) {
+    return 70 - std::sqrt(radius * radius - std::pow(c - 40, 2) - std::pow(r - 30, 2));
+  };
   const RangeScene scene = range_scene(o, height);
   const auto normals = grid_normals(scene.image, {}, 1);
   std::vector<double> off;
   for (int r = 2; r < o.height - 2; ++r)
     for (int c = 2; c < o.width - 2; ++c)
-      off.push_back(angle(normals[static_cast<std::size_t>(r * o.width + c)], -Vec3(40 - c, 30 - r, 70 - height(c, r)).normalized()));
+      off.push_back(angle(normals[static_cast<std::size_t>(r * o.width + c)],
+                          -Vec3(40 - c, 30 - r, 70 - height(c, r)).normalized()));
   // A shifted window would be off by two pixels, 1.9 degrees.
   CHECK(share_below(off, 0.3) > 0.98);
   CHECK(median(off) < 0.1);
@@ -129,7 +136,8 @@ TEST_CASE("grid normals: a bent surface is not taken for edges") {
 TEST_CASE("grid normals: behind a pinhole a plane has one normal wherever it is seen") {
   RangeImage image;
   image.projection = Projection::pinhole;
-  image.width = 90, image.height = 70, image.fx = image.fy = 100, image.cx = 44, image.cy = 36, image.z0 = 0, image.q = 0.002;
+  image.width = 90, image.height = 70, image.fx = image.fy = 100, image.cx = 44, image.cy = 36, image.z0 = 0,
+  image.q = 0.002;
   const Vec3 truth = Vec3(0.3, -0.2, -1).normalized();
   Random random(3);
   for (int r = 0; r < image.height; ++r)
@@ -160,19 +168,22 @@ TEST_CASE("grid normals: the number of threads and the mirror change nothing") {
   RangeSceneOptions o;
   o.sigma = 0.02, o.bit_error = 0.01, o.width = 203, o.height = 151;
   const RangeScene scene = range_scene(o, [](double c, double r) {
-    return std::hypot(c - 90, r - 70) > 65 ? nothing : 30 + 0.2 * c + (r > 80 ? 5 : 0) + 0.01 * std::pow(r - 40, 2) * (c > 100);
+    return std::hypot(c - 90, r - 70) > 65 ? nothing
+                                           : 30 + 0.2 * c + (r > 80 ? 5 : 0) + 0.01 * std::pow(r - 40, 2) * (c > 100);
   });
   const auto one = grid_normals(scene.image, {}, 1), three = grid_normals(scene.image, {}, 3);
   for (std::size_t i = 0; i < one.size(); ++i) REQUIRE(one[i] == three[i]);
   RangeImage mirror = scene.image;
   for (int r = 0; r < o.height; ++r)
     for (int c = 0; c < o.width; ++c)
-      mirror.codes[static_cast<std::size_t>(r * o.width + c)] = scene.image.codes[static_cast<std::size_t>(r * o.width + o.width - 1 - c)];
+      mirror.codes[static_cast<std::size_t>(r * o.width + c)] =
+          scene.image.codes[static_cast<std::size_t>(r * o.width + o.width - 1 - c)];
   const auto back = grid_normals(mirror, {.sigma = 0.02}, 1), straight = grid_normals(scene.image, {.sigma = 0.02}, 1);
   std::size_t differ = 0, known = 0;
   for (int r = 0; r < o.height; ++r)
     for (int c = 0; c < o.width; ++c) {
-      const Eigen::Vector3f &a = straight[static_cast<std::size_t>(r * o.width + c)], &b = back[static_cast<std::size_t>(r * o.width + o.width - 1 - c)];
+      const Eigen::Vector3f &a = straight[static_cast<std::size_t>(r * o.width + c)],
+                            &b = back[static_cast<std::size_t>(r * o.width + o.width - 1 - c)];
       known += !a.isZero();
       differ += (a - Eigen::Vector3f(-b.x(), b.y(), b.z())).norm() > 1e-3;
     }

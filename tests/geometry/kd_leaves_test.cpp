@@ -1,4 +1,4 @@
-#include "geometry/kd_leaves.h"
+#include "geometry/points/kd_leaves.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "geometry/kd_tree.h"
+#include "geometry/points/kd_tree.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -28,12 +28,14 @@ std::vector<Neighbour> by_hand(const std::vector<Vec3>& points, const Vec3& quer
 
 template <class A, class B>
 bool same(const A& a, const B& b, std::size_t count) {
-  return a.size() == std::min(count, b.size()) && std::equal(a.begin(), a.end(), b.begin(), [](const Neighbour& m, const Neighbour& n) {
+  return a.size() == std::min(count, b.size()) &&
+         std::equal(a.begin(), a.end(), b.begin(), [](const Neighbour& m, const Neighbour& n) {
            return m.index == n.index && m.sq_distance == n.sq_distance;
          });
 }
 
-/// Anywhere, on a plane, on a coarse lattice with many equal distances and points twice, or mostly at one place; some are not finite.
+/// Anywhere, on a plane, on a coarse lattice with many equal distances and points twice, or mostly at one place; some
+/// are not finite.
 std::vector<Vec3> cloud(int kind, std::size_t size) {
   Random random(kind + 10);
   std::vector<Vec3> points;
@@ -51,7 +53,8 @@ std::vector<Vec3> cloud(int kind, std::size_t size) {
 
 TEST_CASE("kd tree: every answer is what comparing with all points gives, in the last bit and among equals") {
   for (const int kind : {0, 1, 2, 3})
-    for (const std::size_t size : {std::size_t(1), std::size_t(15), std::size_t(16), std::size_t(17), std::size_t(500)}) {
+    for (const std::size_t size :
+         {std::size_t(1), std::size_t(15), std::size_t(16), std::size_t(17), std::size_t(500)}) {
       INFO("kind " + std::to_string(kind) + ", " + std::to_string(size) + " points");
       const std::vector<Vec3> points = cloud(kind, size);
       const KdTree tree(points);
@@ -67,11 +70,14 @@ TEST_CASE("kd tree: every answer is what comparing with all points gives, in the
           const auto two = tree.nearest_two(place, limit);
           for (std::size_t k = 0; k < 2; ++k) {
             const bool there = k < truth.size() && truth[k].sq_distance <= limit;
-            CHECK((there ? two[k].index == truth[k].index && two[k].sq_distance == truth[k].sq_distance : std::isinf(two[k].sq_distance)));
+            CHECK((there ? two[k].index == truth[k].index && two[k].sq_distance == truth[k].sq_distance
+                         : std::isinf(two[k].sq_distance)));
           }
         }
         tree.within(place, 1.0, near);
-        CHECK(same(near, truth, std::size_t(std::count_if(truth.begin(), truth.end(), [](const Neighbour& n) { return n.sq_distance <= 1; }))));
+        CHECK(same(near, truth, std::size_t(std::count_if(truth.begin(), truth.end(), [](const Neighbour& n) {
+                     return n.sq_distance <= 1;
+                   }))));
         for (const double radius : {0.0, 0.3, 1.0, 3.0, 1e6}) {
           tree.within(place, radius, near);
           CHECK(tree.count_within(place, radius) == near.size());

@@ -1,5 +1,5 @@
 /// Claims about exact distances, signs and rays against triangle meshes.
-#include "geometry/mesh_distance.h"
+#include "geometry/mesh/mesh_distance.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -51,7 +51,8 @@ TriangleMesh box(const Vec3& low, const Vec3& high) {
   return mesh;
 }
 
-/// Independent of the tree: the least of |p - (a + u ab + v ac)|^2 by the sequence of Ericson's regions, in long double.
+/// Independent of the tree: the least of |p - (a + u ab + v ac)|^2 by the sequence of Ericson's regions, in long
+/// double.
 long double oracle_sq(const TriangleMesh& mesh, std::size_t t, const Vec3& query) {
   using V = Eigen::Matrix<long double, 3, 1>;
   const V p = query.cast<long double>(), a = mesh.corner(t, 0).cast<long double>(),
@@ -110,11 +111,11 @@ TEST_CASE("mesh distance: triangles without area and slivers count as the segmen
   auto anywhere = [&] { return Vec3(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5)); };
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3 a = anywhere(), b = anywhere();
-    const Vec3 c = i % 4 == 0   ? Vec3(0.5 * (a + b))                                   // collinear
-                   : i % 4 == 1 ? a                                                     // a segment
-                   : i % 4 == 2 ? Vec3(0.5 * (a + b) + 1e-7 * anywhere())               // a sliver
+    const Vec3 c = i % 4 == 0   ? Vec3(0.5 * (a + b))                      // collinear
+                   : i % 4 == 1 ? a                                        // a segment
+                   : i % 4 == 2 ? Vec3(0.5 * (a + b) + 1e-7 * anywhere())  // a sliver
                                 : anywhere();
-    mesh.vertices.insert(mesh.vertices.end(), {a, i % 8 == 1 ? a : b, c});              // i % 8 == 1: one point
+    mesh.vertices.insert(mesh.vertices.end(), {a, i % 8 == 1 ? a : b, c});  // i % 8 == 1: one point
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const MeshDistance distance(mesh);
@@ -135,7 +136,7 @@ TEST_CASE("mesh distance: among equally near triangles the lowest index answers"
     const Vec3 q(random.uniform(-1, 3), random.uniform(-1, 3), random.uniform(-1, 3));
     CHECK(distance.closest(q).triangle < count);
   }
-  CHECK(distance.closest({3, 3, 3}).triangle == 3);    // corner 7 belongs to triangles 3, 7, 11 ...: 3 has corner 3
+  CHECK(distance.closest({3, 3, 3}).triangle == 3);  // corner 7 belongs to triangles 3, 7, 11 ...: 3 has corner 3
 }
 
 TEST_CASE("mesh distance: a bound cuts off what is farther and nothing else") {
@@ -231,7 +232,7 @@ TEST_CASE("mesh distance: a ray meets the first surface, whichever triangle or e
   auto hit = distance.first_hit({-3, 1, 1}, {1, 0, 0}, 100);  // straight through the diagonal edge
   REQUIRE(hit);
   CHECK(hit->distance == Approx(3));
-  hit = distance.first_hit({-3, 0.5, 1}, {2, 0, 0}, 100);     // t counts in lengths of the direction
+  hit = distance.first_hit({-3, 0.5, 1}, {2, 0, 0}, 100);  // t counts in lengths of the direction
   REQUIRE(hit);
   CHECK(hit->distance == Approx(1.5));
   CHECK(hit->point.isApprox(Vec3(0, 0.5, 1)));
@@ -284,7 +285,7 @@ TEST_CASE("mesh distance: many queries at once get the answers of one by one, to
     std::vector<Vec3> queries;
     for (int i = 0; i < 5000; ++i)
       queries.push_back({random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach)});
-    for (const auto& v : mesh.vertices) queries.push_back(v);  // ties at every corner
+    for (const auto& v : mesh.vertices) queries.push_back(v);   // ties at every corner
     for (std::size_t t = 0; t < mesh.triangles.size(); t += 7)  // and on edges
       queries.push_back(1.1 * 0.5 * (mesh.corner(t, 0) + mesh.corner(t, 1)));
     queries.push_back(queries.front());
@@ -294,7 +295,8 @@ TEST_CASE("mesh distance: many queries at once get the answers of one by one, to
       std::size_t different = 0;
       for (std::size_t i = 0; i < queries.size(); ++i) {
         const MeshHit one = distance.closest(queries[i]);
-        different += plain[i].distance != one.distance || plain[i].triangle != one.triangle || plain[i].point != one.point;
+        different +=
+            plain[i].distance != one.distance || plain[i].triangle != one.triangle || plain[i].point != one.point;
         different += signs[i].distance != distance.signed_distance(queries[i]) || signs[i].triangle != one.triangle;
       }
       CHECK(different == 0);
@@ -304,7 +306,8 @@ TEST_CASE("mesh distance: many queries at once get the answers of one by one, to
   // All queries at one place, and a mesh that fits into one leaf.
   const auto one = box({0, 0, 0}, {1, 1, 1});
   TriangleMesh few{one.vertices, {one.triangles[0], one.triangles[1]}};
-  for (const auto& hit : MeshDistance(few).closest(std::vector<Vec3>(100, Vec3(0.2, 0.2, -3)), 1)) CHECK(hit.distance == 3);
+  for (const auto& hit : MeshDistance(few).closest(std::vector<Vec3>(100, Vec3(0.2, 0.2, -3)), 1))
+    CHECK(hit.distance == 3);
 }
 
 TEST_CASE("mesh distance: speed near the surface of 100,000 triangles", "[.speed]") {

@@ -1,5 +1,5 @@
 /// Normals, edges and pieces of small meshes whose answers are known.
-#include "geometry/mesh_facets.h"
+#include "geometry/mesh/mesh_facets.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -89,7 +89,8 @@ TEST_CASE("mesh facets: pieces have their own area and volume, a cavity a negati
   CHECK(pieces_of(mesh).volume.size() == 1);
 }
 
-TEST_CASE("chord depths: the walls of a prism lie as far below their cylinder as its sagitta, those of a block nowhere") {
+TEST_CASE(
+    "chord depths: the walls of a prism lie as far below their cylinder as its sagitta, those of a block nowhere") {
   for (const int n : {20, 32, 50}) {
     const double sagitta = 15 * (1 - std::cos(pi / n));
     for (const double d : chord_depths(prism_walls(n, 15))) CHECK(d == Approx(sagitta).epsilon(0.02));

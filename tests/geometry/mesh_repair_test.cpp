@@ -1,4 +1,4 @@
-#include "geometry/mesh_repair.h"
+#include "geometry/mesh/mesh_repair.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

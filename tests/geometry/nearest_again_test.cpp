@@ -1,10 +1,10 @@
-#include "geometry/nearest_again.h"
+#include "geometry/points/nearest_again.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/random.h"
-#include "geometry/nearest_map.h"
+#include "geometry/points/nearest_map.h"
 #include "tests/geometry/moving_queries.h"
 
 using namespace partscribe;
@@ -32,7 +32,8 @@ TEST_CASE("nearest again: answers stay those of the tree while queries move, wit
   NearestAgain again(tree, points, queries);
   Random random(5);
   std::vector<Vec3> places;
-  for (std::size_t k = 0; k < queries; ++k) places.emplace_back(random.uniform(-3, 3), random.uniform(-2, 2), random.uniform(-1, 2));
+  for (std::size_t k = 0; k < queries; ++k)
+    places.emplace_back(random.uniform(-3, 3), random.uniform(-2, 2), random.uniform(-1, 2));
   test::answers_stay_those_of(tree, again, std::move(places), 0.3, 1.5, random);
 }
 
@@ -43,7 +44,8 @@ TEST_CASE("nearest map: what it says is hardly farther than the nearest point, i
   Random random(6);
   for (int k = 0; k < 2000; ++k) {
     const Vec3 p(random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(-2, 3));
-    const double nearest = std::sqrt(tree.nearest_one(p).sq_distance), found = (points[map.near(p.x(), p.y(), p.z())] - p).norm();
+    const double nearest = std::sqrt(tree.nearest_one(p).sq_distance),
+                 found = (points[map.near(p.x(), p.y(), p.z())] - p).norm();
     const bool inside = std::abs(p.x()) < 2 && std::abs(p.y()) < 1 && p.z() > 0 && p.z() < 1.2;
     CHECK(found <= (inside ? nearest + 3 * map.cell() : 1.5 * nearest + 3 * map.cell()));
   }

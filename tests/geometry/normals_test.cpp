@@ -1,5 +1,4 @@
-#include "core/statistics.h"
-#include "geometry/normals.h"
+#include "geometry/normals/normals.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -7,8 +6,9 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "geometry/local_noise.h"
-#include "geometry/thin.h"
+#include "core/statistics.h"
+#include "geometry/normals/local_noise.h"
+#include "geometry/points/thin.h"
 
 using namespace partscribe;
 

@@ -1,4 +1,4 @@
-#include "geometry/orient_normals.h"
+#include "geometry/normals/orient_normals.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/normals.h"
+#include "geometry/normals/normals.h"
 #include "tests/drilled_block.h"
 
 using namespace partscribe;
@@ -42,7 +42,8 @@ TEST_CASE("orient normals: walls of deep holes face into the holes, walls beside
   Random random(77);
   PointCloud cloud;
   std::vector<Vec3> truth;
-  const test::DrilledBlock block{{30, 20, 10}, {{-22, -15.4}, {-8, 15.4}, {8, -15.4}, {22, 15.4}}, 4};  // 0.6 mm of wall beside each
+  const test::DrilledBlock block{
+      {30, 20, 10}, {{-22, -15.4}, {-8, 15.4}, {8, -15.4}, {22, 15.4}}, 4};  // 0.6 mm of wall beside each
   while (cloud.size() < 30000) {
     if (random.uniform() < 0.03) {
       // A mixed pixel, somewhere between a rim and what lies below it.
@@ -73,7 +74,8 @@ TEST_CASE("orient normals: walls of deep holes face into the holes, walls beside
   context.threads = 2;
   orient_normals(other, 12, context);
   std::size_t turned = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) turned += !cloud.rejected[i] && other.normals[cloud.size() - 1 - i] != cloud.normals[i];
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    turned += !cloud.rejected[i] && other.normals[cloud.size() - 1 - i] != cloud.normals[i];
   CHECK(turned == 0);
 }
 
@@ -82,15 +84,19 @@ TEST_CASE("orient normals: the narrow floor of a counterbore faces out of it, th
   Random random(5);
   PointCloud cloud;
   std::vector<Vec3> truth;
-  const auto add = [&](const Vec3& p, const Vec3& n) { cloud.points.push_back(p + 0.03 * random.normal() * n), truth.push_back(n); };
+  const auto add = [&](const Vec3& p, const Vec3& n) {
+    cloud.points.push_back(p + 0.03 * random.normal() * n), truth.push_back(n);
+  };
   constexpr double bore = 5.75, hole = 3.4, depth = 7, half = 14, height = 26, per_area = 2;
   const auto many = [&](double area) { return static_cast<int>(per_area * area); };
   for (int i = 0; i < many(4 * half * half); ++i) {
     const double x = random.uniform(-half, half), y = random.uniform(-half, half);
     if (x * x + y * y > bore * bore) add({x, y, 0}, Vec3::UnitZ());
     if (x * x + y * y > hole * hole) add({x, y, -height}, -Vec3::UnitZ());
-    add({half, x, -height * (y + half) / (2 * half)}, Vec3::UnitX()), add({-half, x, -height * (y + half) / (2 * half)}, -Vec3::UnitX());
-    add({x, half, -height * (y + half) / (2 * half)}, Vec3::UnitY()), add({x, -half, -height * (y + half) / (2 * half)}, -Vec3::UnitY());
+    add({half, x, -height * (y + half) / (2 * half)}, Vec3::UnitX()),
+        add({-half, x, -height * (y + half) / (2 * half)}, -Vec3::UnitX());
+    add({x, half, -height * (y + half) / (2 * half)}, Vec3::UnitY()),
+        add({x, -half, -height * (y + half) / (2 * half)}, -Vec3::UnitY());
   }
   for (int i = 0; i < many(2 * pi * bore * depth); ++i) {
     const double angle = random.uniform(0, 2 * pi);

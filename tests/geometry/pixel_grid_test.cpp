@@ -1,11 +1,11 @@
-#include "geometry/pixel_grid.h"
+#include "geometry/images/pixel_grid.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/random.h"
-#include "geometry/nearest_again.h"
+#include "geometry/points/nearest_again.h"
 #include "tests/geometry/moving_queries.h"
 
 using namespace partscribe;
@@ -21,14 +21,16 @@ struct Image {
 /// A wavy sheet with a step and holes; `beside`: pixels that points may lie beside theirs.
 Image image_of(bool pinhole, double beside) {
   Image image;
-  image.camera = pinhole ? PixelCamera{true, 300, -290, 33.3, 24.7, 70, 50} : PixelCamera{false, 2, -2.1, 33.3, 24.7, 70, 50};
+  image.camera =
+      pinhole ? PixelCamera{true, 300, -290, 33.3, 24.7, 70, 50} : PixelCamera{false, 2, -2.1, 33.3, 24.7, 70, 50};
   const PixelCamera& c = image.camera;
   Random random(3);
   for (int row = 0; row < c.height; ++row)
     for (int column = 0; column < c.width; ++column) {
       if (random.uniform(0, 1) < 0.1 || (column - 50) * (column - 50) + (row - 30) * (row - 30) < 60) continue;
       const double z = 200 + 5 * std::sin(0.2 * column) + 0.3 * row + (column > 30 ? 20 : 0) + random.normal() * 0.1;
-      const double u = (column + random.uniform(-beside, beside) - c.cx) / c.fx, v = (row + random.uniform(-beside, beside) - c.cy) / c.fy;
+      const double u = (column + random.uniform(-beside, beside) - c.cx) / c.fx,
+                   v = (row + random.uniform(-beside, beside) - c.cy) / c.fy;
       image.pixels.push_back(static_cast<std::uint32_t>(row * c.width + column));
       image.points.push_back(pinhole ? Vec3(u * z, v * z, z) : Vec3(u, v, z));
     }
@@ -70,7 +72,8 @@ TEST_CASE("pixel grid: what it says of the nearest is what a tree says, and near
           }
           if (grid.nearest(query, 12, mine)) {
             tree.nearest(query, 12, truth);
-            CHECK(std::equal(mine.begin(), mine.end(), truth.begin(), truth.end(), [](auto& a, auto& b) { return a.index == b.index && a.sq_distance == b.sq_distance; }));
+            CHECK(std::equal(mine.begin(), mine.end(), truth.begin(), truth.end(),
+                             [](auto& a, auto& b) { return a.index == b.index && a.sq_distance == b.sq_distance; }));
           }
         }
         if (off < 1 && beside == 0) CHECK(known > 1900);
@@ -82,7 +85,9 @@ TEST_CASE("pixel grid: behind the sensor and far outside of the image nothing is
   const Image image = image_of(true, 0);
   const PixelGrid grid(image.camera, image.pixels, image.points);
   PixelGrid::Found found;
-  for (const Vec3& query : {Vec3(0, 0, -200), Vec3(0, 0, 0), Vec3(500, 0, 200), Vec3(0, std::nan(""), 200), Vec3(1e300, 0, 1e-300)}) CHECK_FALSE(grid.nearest(query, 1, found));
+  for (const Vec3& query :
+       {Vec3(0, 0, -200), Vec3(0, 0, 0), Vec3(500, 0, 200), Vec3(0, std::nan(""), 200), Vec3(1e300, 0, 1e-300)})
+    CHECK_FALSE(grid.nearest(query, 1, found));
 }
 
 TEST_CASE("pixel grid: its order holds every point once, and a tree built by it answers as any other") {
@@ -92,7 +97,8 @@ TEST_CASE("pixel grid: its order holds every point once, and a tree built by it 
   const KdTree by_order(image.points, order), tree(image.points);
   double longest = 0;
   for (std::size_t k = 1; k < order.size(); ++k) {
-    const int a = static_cast<int>(image.pixels[order[k - 1]]), b = static_cast<int>(image.pixels[order[k]]), w = image.camera.width;
+    const int a = static_cast<int>(image.pixels[order[k - 1]]), b = static_cast<int>(image.pixels[order[k]]),
+              w = image.camera.width;
     longest = std::max(longest, std::hypot(a % w - b % w, a / w - b / w));
   }
   CHECK(longest < 25);  // past holes and the outside
@@ -104,7 +110,8 @@ TEST_CASE("pixel grid: its order holds every point once, and a tree built by it 
   for (int k = 0; k < 500; ++k) {
     const Vec3 query = query_near(image, k % 2 ? 1 : 50, random);
     by_order.nearest(query, 7, mine), tree.nearest(query, 7, truth);
-    CHECK(std::equal(mine.begin(), mine.end(), truth.begin(), truth.end(), [](auto& a, auto& b) { return a.index == b.index && a.sq_distance == b.sq_distance; }));
+    CHECK(std::equal(mine.begin(), mine.end(), truth.begin(), truth.end(),
+                     [](auto& a, auto& b) { return a.index == b.index && a.sq_distance == b.sq_distance; }));
     CHECK(by_order.nearest_one(query).index == tree.nearest_one(query).index);
   }
 }

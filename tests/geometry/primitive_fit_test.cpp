@@ -1,4 +1,4 @@
-#include "geometry/primitive_fit.h"
+#include "geometry/surfaces/primitive_fit.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -208,7 +208,8 @@ TEST_CASE("primitive fit: a stated noise of half the true one is found out by th
     PrimitiveFitOptions options;
     options.sigma = 0.01;
     options.start = truth;
-    inside += std::abs(scores(fitted(truth.kind, scenes::scan(truth, 200, pi, 0.02, random), options), truth)[0]) < 1.96;
+    inside +=
+        std::abs(scores(fitted(truth.kind, scenes::scan(truth, 200, pi, 0.02, random), options), truth)[0]) < 1.96;
   }
   CHECK(inside < 160);
 }
@@ -309,9 +310,8 @@ TEST_CASE("primitive fit: planes look along the normals, and starts keep their s
     PrimitiveFitOptions options;
     options.start = truth;
     options.start->axis *= sense;
-    CHECK(
-        fitted(truth.kind, scenes::scan(truth, 100, 2 * pi, 0.02, random), options).primitive.axis.dot(sense * truth.axis) >
-        0.999);
+    CHECK(fitted(truth.kind, scenes::scan(truth, 100, 2 * pi, 0.02, random), options)
+              .primitive.axis.dot(sense * truth.axis) > 0.999);
   }
 }
 

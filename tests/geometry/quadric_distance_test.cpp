@@ -1,10 +1,10 @@
 /// Distances to ellipsoids and superellipsoids against dense sampling and against known cases.
-#include "geometry/quadric_distance.h"
+#include "geometry/surfaces/quadric_distance.h"
 
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <algorithm>
 #include <array>
+#include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
 #include <vector>
@@ -42,8 +42,8 @@ struct Body {
     const auto place = [&](double s, double t) {  // s, t in [-2, 2] and [-4, 4]
       const double eta = std::copysign(angle(std::abs(s) - 1, e1), s);
       const double turn = std::floor(t / 2), rest = t - 2 * turn;
-      return at(eta, turn * pi / 2 + (static_cast<long>(turn) % 2 == 0 ? angle(rest - 1, e2)
-                                                                      : pi / 2 - angle(1 - rest, e2)));
+      return at(
+          eta, turn * pi / 2 + (static_cast<long>(turn) % 2 == 0 ? angle(rest - 1, e2) : pi / 2 - angle(1 - rest, e2)));
     };
     double best = 1e300, bs = 0, bt = 0;
     std::vector<std::array<double, 3>> found;
@@ -64,8 +64,10 @@ struct Body {
             const double d = (place(s, t) - p).norm();
             if (d < d0) d0 = d, bs = s, bt = t, moved = true;
           }
-        if (moved) s0 = bs, t0 = bt;
-        else h *= 0.4;
+        if (moved)
+          s0 = bs, t0 = bt;
+        else
+          h *= 0.4;
         if (h < 1e-10) break;
       }
       best = std::min(best, d0);
@@ -85,7 +87,8 @@ void no_worse_than(double distance, double sampled) {
 
 TEST_CASE("ellipsoid distance: the foot point found by brute force is no nearer") {
   Random random(1);
-  for (const Vec3& radii : {Vec3(30, 20, 10), Vec3(10, 10.0000001, 10), Vec3(50, 50, 0.5), Vec3(1, 60, 1), Vec3(5, 5, 5)}) {
+  for (const Vec3& radii :
+       {Vec3(30, 20, 10), Vec3(10, 10.0000001, 10), Vec3(50, 50, 0.5), Vec3(1, 60, 1), Vec3(5, 5, 5)}) {
     const Body body{radii.x(), radii.y(), radii.z(), 1, 1, 0, 0};
     for (int i = 0; i < 12; ++i) {
       Vec3 p;
@@ -125,11 +128,11 @@ TEST_CASE("ellipsoid distance: points moved off the surface along the normal com
 
 TEST_CASE("superellipsoid distance: agrees with dense sampling for every kind of exponent and taper") {
   Random random(2);
-  const std::vector<Body> bodies = {{30, 20, 10, 1, 1, 0, 0},     {30, 20, 10, 0.1, 0.1, 0, 0},
-                                    {20, 20, 40, 0.1, 1, 0, 0},   {20, 15, 40, 0.3, 0.5, 0, 0},
-                                    {20, 25, 30, 1.6, 1.8, 0, 0}, {20, 25, 30, 2, 0.1, 0, 0},
+  const std::vector<Body> bodies = {{30, 20, 10, 1, 1, 0, 0},       {30, 20, 10, 0.1, 0.1, 0, 0},
+                                    {20, 20, 40, 0.1, 1, 0, 0},     {20, 15, 40, 0.3, 0.5, 0, 0},
+                                    {20, 25, 30, 1.6, 1.8, 0, 0},   {20, 25, 30, 2, 0.1, 0, 0},
                                     {20, 20, 30, 0.1, 1, 0.5, 0.5}, {20, 15, 30, 0.2, 0.2, 0.6, -0.2},
-                                    {20, 15, 30, 1, 1, 0.3, 0.3}, {20, 15, 30, 0.7, 1.3, -0.4, 0.1}};
+                                    {20, 15, 30, 1, 1, 0.3, 0.3},   {20, 15, 30, 0.7, 1.3, -0.4, 0.1}};
   for (const Body& b : bodies) {
     for (int i = 0; i < 14; ++i) {
       Vec3 p;
@@ -137,7 +140,8 @@ TEST_CASE("superellipsoid distance: agrees with dense sampling for every kind of
         p = b.at(random.uniform(-1.5, 1.5), random.uniform(-3.1, 3.1)) +
             0.8 * Vec3(random.normal(), random.normal(), random.normal());
       } else {
-        p = Vec3(b.a1, b.a2, b.a3).cwiseProduct(Vec3(random.uniform(-1.6, 1.6), random.uniform(-1.6, 1.6), random.uniform(-1.6, 1.6)));
+        p = Vec3(b.a1, b.a2, b.a3)
+                .cwiseProduct(Vec3(random.uniform(-1.6, 1.6), random.uniform(-1.6, 1.6), random.uniform(-1.6, 1.6)));
         if (i % 3 == 0) p[i % 2] = 0;
       }
       INFO("e " << b.e1 << " " << b.e2 << " taper " << b.kx << " " << b.ky << " at " << p.transpose());
@@ -164,7 +168,9 @@ TEST_CASE("superellipsoid distance: points moved along the normal come back at t
       for (int i = 0; i < 200; ++i) {
         const double eta = random.uniform(0.1, 1.4), omega = random.uniform(0.1, 1.4), h = 1e-5;
         const Vec3 x = b.at(eta, omega);
-        const Vec3 n = (b.at(eta, omega + h) - b.at(eta, omega - h)).cross(b.at(eta + h, omega) - b.at(eta - h, omega)).normalized();
+        const Vec3 n = (b.at(eta, omega + h) - b.at(eta, omega - h))
+                           .cross(b.at(eta + h, omega) - b.at(eta - h, omega))
+                           .normalized();
         for (double d : {-0.01, 0.0, 0.02, 0.3}) worst = std::max(worst, std::abs(b.distance(x + d * n) - d));
       }
     }
@@ -181,14 +187,17 @@ TEST_CASE("superellipsoid distance: a box-like body is nearly the box") {
 
 TEST_CASE("superellipsoid distance: takes some microseconds", "[.][speed]") {
   Random random(6);
-  for (const Body& b : {Body{20, 15, 30, 1, 1, 0, 0}, Body{20, 15, 30, 0.1, 0.1, 0, 0}, Body{20, 15, 30, 0.1, 1, 0.3, 0.3}, Body{20, 15, 30, 1.7, 1.8, 0, 0}}) {
+  for (const Body& b : {Body{20, 15, 30, 1, 1, 0, 0}, Body{20, 15, 30, 0.1, 0.1, 0, 0},
+                        Body{20, 15, 30, 0.1, 1, 0.3, 0.3}, Body{20, 15, 30, 1.7, 1.8, 0, 0}}) {
     std::vector<Vec3> points;
     for (int i = 0; i < 20000; ++i)
-      points.push_back(b.at(random.uniform(-1.5, 1.5), random.uniform(-3, 3)) + Vec3(0.1 * random.normal(), 0.1 * random.normal(), 0.1 * random.normal()));
+      points.push_back(b.at(random.uniform(-1.5, 1.5), random.uniform(-3, 3)) +
+                       Vec3(0.1 * random.normal(), 0.1 * random.normal(), 0.1 * random.normal()));
     const auto start = std::chrono::steady_clock::now();
     double sum = 0;
     for (const Vec3& p : points) sum += b.distance(p);
-    const double us = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count() / 20000;
+    const double us =
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count() / 20000;
     WARN("exponents " << b.e1 << " " << b.e2 << " taper " << b.kx << ": " << us << " us" << (sum == 1e99 ? " " : ""));
   }
 }
@@ -197,7 +206,8 @@ TEST_CASE("supertoroid: the distance is that of the nearest of many samples, squ
   struct Ring {
     double major, minor, height, e1, e2;
   };
-  for (const Ring& r : {Ring{20, 6, 5, 1, 1}, {20, 6, 5, 0.6, 0.7}, {20, 9, 3, 0.2, 0.3}, {20, 4, 8, 1.6, 1}, {20, 6, 6, 1, 1.7}}) {
+  for (const Ring& r :
+       {Ring{20, 6, 5, 1, 1}, {20, 6, 5, 0.6, 0.7}, {20, 9, 3, 0.2, 0.3}, {20, 4, 8, 1.6, 1}, {20, 6, 6, 1, 1.7}}) {
     auto at = [&](double eta, double omega) {
       const double c = power(std::cos(eta), r.e1), s = power(std::sin(eta), r.e1), radius = r.major + r.minor * c;
       return Vec3(radius * power(std::cos(omega), r.e2), radius * power(std::sin(omega), r.e2), r.height * s);
@@ -211,7 +221,10 @@ TEST_CASE("supertoroid: the distance is that of the nearest of many samples, squ
       std::vector<Found> found;
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-          auto warped = [](double t, double e) { const double c = std::cos(t), s = std::sin(t); return std::atan2(power(s, 1 / e), power(c, 1 / e)); };
+          auto warped = [](double t, double e) {
+            const double c = std::cos(t), s = std::sin(t);
+            return std::atan2(power(s, 1 / e), power(c, 1 / e));
+          };
           const double eta = warped(2 * pi * i / n, r.e1), omega = warped(2 * pi * j / n, r.e2);
           found.push_back({(at(eta, omega) - p).norm(), eta, omega});
         }
@@ -236,10 +249,12 @@ TEST_CASE("supertoroid: the distance is that of the nearest of many samples, squ
     constexpr int tried = 150;
     for (int i = 0; i < tried; ++i) {
       const Vec3 far(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(-15, 15));
-      const double d = std::abs(supertoroid_distance(far, r.major, r.minor, r.height, r.e1, r.e2)), truth = sampled(far);
+      const double d = std::abs(supertoroid_distance(far, r.major, r.minor, r.height, r.e1, r.e2)),
+                   truth = sampled(far);
       close += d < truth + 1e-4 * std::max(1.0, truth);
       never_less += d > truth - 1e-4;
-      const Vec3 near = at(random.uniform(0, 2 * pi), random.uniform(0, 2 * pi)) + 0.2 * Vec3(random.normal(), random.normal(), random.normal());
+      const Vec3 near = at(random.uniform(0, 2 * pi), random.uniform(0, 2 * pi)) +
+                        0.2 * Vec3(random.normal(), random.normal(), random.normal());
       near_close += std::abs(supertoroid_distance(near, r.major, r.minor, r.height, r.e1, r.e2)) < sampled(near) + 1e-5;
     }
     INFO("exponents " << r.e1 << ", " << r.e2);

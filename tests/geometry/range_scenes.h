@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "geometry/range_image.h"
+#include "geometry/images/range_image.h"
 
 namespace partscribe::test {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "core/number.h"
-#include "geometry/read_geometry.h"
+#include "geometry/io/read_geometry.h"
 
 using namespace partscribe;
 
@@ -28,8 +28,10 @@ RawGeometry parsed(const std::string& bytes, const std::string& name) {
   return *result;
 }
 
-const std::vector<Vec3> corners = {{0, 0, 0}, {2, 0, 0}, {2, 3, 0}, {0, 3, 0}, {0, 0, 4}, {2, 0, 4}, {2, 3, 4}, {0, 3, 4}};
-const std::vector<std::array<int, 4>> sides = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+const std::vector<Vec3> corners = {{0, 0, 0}, {2, 0, 0}, {2, 3, 0}, {0, 3, 0},
+                                   {0, 0, 4}, {2, 0, 4}, {2, 3, 4}, {0, 3, 4}};
+const std::vector<std::array<int, 4>> sides = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
 
 /// A block of 2 x 3 x 4, its faces outward.
 TriangleMesh block(const Vec3& at = Vec3(0, 0, 0)) {
@@ -43,7 +45,8 @@ TriangleMesh block(const Vec3& at = Vec3(0, 0, 0)) {
 
 std::string vertex_lines(const std::string& before, const std::string& after = "") {
   std::string text;
-  for (const auto& c : corners) text += before + print_number(c.x()) + " " + print_number(c.y()) + " " + print_number(c.z()) + after + "\n";
+  for (const auto& c : corners)
+    text += before + print_number(c.x()) + " " + print_number(c.y()) + " " + print_number(c.z()) + after + "\n";
   return text;
 }
 
@@ -67,7 +70,8 @@ void check_block(const RawGeometry& raw, double scale = 1) {
 
 std::string facet(const Vec3& a, const Vec3& b, const Vec3& c) {
   std::string text = "  facet normal nan 0 0\n    outer loop\n";
-  for (const auto& p : {a, b, c}) text += "      VERTEX " + print_number(p.x()) + " " + print_number(p.y()) + " " + print_number(p.z()) + "\n";
+  for (const auto& p : {a, b, c})
+    text += "      VERTEX " + print_number(p.x()) + " " + print_number(p.y()) + " " + print_number(p.z()) + "\n";
   return text + "    endloop\n  endfacet\n";
 }
 
@@ -103,8 +107,10 @@ std::string zip(const std::vector<std::pair<std::string, std::string>>& files, b
     const auto common = [&](std::string& to) {
       put<std::uint16_t>(to, 20), put<std::uint16_t>(to, 0), put<std::uint16_t>(to, deflate_them ? 8 : 0);
       put<std::uint32_t>(to, 0);  // time
-      put<std::uint32_t>(to, static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size()))));
-      put<std::uint32_t>(to, static_cast<std::uint32_t>(data.size())), put<std::uint32_t>(to, static_cast<std::uint32_t>(bytes.size()));
+      put<std::uint32_t>(to, static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()),
+                                                              static_cast<uInt>(bytes.size()))));
+      put<std::uint32_t>(to, static_cast<std::uint32_t>(data.size())),
+          put<std::uint32_t>(to, static_cast<std::uint32_t>(bytes.size()));
       put<std::uint16_t>(to, static_cast<std::uint16_t>(name.size())), put<std::uint16_t>(to, 0);
     };
     out += "PK\x03\x04", common(out), out += name + data;
@@ -116,21 +122,27 @@ std::string zip(const std::vector<std::pair<std::string, std::string>>& files, b
   const auto begin = static_cast<std::uint32_t>(out.size());
   out += directory + "PK\x05\x06";
   put<std::uint32_t>(out, 0);
-  put<std::uint16_t>(out, static_cast<std::uint16_t>(files.size())), put<std::uint16_t>(out, static_cast<std::uint16_t>(files.size()));
-  put<std::uint32_t>(out, static_cast<std::uint32_t>(directory.size())), put<std::uint32_t>(out, begin), put<std::uint16_t>(out, 0);
+  put<std::uint16_t>(out, static_cast<std::uint16_t>(files.size())),
+      put<std::uint16_t>(out, static_cast<std::uint16_t>(files.size()));
+  put<std::uint32_t>(out, static_cast<std::uint32_t>(directory.size())), put<std::uint32_t>(out, begin),
+      put<std::uint16_t>(out, 0);
   return out;
 }
 
 std::string block_xml(const std::string& id) {
   std::string text = "<object id=\"" + id + "\" type='model'><mesh><vertices>";
-  for (const auto& c : corners) text += "<vertex x=\"" + print_number(c.x()) + "\" y=\"" + print_number(c.y()) + "\" z=\"" + print_number(c.z()) + "\" />";
+  for (const auto& c : corners)
+    text += "<vertex x=\"" + print_number(c.x()) + "\" y=\"" + print_number(c.y()) + "\" z=\"" + print_number(c.z()) +
+            "\" />";
   text += "</vertices><triangles>";
   for (const auto& t : block().triangles)
-    text += "<triangle v1=\"" + std::to_string(t[0]) + "\" v2=\"" + std::to_string(t[1]) + "\" v3=\"" + std::to_string(t[2]) + "\"/>";
+    text += "<triangle v1=\"" + std::to_string(t[0]) + "\" v2=\"" + std::to_string(t[1]) + "\" v3=\"" +
+            std::to_string(t[2]) + "\"/>";
   return text + "</triangles></mesh></object>";
 }
 
-const std::string model_head = "<?xml version=\"1.0\"?><!-- <object id='9'> --><model unit=\"inch\" xmlns=\"x\"><resources>";
+const std::string model_head =
+    "<?xml version=\"1.0\"?><!-- <object id='9'> --><model unit=\"inch\" xmlns=\"x\"><resources>";
 
 }  // namespace
 
@@ -160,19 +172,23 @@ TEST_CASE("read STL: a count that was never filled in is counted; bytes at the e
 TEST_CASE("read STL: a text cut off between two facets says so") {
   auto text = ascii_stl(block());
   text.resize(text.rfind("  facet"));
-  CHECK(parsed(text, "a.stl").warnings == std::vector<std::string>{"a.stl: ends without 'endsolid'; it may have been cut off"});
+  CHECK(parsed(text, "a.stl").warnings ==
+        std::vector<std::string>{"a.stl: ends without 'endsolid'; it may have been cut off"});
 }
 
 TEST_CASE("read STL: endings parted into two words or shortened to 'end' close what is open") {
   const auto text = ascii_stl(block());
   const auto with = [&](const std::string& loop, const std::string& facet, const std::string& solid) {
     std::string changed = text;
-    for (const auto& [from, to] : {std::pair<std::string, std::string>{"endloop", loop}, {"endfacet", facet}, {"endsolid", solid}})
-      for (std::size_t at = 0; (at = changed.find(from, at)) != std::string::npos; at += to.size()) changed.replace(at, from.size(), to);
+    for (const auto& [from, to] :
+         {std::pair<std::string, std::string>{"endloop", loop}, {"endfacet", facet}, {"endsolid", solid}})
+      for (std::size_t at = 0; (at = changed.find(from, at)) != std::string::npos; at += to.size())
+        changed.replace(at, from.size(), to);
     return changed;
   };
-  for (const auto& bytes : {with("end loop", "end facet", "end solid"), with("END LOOP", "End Facet", "END SOLID"), with("end", "end", "end"),
-                            with("endloop", "endfacet", "end"), with("end", "end facet", "ENDSOLID")}) {
+  for (const auto& bytes :
+       {with("end loop", "end facet", "end solid"), with("END LOOP", "End Facet", "END SOLID"),
+        with("end", "end", "end"), with("endloop", "endfacet", "end"), with("end", "end facet", "ENDSOLID")}) {
     const auto raw = parsed(bytes, "a.stl");
     check_block(raw);
     CHECK(raw.warnings.empty());
@@ -193,7 +209,8 @@ TEST_CASE("read OBJ: plain, with textures and normals, and negative indices mean
 }
 
 TEST_CASE("read OFF: comments, colours, normals and counts on the first line are understood") {
-  check_block(parsed("OFF\n# a block\n\n8 6 0 # counts\n" + vertex_lines("", " # corner") + side_lines("4", 0, ""), "a.off"));
+  check_block(
+      parsed("OFF\n# a block\n\n8 6 0 # counts\n" + vertex_lines("", " # corner") + side_lines("4", 0, ""), "a.off"));
   check_block(parsed("OFF 8 6 12\n" + vertex_lines("") + side_lines("4", 0), "a.off"));
   check_block(parsed("COFF\n8 6 0\n" + vertex_lines("", " 255 0 0 255") + side_lines("4", 0), "a.off"));
   const auto raw = parsed("NOFF\n8 6 0\n" + vertex_lines("", " 0 0 1") + side_lines("4", 0), "a.off");
@@ -203,15 +220,19 @@ TEST_CASE("read OFF: comments, colours, normals and counts on the first line are
 
 TEST_CASE("read PLY meshes: polygons, strips and what write_mesh_ply writes") {
   const std::string head = "element vertex 8\nproperty float x\nproperty float y\nproperty float z\n";
-  check_block(parsed("ply\r\nformat ascii 1.0\r\n" + head + "element face 6\nproperty uchar flag\nproperty list uchar int vertex_index\nend_header\n" +
-                         vertex_lines("") + side_lines("7 4", 0), "a.ply"));
+  check_block(parsed("ply\r\nformat ascii 1.0\r\n" + head +
+                         "element face 6\nproperty uchar flag\nproperty list uchar int vertex_index\nend_header\n" +
+                         vertex_lines("") + side_lines("7 4", 0),
+                     "a.ply"));
   const auto mesh = block(Vec3(1e9 + 0.1, -1e9, 1e-9));
   const auto back = parsed(write_mesh_ply(mesh), "a.ply");
   CHECK(back.mesh.vertices == mesh.vertices);
   CHECK(back.mesh.triangles == mesh.triangles);
   // A tetrahedron as one strip, and again as two strips parted by -1.
-  const std::string four = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n"
-                           "property list int int vertex_indices\nend_header\n0 0 0\n0 3 0\n3 0 0\n0 0 3\n";
+  const std::string four =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
+      "tristrips 1\n"
+      "property list int int vertex_indices\nend_header\n0 0 0\n0 3 0\n3 0 0\n0 0 3\n";
   for (const std::string strip : {"6 0 1 2 3 0 1\n", "9 0 1 2 3 -1 2 3 0 1\n"}) {
     const auto raw = parsed(four + strip, "a.ply");
     CHECK(topology(raw.mesh).closed());
@@ -221,7 +242,9 @@ TEST_CASE("read PLY meshes: polygons, strips and what write_mesh_ply writes") {
 
 TEST_CASE("read VTK polydata: ascii, binary and the form of version 5 give the same block") {
   const std::string head = "# vtk DataFile Version 3.0\nblock\n";
-  check_block(parsed(head + "ASCII\nDATASET POLYDATA\nPOINTS 8 float\n" + vertex_lines("") + "POLYGONS 6 30\n" + side_lines("4", 0), "a.vtk"));
+  check_block(parsed(
+      head + "ASCII\nDATASET POLYDATA\nPOINTS 8 float\n" + vertex_lines("") + "POLYGONS 6 30\n" + side_lines("4", 0),
+      "a.vtk"));
   std::string binary = head + "BINARY\nDATASET POLYDATA\nPOINTS 8 double\n";
   for (const auto& c : corners)
     for (int k = 0; k < 3; ++k) put(binary, c[k], true);
@@ -247,7 +270,9 @@ TEST_CASE("read VTK polydata: ascii, binary and the form of version 5 give the s
 TEST_CASE("read VTK unstructured grids: flat cells are a surface, ascii, binary and in the form of version 5") {
   const std::string head = "# vtk DataFile Version 3.0\nblock\n";
   const std::string types = "CELL_TYPES 6\n9\n9\n9\n9\n7\n7\n";
-  check_block(parsed(head + "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n" + vertex_lines("") + "CELLS 6 30\n" + side_lines("4", 0) + types, "a.vtk"));
+  check_block(parsed(head + "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n" + vertex_lines("") + "CELLS 6 30\n" +
+                         side_lines("4", 0) + types,
+                     "a.vtk"));
   std::string binary = head + "BINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n";
   for (const auto& c : corners)
     for (int k = 0; k < 3; ++k) put(binary, c[k], true);
@@ -268,8 +293,11 @@ TEST_CASE("read VTK unstructured grids: flat cells are a surface, ascii, binary 
     check_block(parsed(*bytes + "\nCELL_DATA 6\n", "a.vtk"));
   }
   // Pixels are listed row by row; strips are triangles; vertices and lines are no surface.
-  const auto mixed = parsed(head + "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 float\n0 0 0 1 0 0 0 1 0 1 1 0 2 0 0 2 1 0\n"
-                                   "CELLS 4 15\n4 0 1 2 3\n4 1 4 3 5\n1 0\n2 0 1\nCELL_TYPES 4\n8 6 1 3\n", "a.vtk");
+  const auto mixed =
+      parsed(head +
+                 "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 float\n0 0 0 1 0 0 0 1 0 1 1 0 2 0 0 2 1 0\n"
+                 "CELLS 4 15\n4 0 1 2 3\n4 1 4 3 5\n1 0\n2 0 1\nCELL_TYPES 4\n8 6 1 3\n",
+             "a.vtk");
   CHECK(area(mixed.mesh) == Approx(2));
   for (std::size_t t = 0; t < mixed.mesh.triangles.size(); ++t) CHECK(triangle_normal(mixed.mesh, t).z() == Approx(1));
 }
@@ -277,30 +305,35 @@ TEST_CASE("read VTK unstructured grids: flat cells are a surface, ascii, binary 
 TEST_CASE("read 3MF: stored and deflated archives, the unit, components and build transforms") {
   const auto plain = model_head + block_xml("1") + "</resources><build><item objectid=\"1\"/></build></model>";
   for (const bool deflate_them : {false, true}) {
-    const auto raw = parsed(zip({{"[Content_Types].xml", "<Types/>"}, {"3D/3dmodel.model", plain}}, deflate_them), "a.3mf");
+    const auto raw =
+        parsed(zip({{"[Content_Types].xml", "<Types/>"}, {"3D/3dmodel.model", plain}}, deflate_them), "a.3mf");
     check_block(raw);
     CHECK(raw.unit == "inch");
     CHECK(raw.cloud.points == corners);
   }
   // Twice as large, turned by 90 degrees about z (rows of the file are images of the axes), moved, then mirrored.
-  const auto nested = model_head + block_xml("1") +
-                      "<object id=\"2\"><components><component objectid=\"1\" transform=\"0 2 0 -2 0 0 0 0 2 10 20 30\"/></components></object>"
-                      "</resources><build><item objectid=\"2\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/></build></model>";
+  const auto nested =
+      model_head + block_xml("1") +
+      "<object id=\"2\"><components><component objectid=\"1\" transform=\"0 2 0 -2 0 0 0 0 2 10 20 "
+      "30\"/></components></object>"
+      "</resources><build><item objectid=\"2\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/></build></model>";
   const auto raw = parsed(zip({{"3D/3dmodel.model", nested}}, true), "a.3mf");
   check_block(raw, 2);
-  CHECK((raw.cloud.points[2] - Vec3(-4, 24, 30)).norm() < 1e-12);  // (2,3,0) -> (-6,4,0) + (10,20,30) = (4,24,30), mirrored in x
+  CHECK((raw.cloud.points[2] - Vec3(-4, 24, 30)).norm() <
+        1e-12);  // (2,3,0) -> (-6,4,0) + (10,20,30) = (4,24,30), mirrored in x
 }
 
 TEST_CASE("read 3MF: prefixed names, entities and comments are XML; damage is named") {
-  const std::string body = "<!-- <x:object id=\"7\"> --><x:model xmlns:x=\"core\" unit=\"&#105;nch\"><x:resources>" + block_xml("1") +
-                           "</x:resources><x:build><x:item objectid=\"1\"/></x:build></x:model>";
+  const std::string body = "<!-- <x:object id=\"7\"> --><x:model xmlns:x=\"core\" unit=\"&#105;nch\"><x:resources>" +
+                           block_xml("1") + "</x:resources><x:build><x:item objectid=\"1\"/></x:build></x:model>";
   check_block(parsed(zip({{"3D/part.model", body}}, true), "a.3mf"));
   CHECK(parsed(zip({{"3D/part.model", body}}, true), "a.3mf").unit == "inch");
   const auto fault = [&](const std::string& bytes) {
     const auto raw = parse_geometry(bytes, "a.3mf");
     return raw.ok() ? std::string() : raw.error().message;
   };
-  CHECK(fault(zip({{"3D/part.model", body.substr(0, body.size() - 9)}}, true)).find("expected whole XML in 3d/part.model, found ") != std::string::npos);
+  CHECK(fault(zip({{"3D/part.model", body.substr(0, body.size() - 9)}}, true))
+            .find("expected whole XML in 3d/part.model, found ") != std::string::npos);
   CHECK(fault(zip({{"readme.txt", "x"}}, true)).find("expected a 3-D model") != std::string::npos);
   auto damaged = zip({{"3D/part.model", body}}, false);
   damaged[damaged.find("vertex x") + 7] = 'y';
@@ -311,7 +344,8 @@ TEST_CASE("read 3MF: prefixed names, entities and comments are XML; damage is na
     const std::string a = "&a" + std::to_string(i - 1) + ";";
     bomb += "<!ENTITY a" + std::to_string(i) + " \"" + a + a + a + a + a + a + a + a + a + a + "\">";
   }
-  CHECK(fault(zip({{"3D/part.model", bomb + "]><model>&a11;</model>"}}, true)).find("amplification") != std::string::npos);
+  CHECK(fault(zip({{"3D/part.model", bomb + "]><model>&a11;</model>"}}, true)).find("amplification") !=
+        std::string::npos);
 }
 
 TEST_CASE("read polygons: a concave face is cut inside its outline") {

@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/read_geometry.h"
+#include "geometry/io/read_geometry.h"
 
 using namespace partscribe;
 
@@ -91,7 +91,8 @@ TEST_CASE("read text points: columns four to six, or the last three, are normals
   const auto normals = parsed("1 2 3 0 0 1\n4 5 6 0.6 0.8 0\n", "a.xyz").cloud.normals;
   REQUIRE(normals.size() == 2);
   CHECK((normals[1] - Vec3(0.6, 0.8, 0)).norm() < 1e-15);
-  CHECK(parsed("1 2 3 10 20 30 0 0 1\n4 5 6 9 9 9 1 0 0\n", "a.xyz").cloud.normals == std::vector<Vec3>{{0, 0, 1}, {1, 0, 0}});
+  CHECK(parsed("1 2 3 10 20 30 0 0 1\n4 5 6 9 9 9 1 0 0\n", "a.xyz").cloud.normals ==
+        std::vector<Vec3>{{0, 0, 1}, {1, 0, 0}});
   CHECK(parsed("1 2 3 0 0 1\n4 5 6 255 10 3\n", "a.xyz").cloud.normals.empty());
 }
 
@@ -104,17 +105,26 @@ TEST_CASE("read text points: a few bad lines are left out with a warning that na
 
 TEST_CASE("read PLY points: ascii, little-endian and big-endian hold the same points") {
   const auto& p = far_points;
-  const std::string head = "\nelement vertex 200\nproperty uchar red\nproperty double x\nproperty double y\nproperty list uchar short extra\nproperty double z\nend_header\n";
-  CHECK(parsed("ply\nformat ascii 1.0\ncomment made by hand" + head + [&] {
-          std::string text;
-          for (const auto& q : p) text += "255 " + print_number(q.x()) + " " + print_number(q.y()) + " 2 7 8 " + print_number(q.z()) + "\n";
-          return text;
-        }(), "a.ply").cloud.points == p);
+  const std::string head =
+      "\nelement vertex 200\nproperty uchar red\nproperty double x\nproperty double y\nproperty list uchar short "
+      "extra\nproperty double z\nend_header\n";
+  CHECK(parsed(
+            "ply\nformat ascii 1.0\ncomment made by hand" + head +
+                [&] {
+                  std::string text;
+                  for (const auto& q : p)
+                    text += "255 " + print_number(q.x()) + " " + print_number(q.y()) + " 2 7 8 " + print_number(q.z()) +
+                            "\n";
+                  return text;
+                }(),
+            "a.ply")
+            .cloud.points == p);
   for (const bool big : {false, true}) {
     std::string bytes = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0" + head;
     for (const auto& q : p) {
       put<std::uint8_t>(bytes, 255), put(bytes, q.x(), big), put(bytes, q.y(), big);
-      put<std::uint8_t>(bytes, 2), put<std::int16_t>(bytes, 7, big), put<std::int16_t>(bytes, 8, big), put(bytes, q.z(), big);
+      put<std::uint8_t>(bytes, 2), put<std::int16_t>(bytes, 7, big), put<std::int16_t>(bytes, 8, big),
+          put(bytes, q.z(), big);
     }
     CHECK(parsed(bytes, "a.ply").cloud.points == p);
   }
@@ -122,7 +132,8 @@ TEST_CASE("read PLY points: ascii, little-endian and big-endian hold the same po
 
 TEST_CASE("read PLY points: a range grid tells every point its pixel") {
   const std::string text =
-      "ply\nformat ascii 1.0\nobj_info num_cols 3\nobj_info num_rows 2\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "ply\nformat ascii 1.0\nobj_info num_cols 3\nobj_info num_rows 2\nelement vertex 3\nproperty float x\nproperty "
+      "float y\n"
       "property float z\nelement range_grid 6\nproperty list uchar int vertex_indices\nend_header\n"
       "0 0 1\n1 0 2\n1 1 3\n1 0\n0\n1 1\n0\n0\n1 2\n";
   const auto raw = parsed(text, "bun.ply");
@@ -136,7 +147,8 @@ TEST_CASE("write_cloud_ply: every column reads back equal to the last bit") {
   cloud.points = far_points;
   Random random(5);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cloud.normals.push_back(i == 7 ? Vec3(0, 0, 0) : Vec3(random.normal(), random.normal(), random.normal()).normalized());
+    cloud.normals.push_back(i == 7 ? Vec3(0, 0, 0)
+                                   : Vec3(random.normal(), random.normal(), random.normal()).normalized());
     cloud.rays.push_back(Vec3(random.normal(), random.normal(), random.normal()).normalized());
     cloud.sigma.push_back(static_cast<float>(random.uniform()));
     cloud.view.push_back(static_cast<std::int32_t>(i % 5) - 1);
@@ -156,15 +168,17 @@ TEST_CASE("write_cloud_ply: every column reads back equal to the last bit") {
   bare.points = cloud.points;
   const auto back = parsed(write_cloud_ply(bare), "cloud.ply").cloud;
   CHECK(back.points == cloud.points);
-  CHECK((back.normals.empty() && back.rays.empty() && back.sigma.empty() && back.view.empty() && back.rejected.empty()));
+  CHECK(
+      (back.normals.empty() && back.rays.empty() && back.sigma.empty() && back.view.empty() && back.rejected.empty()));
 }
 
 namespace {
 
 std::string pcd_header(const std::string& data, std::size_t width, std::size_t height) {
   return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS label x y z normal_x normal_y normal_z\n"
-         "SIZE 2 8 8 8 4 4 4\nTYPE U F F F F F F\nCOUNT 1 1 1 1 1 1 1\nWIDTH " + std::to_string(width) + "\nHEIGHT " +
-         std::to_string(height) + "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(width * height) + "\nDATA " + data + "\n";
+         "SIZE 2 8 8 8 4 4 4\nTYPE U F F F F F F\nCOUNT 1 1 1 1 1 1 1\nWIDTH " +
+         std::to_string(width) + "\nHEIGHT " + std::to_string(height) + "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " +
+         std::to_string(width * height) + "\nDATA " + data + "\n";
 }
 
 /// Literal runs only, except that one run of equal bytes is a copy of itself: both kinds of LZF codes.
@@ -176,7 +190,7 @@ std::string packed(const std::string& bytes) {
     while (at + run < bytes.size() && bytes[at + run] == bytes[at]) ++run;
     if (run >= 20) {
       const std::size_t length = std::min<std::size_t>(run - 1, 264);
-      out += '\0', out += bytes[at];  // one literal
+      out += '\0', out += bytes[at];                                                        // one literal
       out += static_cast<char>(7 << 5), out += static_cast<char>(length - 9), out += '\0';  // then a copy from one back
       at += length + 1;
       continue;
@@ -225,11 +239,13 @@ TEST_CASE("read PCD: ascii, binary and binary_compressed hold the same points; o
 TEST_CASE("read PCD: padding fields are skipped, also those of no bytes") {
   const std::vector<Vec3> p = {{1, 2, 3}, {4, 5, 6.5}};
   const std::string head =
-      "VERSION 0.7\nFIELDS x y _ z _ intensity _\nSIZE 4 4 1 4 1 4 1\nTYPE F F U F U F U\nCOUNT 1 1 4 1 0 1 3\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ";
+      "VERSION 0.7\nFIELDS x y _ z _ intensity _\nSIZE 4 4 1 4 1 4 1\nTYPE F F U F U F U\nCOUNT 1 1 4 1 0 1 3\nWIDTH "
+      "2\nHEIGHT 1\nPOINTS 2\nDATA ";
   std::string ascii = head + "ascii\n", binary = head + "binary\n";
   for (const auto& v : p) {
     ascii += print_number(v.x()) + " " + print_number(v.y()) + " 9 9 9 9 " + print_number(v.z()) + " 0.5 7 7 7\n";
-    put(binary, float(v.x())), put(binary, float(v.y())), binary += "pad!", put(binary, float(v.z())), put(binary, 0.5f), binary += "pad";
+    put(binary, float(v.x())), put(binary, float(v.y())), binary += "pad!", put(binary, float(v.z())),
+        put(binary, 0.5f), binary += "pad";
   }
   CHECK(parsed(ascii, "a.pcd").cloud.points == p);
   CHECK(parsed(binary, "a.pcd").cloud.points == p);
@@ -238,7 +254,8 @@ TEST_CASE("read PCD: padding fields are skipped, also those of no bytes") {
 TEST_CASE("read PCD: pixels without return are no points and no cause for a warning") {
   const auto raw = parsed(
       "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\nPOINTS 4\nDATA ascii\n"
-      "nan nan nan\n1 2 3\nnan nan nan\nnan nan nan\n", "frame.pcd");
+      "nan nan nan\n1 2 3\nnan nan nan\nnan nan nan\n",
+      "frame.pcd");
   CHECK(raw.cloud.points == std::vector<Vec3>{{1, 2, 3}});
   CHECK(raw.cloud.pixel == std::vector<std::int32_t>{1});
   CHECK(raw.warnings.empty());
@@ -261,15 +278,19 @@ TEST_CASE("read points: returns that are missing, written as zeros, are left out
   };
   const auto many = with(std::vector<Vec3>(1000, Vec3::Zero()));
   CHECK(many.cloud.points == real);
-  CHECK(many.warnings == std::vector<std::string>{"a.xyz: 1000 of 1300 points are exactly 0 0 0, as sensors write missing returns; left out"});
+  CHECK(many.warnings ==
+        std::vector<std::string>{
+            "a.xyz: 1000 of 1300 points are exactly 0 0 0, as sensors write missing returns; left out"});
   CHECK(with(std::vector<Vec3>(2, Vec3::Zero())).cloud.points == real);
   // One point there may be true; so may several where the file repeats other places as often.
   CHECK(with({Vec3::Zero()}).cloud.size() == 301);
   CHECK(with({Vec3::Zero(), Vec3::Zero(), real[0], real[1], real[1]}).cloud.size() == 305);
   CHECK(with({Vec3::Zero()}).warnings.empty());
   // An image in the frame of its sensor has no point there.
-  const auto image = parsed("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\nPOINTS 4\nDATA ascii\n"
-                            "0 0 0\n1 2 3\n4 5 6\nnan nan nan\n", "frame.pcd");
+  const auto image = parsed(
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\nPOINTS 4\nDATA ascii\n"
+      "0 0 0\n1 2 3\n4 5 6\nnan nan nan\n",
+      "frame.pcd");
   CHECK(image.cloud.points == std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
   CHECK(image.cloud.pixel == std::vector<std::int32_t>{1, 2});
   // A mesh's vertex at the origin is a vertex.
@@ -286,10 +307,12 @@ TEST_CASE("read points: of a place that is repeated again and again one point st
   all.insert(all.end(), 400, Vec3(1, 2, 4));
   const auto raw = parsed(lines(all, " "), "a.xyz");
   CHECK(raw.cloud.size() == 302);
-  CHECK(raw.warnings == std::vector<std::string>{"a.xyz: 898 of 1200 points repeat 2 places exactly; one is kept of each"});
+  CHECK(raw.warnings ==
+        std::vector<std::string>{"a.xyz: 898 of 1200 points repeat 2 places exactly; one is kept of each"});
   // Coarse numbers repeat many places: each is a measurement.
   std::vector<Vec3> coarse;
-  for (const auto& p : random_points(20'000, Vec3(0, 0, 0), 4)) coarse.emplace_back(std::round(p.x()), std::round(p.y()), 5);
+  for (const auto& p : random_points(20'000, Vec3(0, 0, 0), 4))
+    coarse.emplace_back(std::round(p.x()), std::round(p.y()), 5);
   CHECK(parsed(lines(coarse, " "), "a.xyz").cloud.size() == coarse.size());
 }
 

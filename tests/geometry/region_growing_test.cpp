@@ -1,11 +1,11 @@
-#include "geometry/region_growing.h"
+#include "geometry/images/region_growing.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
-#include "geometry/normals.h"
+#include "geometry/normals/normals.h"
 #include "tests/geometry/range_scenes.h"
 
 using namespace partscribe;

@@ -1,4 +1,4 @@
-#include "geometry/rlts_filter.h"
+#include "geometry/images/rlts_filter.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -109,7 +109,9 @@ TEST_CASE("rlts filter: a crease that hides in the noise makes places uncertain,
   };
   const auto pulls = [](double turn) {
     const double sigma = 0.2;
-    const auto s = range_scene({.height = 160, .sigma = sigma}, [&](double x, double y) { return 10 + 0.5 * turn * sigma * std::abs(x - 40.2) + 0.1 * y; });
+    const auto s = range_scene({.height = 160, .sigma = sigma}, [&](double x, double y) {
+      return 10 + 0.5 * turn * sigma * std::abs(x - 40.2) + 0.1 * y;
+    });
     const auto f = filtered(s.image);
     Pulls noise, all;
     int count = 0;
@@ -117,7 +119,8 @@ TEST_CASE("rlts filter: a crease that hides in the noise makes places uncertain,
       for (int c = 38; c < 43; ++c) {
         const auto i = static_cast<std::size_t>(r * s.image.width + c);
         if (!f.kept[i] || std::isnan(s.truth[i])) continue;
-        const double off = f.depth[i] - s.truth[i], by_noise = off / f.sigma[i], in_all = off / std::hypot(f.sigma[i], f.doubt[i]);
+        const double off = f.depth[i] - s.truth[i], by_noise = off / f.sigma[i],
+                     in_all = off / std::hypot(f.sigma[i], f.doubt[i]);
         noise.rms += by_noise * by_noise, noise.beyond += std::abs(by_noise) > 4;
         all.rms += in_all * in_all, all.beyond += std::abs(in_all) > 4;
         ++count;
@@ -128,7 +131,8 @@ TEST_CASE("rlts filter: a crease that hides in the noise makes places uncertain,
   for (const double turn : {1.5, 2.0, 3.0}) {
     INFO("turn " << turn);
     const auto [noise, all] = pulls(turn);
-    UNSCOPED_INFO("by noise " << noise.rms << ", " << noise.beyond << " beyond four; in all " << all.rms << ", " << all.beyond);
+    UNSCOPED_INFO("by noise " << noise.rms << ", " << noise.beyond << " beyond four; in all " << all.rms << ", "
+                              << all.beyond);
     CHECK(noise.rms > 1.2 * all.rms);
     CHECK(all.rms < 1.7);
     CHECK(all.beyond < 0.3 * noise.beyond);
@@ -153,8 +157,8 @@ TEST_CASE("rlts filter: pixels beside a bent edge stay, though no two planes exp
       const double off = std::abs(f.depth[i] - s.truth[i]);
       most = std::max(most, off), most_stated = std::max(most_stated, off / static_cast<double>(f.sigma[i]));
     }
-    CHECK(most < 4.5 * 0.02);      // 5 if the likeliest two planes are believed
-    CHECK(most_stated < 9);  // 17 then
+    CHECK(most < 4.5 * 0.02);  // 5 if the likeliest two planes are believed
+    CHECK(most_stated < 9);    // 17 then
   }
 }
 
@@ -173,7 +177,8 @@ TEST_CASE("rlts filter: the bend of a round face is not carried across its edge"
     for (std::size_t i = 0; i < f.kept.size(); ++i) {
       if (!f.kept[i]) continue;
       const double raw = s.image.z0 + s.image.q * (s.image.codes[i] - 1), noise = f.raw_sigma[i];
-      moved = std::max(moved, std::abs(f.depth[i] - raw) / noise), off = std::max(off, std::abs(f.depth[i] - s.truth[i]) / noise);
+      moved = std::max(moved, std::abs(f.depth[i] - raw) / noise),
+      off = std::max(off, std::abs(f.depth[i] - s.truth[i]) / noise);
     }
     CHECK(moved < 4.5);  // 8 if what the samples refuse is taken from their surroundings
     CHECK(off < 3.5);

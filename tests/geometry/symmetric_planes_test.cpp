@@ -1,4 +1,4 @@
-#include "geometry/symmetric_planes.h"
+#include "geometry/normals/symmetric_planes.h"
 
 #include <Eigen/Geometry>
 #include <bit>
@@ -28,7 +28,8 @@ struct Pairs {
       const Vec3 p(random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9)), n = direction();
       const Vec3 turned = (n + (k % 6 == 5 ? 3.0 : 0.3) * direction()).normalized();
       target.push_back(oriented_point(p, n));
-      source.push_back(oriented_point(back * Vec3(p + random.uniform(0, k % 4 == 3 ? 4 : 1) * direction()), back.rotation * turned));
+      source.push_back(
+          oriented_point(back * Vec3(p + random.uniform(0, k % 4 == 3 ? 4 : 1) * direction()), back.rotation * turned));
       from.push_back(k), to.push_back(static_cast<std::uint32_t>(k));
     }
     std::swap(from.front(), from.back()), std::swap(to.front(), to.back());
@@ -47,7 +48,8 @@ SymmetricSums by_hand(const Pairs& pairs) {
   const SymmetricRule& rule = pairs.rule;
   for (std::size_t k = 0; k < pairs.from.size(); ++k) {
     const OrientedPoint &a = pairs.source[pairs.from[k]], &b = pairs.target[pairs.to[k]];
-    const Vec3 x = rule.target_from_source * Vec3(a.x, a.y, a.z), nx = rule.target_from_source.rotation * Vec3(a.nx, a.ny, a.nz), ny(b.nx, b.ny, b.nz);
+    const Vec3 x = rule.target_from_source * Vec3(a.x, a.y, a.z),
+               nx = rule.target_from_source.rotation * Vec3(a.nx, a.ny, a.nz), ny(b.nx, b.ny, b.nz);
     const Vec3 d = x - Vec3(b.x, b.y, b.z), n = (nx + ny).normalized();
     const double e = d.dot(n);
     if (d.norm() > 3 * rule.reach || nx.dot(ny) < rule.least_cosine) continue;
@@ -69,7 +71,8 @@ TEST_CASE("symmetric planes: sums are those of the definition, whatever the numb
   for (const std::size_t count : {1, 7, 8, 9, 300}) {
     const Pairs pairs(count, count);
     const SymmetricSums found = pairs.sums(), expected = by_hand(pairs);
-    for (std::size_t v = 0; v < found.values.size(); ++v) CHECK(std::abs(found.values[v] - expected.values[v]) < 1e-6 * (1 + std::abs(expected.values[v])));
+    for (std::size_t v = 0; v < found.values.size(); ++v)
+      CHECK(std::abs(found.values[v] - expected.values[v]) < 1e-6 * (1 + std::abs(expected.values[v])));
   }
   CHECK(by_hand(Pairs(300, 300)).values.back() > 30);  // pairs that count
 }
@@ -80,6 +83,7 @@ TEST_CASE("symmetric planes: every set of instructions gives the same bits") {
   for (const auto instructions : {Instructions::avx2, Instructions::avx512}) {
     if (instructions > widest_instructions()) continue;
     const SymmetricSums wide = pairs.sums(instructions);
-    for (std::size_t v = 0; v < plain.values.size(); ++v) CHECK(std::bit_cast<std::uint64_t>(plain.values[v]) == std::bit_cast<std::uint64_t>(wide.values[v]));
+    for (std::size_t v = 0; v < plain.values.size(); ++v)
+      CHECK(std::bit_cast<std::uint64_t>(plain.values[v]) == std::bit_cast<std::uint64_t>(wide.values[v]));
   }
 }

@@ -1,4 +1,4 @@
-#include "geometry/thin.h"
+#include "geometry/points/thin.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
 /// Claims about the search in trees of triangles: exact to the bit, whatever the mesh, the query and the machine.
-#include "geometry/triangle_tree.h"
+#include "geometry/mesh/triangle_tree.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/random.h"
-#include "geometry/mesh_distance.h"
+#include "geometry/mesh/mesh_distance.h"
 
 using namespace partscribe;
 
@@ -32,7 +32,9 @@ NearestSlot tried_in_turn(const TriangleMesh& mesh, const Vec3& p) {
   NearestSlot best;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Vec3 c[3] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
-    std::sort(c, c + 3, [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); });
+    std::sort(c, c + 3, [](const Vec3& a, const Vec3& b) {
+      return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+    });
     double sq = std::min({sq_to_segment(p, c[0], c[1]), sq_to_segment(p, c[0], c[2]), sq_to_segment(p, c[1], c[2])});
     const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], pa = p - c[0], n = cross(ab, ac);
     const double of_c = dot(n, cross(ab, pa)), of_b = dot(n, cross(pa, ac)), nn = dot(n, n), height = dot(n, pa);
@@ -52,11 +54,14 @@ struct Trial {
 std::vector<Trial> trials() {
   std::vector<Trial> all;
   Random random(11);
-  auto anywhere = [&](double reach) { return Vec3(random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach)); };
+  auto anywhere = [&](double reach) {
+    return Vec3(random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach));
+  };
   auto soup = [&](std::size_t count, double reach, double edge, double thin) {
     TriangleMesh mesh;
     for (std::uint32_t i = 0; i < count; ++i) {
-      const Vec3 a = anywhere(reach), b = a + anywhere(edge), c = a + random.uniform() * (b - a) + thin * anywhere(edge);
+      const Vec3 a = anywhere(reach), b = a + anywhere(edge),
+                 c = a + random.uniform() * (b - a) + thin * anywhere(edge);
       mesh.vertices.insert(mesh.vertices.end(), {a, b, c});
       mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
@@ -132,15 +137,15 @@ std::vector<Trial> trials() {
       const auto t = random.below(triangles);
       const Vec3 a = trial.mesh.corner(t, 0), b = trial.mesh.corner(t, 1), c = trial.mesh.corner(t, 2);
       const double u = random.uniform(), v = random.uniform() * (1 - u);
-      trial.queries.push_back(a);                                            // on a corner
-      trial.queries.push_back(0.5 * (a + b));                                // on an edge
-      trial.queries.push_back(a + u * (b - a) + v * (c - a));                // inside
+      trial.queries.push_back(a);                              // on a corner
+      trial.queries.push_back(0.5 * (a + b));                  // on an edge
+      trial.queries.push_back(a + u * (b - a) + v * (c - a));  // inside
       trial.queries.push_back(a + u * (b - a) + anywhere(1e-3 * size));
       trial.queries.push_back(box.center() + anywhere(size));
     }
     for (int i = 0; i < 20; ++i) {
       trial.queries.push_back(box.center() + anywhere(1e3 * size));
-      trial.queries.push_back(box.center() + anywhere(1e6));                 // a thousand metres away
+      trial.queries.push_back(box.center() + anywhere(1e6));  // a thousand metres away
       trial.queries.push_back(box.center() + anywhere(1e12 * size));
     }
   }
@@ -149,11 +154,13 @@ std::vector<Trial> trials() {
 
 }  // namespace
 
-TEST_CASE("triangle tree: every search gives the answer of all triangles in turn, to the bit, on every instruction set") {
+TEST_CASE(
+    "triangle tree: every search gives the answer of all triangles in turn, to the bit, on every instruction set") {
   for (const auto& trial : trials()) {
     INFO(trial.name);
     // The second in another form: by threads, and with leaves that suit other instructions.
-    const TriangleTree tree = build_triangle_tree(trial.mesh, 1, Instructions::avx512), by_three = build_triangle_tree(trial.mesh, 3, Instructions::avx2);
+    const TriangleTree tree = build_triangle_tree(trial.mesh, 1, Instructions::avx512),
+                       by_three = build_triangle_tree(trial.mesh, 3, Instructions::avx2);
     std::vector<NearestSlot> truth;
     for (const auto& q : trial.queries) truth.push_back(tried_in_turn(trial.mesh, q));
     std::vector<Vec3> points(truth.size());
@@ -173,7 +180,9 @@ TEST_CASE("triangle tree: every search gives the answer of all triangles in turn
       nearest_points(tree, trial.queries, found.data(), feet.data(), instructions);
       if (instructions == Instructions::baseline) points = feet;
       std::size_t wrong = 0, wrong_in_turn = 0, wrong_shuffled = 0, wrong_points = 0;
-      auto same = [](const NearestSlot& a, const NearestSlot& b) { return a.sq_distance == b.sq_distance && a.triangle == b.triangle; };
+      auto same = [](const NearestSlot& a, const NearestSlot& b) {
+        return a.sq_distance == b.sq_distance && a.triangle == b.triangle;
+      };
       for (std::size_t i = 0; i < truth.size(); ++i) {
         NearestSlot one;
         search_nearest(tree, trial.queries[i], one, instructions);
@@ -198,14 +207,19 @@ TEST_CASE("triangle tree: all triangles within a distance are found and no other
       const NearestSlot nearest = tried_in_turn(trial.mesh, trial.queries[i]);
       std::vector<NearSlot> found;
       triangles_within(tree, trial.queries[i], std::sqrt(nearest.sq_distance) * (1 + 1e-12), found);
-      CHECK((nearest.sq_distance < 1e-300 || std::any_of(found.begin(), found.end(), [&](const NearSlot& f) { return f.triangle == nearest.triangle; })));
+      CHECK((nearest.sq_distance < 1e-300 || std::any_of(found.begin(), found.end(), [&](const NearSlot& f) {
+               return f.triangle == nearest.triangle;
+             })));
       for (const auto& f : found) CHECK(f.sq_distance >= nearest.sq_distance);
     }
   }
 }
 
 TEST_CASE("triangle tree: a leaf keeps each vertex once") {
-  const auto bytes_of = [](const TriangleMesh& mesh, Instructions instructions) { return static_cast<double>(build_triangle_tree(mesh, 1, instructions).bytes()) / static_cast<double>(mesh.triangles.size()); };
+  const auto bytes_of = [](const TriangleMesh& mesh, Instructions instructions) {
+    return static_cast<double>(build_triangle_tree(mesh, 1, instructions).bytes()) /
+           static_cast<double>(mesh.triangles.size());
+  };
   for (const auto& trial : trials()) {
     if (trial.name != "a surface" && trial.name != "unwelded") continue;
     CHECK(bytes_of(trial.mesh, Instructions::avx512) < 70);

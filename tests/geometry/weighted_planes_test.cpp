@@ -1,4 +1,4 @@
-#include "geometry/weighted_planes.h"
+#include "geometry/normals/weighted_planes.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -26,7 +26,8 @@ struct Sheet {
     nodes.resize(count + 1);
     for (std::size_t i = 0; i < count; ++i) {
       PlaneNode& n = nodes[i];
-      n.x = random.uniform(-1, 1), n.y = random.uniform(-1, 1), n.z = 0.3 * n.x * n.x + 0.1 * n.y + noise * random.normal();
+      n.x = random.uniform(-1, 1), n.y = random.uniform(-1, 1),
+      n.z = 0.3 * n.x * n.x + 0.1 * n.y + noise * random.normal();
       n.weight = 1 + static_cast<double>(i % 3), n.spread = 0.02 * static_cast<double>(i % 5);
       const Vec3 normal = Vec3(random.normal(), random.normal(), 5).normalized() * (i % 7 == 3 ? -1 : 1);
       n.nx = normal.x(), n.ny = normal.y(), n.nz = normal.z();
@@ -82,7 +83,8 @@ TEST_CASE("weighted planes: every direction is the eigenvector of the weighted c
           for (std::size_t i = 0; i < plane_block; ++i) {
             const Eigen::SelfAdjointEigenSolver<Mat3> eigen(covariance(sheet, rule, i));
             const Vec3 v(found.x[i], found.y[i], found.z[i]);
-            INFO("noise " << noise << ", first " << first << ", two sides " << two_sided << ", seed " << seed << ", point " << i);
+            INFO("noise " << noise << ", first " << first << ", two sides " << two_sided << ", seed " << seed
+                          << ", point " << i);
             // Turned against all its neighbours, a point has nobody but itself.
             if (!(eigen.eigenvalues()[1] > 1e-12 * eigen.eigenvalues()[2])) {
               CHECK(std::isnan(v.x()));
@@ -95,7 +97,8 @@ TEST_CASE("weighted planes: every direction is the eigenvector of the weighted c
             // How well the direction is fixed at all falls with the distance of the two least eigenvalues.
             const double apart = 1 - eigen.eigenvalues()[0] / eigen.eigenvalues()[1];
             if (apart > 0.05) CHECK(v.cross(eigen.eigenvectors().col(0)).norm() < 2e-6 / apart);
-            CHECK(found.spread[i] == Approx(std::sqrt(std::max(eigen.eigenvalues()[0], 0.0))).epsilon(1e-3).margin(1e-7));
+            CHECK(found.spread[i] ==
+                  Approx(std::sqrt(std::max(eigen.eigenvalues()[0], 0.0))).epsilon(1e-3).margin(1e-7));
           }
         }
   CHECK(with > 20 * without);
@@ -106,16 +109,20 @@ TEST_CASE("weighted planes: points of a plane without noise give its normal, and
   const Vec3 truth = Vec3(1, -2, 4).normalized();
   for (const bool line : {false, true}) {
     for (PlaneNode& n : sheet.nodes) {
-      if (line) n.x = 1000 + n.x, n.y = 2 * n.x, n.z = 3 * n.x;
-      else n.z = (2 * n.y - n.x) / 4;
+      if (line)
+        n.x = 1000 + n.x, n.y = 2 * n.x, n.z = 3 * n.x;
+      else
+        n.z = (2 * n.y - n.x) / 4;
       n.weight = n.weight > 0, n.spread = 0, n.nx = truth.x(), n.ny = truth.y(), n.nz = truth.z();
     }
     for (const bool first : {true, false}) {
       FoundPlanes found;
       weighted_planes(sheet.block(), {sheet.sq_reach.data(), 0, first, true}, found);
       for (std::size_t i = 0; i < plane_block; ++i) {
-        if (line) CHECK(std::isnan(found.x[i]));
-        else CHECK((Vec3(found.x[i], found.y[i], found.z[i]) - truth).norm() < 1e-8);
+        if (line)
+          CHECK(std::isnan(found.x[i]));
+        else
+          CHECK((Vec3(found.x[i], found.y[i], found.z[i]) - truth).norm() < 1e-8);
       }
     }
   }
@@ -134,7 +141,9 @@ TEST_CASE("weighted planes: every set of instructions answers the same to the bi
         count_support(sheet.block(), {0.1, 0.05, first, 100}, plain_support, Instructions::baseline);
         count_support(sheet.block(), {0.1, 0.05, first, 100}, support, instructions);
         for (std::size_t i = 0; i < plane_block; ++i) {
-          const auto same = [](double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); };
+          const auto same = [](double a, double b) {
+            return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+          };
           CHECK((same(plain.x[i], found.x[i]) && same(plain.y[i], found.y[i]) && same(plain.z[i], found.z[i])));
           CHECK(same(plain.spread[i], found.spread[i]));
           CHECK(same(plain_support[i], support[i]));

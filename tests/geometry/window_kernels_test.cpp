@@ -1,4 +1,4 @@
-#include "geometry/window_kernels.h"
+#include "geometry/images/window_kernels.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "geometry/trimmed_window.h"
+#include "geometry/images/trimmed_window.h"
 
 using namespace partscribe;
 

@@ -1,7 +1,8 @@
 // check() lets sense through and names nonsense.
+#include "model/check.h"
+
 #include <catch2/catch.hpp>
 
-#include "model/check.h"
 #include "tests/model/parts.h"
 
 using namespace partscribe;
@@ -51,31 +52,37 @@ TEST_CASE("check: values, references and relations") {
   expect_complaint(test::model_with(Torus{5, 6}), "below the ring's");
   expect_complaint(test::model_with(Superellipsoid{1, 1, 1, 3, 1, 0, 0}), "exponent");
   expect_complaint(test::model_with(Union{{"later"}}), "not an earlier object");
-  expect_complaint(test::model_with(Cylinder{Expr(1) / Expr::of("zero"), 5}, {test::length("zero", 0)}), "no finite value");
+  expect_complaint(test::model_with(Cylinder{Expr(1) / Expr::of("zero"), 5}, {test::length("zero", 0)}),
+                   "no finite value");
   expect_complaint(test::model_with(HalfSpaces{{{1, 0, 0, 1, ""}, {-1, 0, 0, 1, ""}}}), "no bounded body");
 }
 
 TEST_CASE("check: sketches are simple, closed the right way round, and keep off the axis") {
   auto extruded = [](Loop loop) { return test::model_with(Extrude{{{loop}}, 5}); };
   expect_complaint(extruded(test::polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}})), "crosses itself");
-  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 5}, {11, 5}, {11, 0}, {5, 0}, {5, 8}, {0, 8}})), "runs along itself");
+  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 5}, {11, 5}, {11, 0}, {5, 0}, {5, 8}, {0, 8}})),
+                   "runs along itself");
   expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 10}, {5, 0}, {0, 10}})), "touches itself");
   // A wing that crosses the left edge where its corner is: no two edges cross inside both.
   expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 6}, {0, 6}, {-1, -9}, {0, 18}})), "touches itself");
   expect_complaint(extruded(test::polygon({{0, 0}, {0, 10}, {10, 10}, {10, 0}})), "counter-clockwise");
   expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}})), "encloses nothing");
-  expect_complaint(test::model_with(Revolve{{{test::polygon({{-1, 0}, {5, 0}, {5, 5}, {-1, 5}})}}}), "crosses the axis");
+  expect_complaint(test::model_with(Revolve{{{test::polygon({{-1, 0}, {5, 0}, {5, 5}, {-1, 5}})}}}),
+                   "crosses the axis");
   Loop hole = test::polygon({{2, 2}, {4, 2}, {4, 4}, {2, 4}});
-  expect_complaint(test::model_with(Extrude{{{test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), hole}}, 5}), "must run clockwise");
+  expect_complaint(test::model_with(Extrude{{{test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), hole}}, 5}),
+                   "must run clockwise");
   const Loop outer = test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
   const Loop far = test::polygon({{22, 2}, {22, 4}, {24, 4}, {24, 2}});
   expect_complaint(test::model_with(Extrude{{{outer, far}}, 5}), "outside the outer loop");
-  const Loop large = test::polygon({{1, 1}, {1, 9}, {9, 9}, {9, 1}}), small = test::polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}});
+  const Loop large = test::polygon({{1, 1}, {1, 9}, {9, 9}, {9, 1}}),
+             small = test::polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}});
   expect_complaint(test::model_with(Extrude{{{outer, large, small}}, 5}), "another hole");
 }
 
 TEST_CASE("check: triangulations are manifold and face outward") {
-  const TriSurface tetrahedron{{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0};
+  const TriSurface tetrahedron{
+      {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0};
   auto open = tetrahedron;
   open.triangles.pop_back();
   expect_complaint(test::model_with(open), "open edges");

@@ -1,8 +1,9 @@
 // The exact distance to a model, against an independent way of getting it.
+#include "model/distance.h"
+
 #include <catch2/catch.hpp>
 
 #include "core/random.h"
-#include "model/distance.h"
 #include "tests/model/parts.h"
 
 using namespace partscribe;
@@ -26,7 +27,8 @@ TEST_CASE("model distance: a step of the distance along the gradient lands on th
       const Vec3 p = near_body(random);
       const double d = distance(p).distance, h = 1e-5;
       Vec3 g;
-      for (int k = 0; k < 3; ++k) g[k] = (distance(p + h * Vec3::Unit(k)).distance - distance(p - h * Vec3::Unit(k)).distance) / (2 * h);
+      for (int k = 0; k < 3; ++k)
+        g[k] = (distance(p + h * Vec3::Unit(k)).distance - distance(p - h * Vec3::Unit(k)).distance) / (2 * h);
       if (std::abs(g.norm() - 1) > 1e-3) continue;  // on a ridge of the distance
       ++tried;
       good += std::abs(distance(p - d * g).distance) < 2e-3 * std::max(1.0, std::abs(d));

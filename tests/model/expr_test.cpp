@@ -1,8 +1,9 @@
 // Expressions keep relations readable and exact.
+#include "model/expr.h"
+
 #include <catch2/catch.hpp>
 
 #include "core/number.h"
-#include "model/expr.h"
 
 using namespace partscribe;
 

@@ -1,8 +1,9 @@
 // model.json: what is written is read back equal, and what is broken is named.
+#include "model/json.h"
+
 #include <catch2/catch.hpp>
 
 #include "model/check.h"
-#include "model/json.h"
 #include "tests/model/parts.h"
 
 using namespace partscribe;
@@ -36,12 +37,15 @@ TEST_CASE("model.json: bad documents give one line with the place") {
   CHECK(message("[]").find("expected an object") != std::string::npos);
   CHECK(message(replaced("partscribe-model", "other")).find("format") != std::string::npos);
   CHECK(message(replaced("\"version\": 1", "\"version\": 99")).find("version") != std::string::npos);
-  CHECK(message(replaced("\"kind\": \"revolve\"", "\"kind\": \"spiral\"")).find("unknown shape 'spiral'") != std::string::npos);
-  CHECK(message(replaced("\"center_x\": [\"-\"", "\"center_x\": [\"%\"")).find("unknown operator '%'") != std::string::npos);
+  CHECK(message(replaced("\"kind\": \"revolve\"", "\"kind\": \"spiral\"")).find("unknown shape 'spiral'") !=
+        std::string::npos);
+  CHECK(message(replaced("\"center_x\": [\"-\"", "\"center_x\": [\"%\"")).find("unknown operator '%'") !=
+        std::string::npos);
   CHECK(message(replaced("\"units\": \"mm\"", "\"units\": \"inch\"")).find("expected 'mm'") != std::string::npos);
   std::string deep = "1";
   for (int i = 0; i < 500; ++i) deep = "[\"neg\", " + deep + "]";
-  CHECK(message(replaced("\"radius\": \"round_radius\"", "\"radius\": " + deep)).find("nested too deeply") != std::string::npos);
+  CHECK(message(replaced("\"radius\": \"round_radius\"", "\"radius\": " + deep)).find("nested too deeply") !=
+        std::string::npos);
 }
 
 TEST_CASE("model.json: cutting the text anywhere never crashes and never passes") {

@@ -35,13 +35,15 @@ inline Model pin() {
   Loop loop;
   loop.name = "profile";
   loop.elements = {SketchPoint{0, 0, "bottom"},
-                   SketchArc{p("head_radius") - p("round_radius"), p("round_radius"), p("round_radius"), -pi / 2, 0, "round", "head"},
+                   SketchArc{p("head_radius") - p("round_radius"), p("round_radius"), p("round_radius"), -pi / 2, 0,
+                             "round", "head"},
                    SketchPoint{p("head_radius"), p("head_height"), "shoulder"},
                    SketchPoint{p("shank_radius"), p("head_height"), "shank"},
                    SketchPoint{p("shank_radius"), p("total_length"), "top"},
                    SketchPoint{0, p("total_length"), "axis"}};
-  return model_with(Revolve{{{loop}}}, {length("head_radius", 20), length("round_radius", 10), length("head_height", 15),
-                                        length("shank_radius", 9), length("total_length", 65)});
+  return model_with(Revolve{{{loop}}},
+                    {length("head_radius", 20), length("round_radius", 10), length("head_height", 15),
+                     length("shank_radius", 9), length("total_length", 65)});
 }
 
 /// A plate with round ends and a hole.
@@ -54,14 +56,19 @@ inline Model link() {
   Loop hole;
   hole.name = "hole";
   hole.elements = {SketchArc{0, 0, p("hole_radius"), 2 * pi, 0, "hole", ""}};
-  return model_with(Extrude{{{outline, hole}}, p("height")}, {length("spacing", 40), length("end_radius", 12), length("hole_radius", 5), length("height", 8)});
+  return model_with(Extrude{{{outline, hole}}, p("height")},
+                    {length("spacing", 40), length("end_radius", 12), length("hole_radius", 5), length("height", 8)});
 }
 
 inline std::vector<Model> one_of_each() {
   Model cut;
   cut.parameters = {length("size", 20), length("bore_radius", 4)};
   cut.objects = {{"block", Box{Expr::of("size"), Expr::of("size"), Expr::of("size")}, {}, {}, {}},
-                 {"drill", Cylinder{Expr::of("bore_radius"), Expr::of("size") + Expr(2)}, {Expr::of("size") / Expr(2), 10, -1, 0, 0, 0}, {}, {}},
+                 {"drill",
+                  Cylinder{Expr::of("bore_radius"), Expr::of("size") + Expr(2)},
+                  {Expr::of("size") / Expr(2), 10, -1, 0, 0, 0},
+                  {},
+                  {}},
                  {"drilled_block", Difference{{"block", "drill"}}, {}, {}, {}}};
   std::vector<HalfSpace> tetrahedron = {{-1, 0, 0, 0, "left"}, {0, -1, 0, 0, "front"}, {0, 0, -1, 0, "bottom"}};
   const double s = 1 / std::sqrt(3.0);
@@ -86,7 +93,8 @@ inline std::vector<Model> one_of_each() {
           model_with(Fillet{9, 9, 25}),
           model_with(HalfSpaces{tetrahedron}),
           model_with(Revolve{{{vase}}}),
-          model_with(TriSurface{{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0}),
+          model_with(TriSurface{
+              {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0}),
           pin(),
           link(),
           cut};

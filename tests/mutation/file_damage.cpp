@@ -11,8 +11,8 @@ namespace partscribe {
 namespace {
 
 /// What is said of a file that does not hold what its kind must hold.
-const std::vector<std::string> unreadable = {"cannot", "expected", "error", "holds no", "no geometry", "ends", "empty",
-                                             "begin", "this is a"};
+const std::vector<std::string> unreadable = {"cannot", "expected", "error", "holds no", "no geometry",
+                                             "ends",   "empty",    "begin", "this is a"};
 
 /// Damages for which another model is written by the same backend.
 void other_models(const FileSubject& s, std::vector<FileDamage>& damages) {
@@ -27,13 +27,18 @@ void other_models(const FileSubject& s, std::vector<FileDamage>& damages) {
     m.scan_from_part = {pose.translation.x(), pose.translation.y(), pose.translation.z(), turn.x(), turn.y(), turn.z()};
     return s.write(m);
   };
-  if (placed) damages.push_back({"wrong frame", "turned but not moved", placed_at({there.rotation, Vec3::Zero()}), {"whole part"}});
+  if (placed)
+    damages.push_back(
+        {"wrong frame", "turned but not moved", placed_at({there.rotation, Vec3::Zero()}), {"whole part"}});
   const Mat3 y_up = rotation_of(-pi / 2 * Vec3::UnitX());
   damages.push_back({"axes swapped", "y up", placed_at(Pose{y_up, Vec3::Zero()} * there), {"whole part"}});
   const Mat3 cycled = rotation_of(2 * pi / 3 * Vec3::Ones().normalized());
   damages.push_back({"axes swapped", "x to y to z", placed_at(Pose{cycled, Vec3::Zero()} * there), {"whole part"}});
   const std::string other = s.model.name == "bracket" ? "block" : "bracket";
-  damages.push_back({"stale file", "of another part", s.write(part_named(other)), {"another part", "whole part", "too far", "missing", "too much"}});
+  damages.push_back({"stale file",
+                     "of another part",
+                     s.write(part_named(other)),
+                     {"another part", "whole part", "too far", "missing", "too much"}});
 }
 
 }  // namespace

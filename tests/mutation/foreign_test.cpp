@@ -1,13 +1,14 @@
-/// Scripts that we did not write: no model beside them, other habits. One number edited is refused, and the place is named.
+/// Scripts that we did not write: no model beside them, other habits. One number edited is refused, and the place is
+/// named.
 #include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "core/files.h"
 #include "core/random.h"
 #include "file_damage.h"
-#include "scan/simulate.h"
+#include "scan/simulate/simulate.h"
 #include "suite.h"
-#include "verify/evaluate.h"
+#include "verify/evaluate/evaluate.h"
 
 using namespace partscribe;
 

@@ -1,5 +1,5 @@
-/// A verifier that never refused has verified nothing: damaged parts and damaged files, written by every backend and run
-/// by its own program, against a scan of the true part; and edits that change nothing.
+/// A verifier that never refused has verified nothing: damaged parts and damaged files, written by every backend and
+/// run by its own program, against a scan of the true part; and edits that change nothing.
 ///
 /// Here one damage of each kind goes through the backends in turn, on parts whose programs run in a fraction of a
 /// second: every kind and every backend at least once. The full matrix is bench/damage.

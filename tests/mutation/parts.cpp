@@ -7,10 +7,10 @@
 #include "core/files.h"
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/kd_tree.h"
+#include "geometry/points/kd_tree.h"
 #include "model/json.h"
-#include "scan/simulate.h"
-#include "verify/mutate.h"
+#include "scan/simulate/simulate.h"
+#include "verify/mutate/mutate.h"
 
 namespace partscribe {
 namespace {
@@ -83,7 +83,8 @@ Model block() {
   length(m, "bore_radius", 5, "of the blind hole");
   length(m, "bore_depth", 18, "from the top of the boss");
   step(m, "base", Box{p("block_length"), p("block_width"), p("block_height")});
-  step(m, "boss", Cylinder{p("boss_radius"), p("boss_height") + Expr(4)}, {18, 17, p("block_height") - Expr(4), 0, 0, 0});
+  step(m, "boss", Cylinder{p("boss_radius"), p("boss_height") + Expr(4)},
+       {18, 17, p("block_height") - Expr(4), 0, 0, 0});
   step(m, "body", Union{{"base", "boss"}});
   step(m, "bore", Cylinder{p("bore_radius"), p("bore_depth") + Expr(1)},
        {18, 17, p("block_height") + p("boss_height") - p("bore_depth"), 0, 0, 0});
@@ -109,7 +110,8 @@ Model flange() {
     const double a = radians(10 + 72.0 * i);  // five holes, none on an axis: no mirror leaves the part as it is
     names.push_back("bolt_" + print_number(i + 1));
     step(m, names.back(), Cylinder{p("bolt_radius"), p("flange_height") + Expr(2)},
-         {p("bolt_circle") * Expr(snapped(std::cos(a), 1e-6)), p("bolt_circle") * Expr(snapped(std::sin(a), 1e-6)), -1, 0, 0, 0});
+         {p("bolt_circle") * Expr(snapped(std::cos(a), 1e-6)), p("bolt_circle") * Expr(snapped(std::sin(a), 1e-6)), -1,
+          0, 0, 0});
   }
   m.objects.back().shape = Difference{names};
   return m;

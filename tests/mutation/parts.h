@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/point_cloud.h"
+#include "geometry/points/point_cloud.h"
 #include "model/model.h"
 
 namespace partscribe {
@@ -21,9 +21,9 @@ std::vector<Model> machined_parts();
 Model part_named(const std::string& name);
 
 struct ScanConditions {
-  double sigma = 0.2;          ///< of the tolerance
-  double outliers = 0.005;     ///< share of pixels
-  int resolution = 88;         ///< pixels; twelve views
+  double sigma = 0.2;       ///< of the tolerance
+  double outliers = 0.005;  ///< share of pixels
+  int resolution = 88;      ///< pixels; twelve views
 };
 
 /// Twelve views with rays, and even points (a touch probe) where no view reaches: no surface is left unseen.

@@ -9,12 +9,12 @@
 #include "codegen/emit.h"
 #include "core/number.h"
 #include "file_damage.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/read_geometry.h"
+#include "geometry/io/read_geometry.h"
+#include "geometry/mesh/mesh_distance.h"
 #include "model/distance.h"
 #include "parts.h"
-#include "verify/evaluate.h"
-#include "verify/samples.h"
+#include "verify/compare/samples.h"
+#include "verify/evaluate/evaluate.h"
 
 namespace partscribe {
 namespace {
@@ -34,7 +34,8 @@ std::string suffix_of(const std::string& backend) {
 }
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c | 0x20) : c; });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c | 0x20) : c; });
   return text;
 }
 
@@ -101,7 +102,8 @@ void judge(DamageCase& c, const Subject& subject) {
       c.feature = a.findings[0].feature;
       place = a.findings[0].place;
     } else {
-      const auto worst = std::max_element(a.objects.begin(), a.objects.end(), [](const auto& x, const auto& y) { return x.max < y.max; });
+      const auto worst = std::max_element(a.objects.begin(), a.objects.end(),
+                                          [](const auto& x, const auto& y) { return x.max < y.max; });
       if (worst != a.objects.end()) c.feature = worst->name;
     }
     // A damage of the whole file may be described by the mesh that came out.
@@ -123,18 +125,19 @@ void judge(DamageCase& c, const Subject& subject) {
       auto all = by_face(everywhere);
       std::size_t most = 0;
       for (const auto& [name, n] : hits) most = std::max(most, n);
-      // Faces that hold much of the damage, and small ones of which it is a good part: a face that was tilted stays where it
-      // was in its middle.
+      // Faces that hold much of the damage, and small ones of which it is a good part: a face that was tilted stays
+      // where it was in its middle.
       for (const auto& [name, n] : hits)
         if (5 * n >= most || (n >= 5 && 3 * n >= all[name])) c.harm.faces.push_back(name);
     }
     const auto& faces = c.harm.faces;
     c.named = std::any_of(faces.begin(), faces.end(), [&](const std::string& f) { return f == c.feature; });
-    const bool a_face = std::any_of(a.objects.begin(), a.objects.end(), [&](const auto& o) { return o.name == c.feature; }) &&
-                        [&] {
-                          const ModelDistance truth(subject.truth);
-                          return std::any_of(truth.faces().begin(), truth.faces().end(), [&](const auto& f) { return f.name == c.feature; });
-                        }();
+    const bool a_face =
+        std::any_of(a.objects.begin(), a.objects.end(), [&](const auto& o) { return o.name == c.feature; }) && [&] {
+          const ModelDistance truth(subject.truth);
+          return std::any_of(truth.faces().begin(), truth.faces().end(),
+                             [&](const auto& f) { return f.name == c.feature; });
+        }();
     // Features that the verifier found and named itself are right if they are where the damage is; so are neighbours of
     // a face that the artifact no longer has.
     if (!c.named && found && (!a_face || c.kind == "fillet or edge missing"))
@@ -146,7 +149,8 @@ void judge(DamageCase& c, const Subject& subject) {
   if (!c.kept && c.says.empty() && a_refusal) c.named = true;
   if (!c.says.empty()) {
     const std::string said = lower(c.words);
-    c.named = std::any_of(c.says.begin(), c.says.end(), [&](const std::string& w) { return said.find(w) != std::string::npos; });
+    c.named = std::any_of(c.says.begin(), c.says.end(),
+                          [&](const std::string& w) { return said.find(w) != std::string::npos; });
   }
 }
 
@@ -181,7 +185,8 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
     return options.kinds.empty() || std::find(options.kinds.begin(), options.kinds.end(), kind) != options.kinds.end();
   };
   auto wanted = [&](const std::string& backend) { return !(subject.sheet && backend == "mesh"); };
-  auto add = [&](const std::string& backend, const std::string& kind, const std::string& damage, bool harmless, const Path& file) -> DamageCase& {
+  auto add = [&](const std::string& backend, const std::string& kind, const std::string& damage, bool harmless,
+                 const Path& file) -> DamageCase& {
     auto& c = cases.emplace_back();
     c.part = part, c.backend = backend, c.kind = kind, c.damage = damage, c.harmless = harmless, c.file = file;
     c.not_applicable = file.empty();
@@ -197,8 +202,10 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
   };
   for (const auto& backend : options.backends) {
     if (!wanted(backend)) continue;
-    if (backend != "mesh") artifacts[backend] = written(truth, backend);
-    else artifacts[backend] = {"mesh", {{"part.stl", write_stl(subject.mesh)}}};
+    if (backend != "mesh")
+      artifacts[backend] = written(truth, backend);
+    else
+      artifacts[backend] = {"mesh", {{"part.stl", write_stl(subject.mesh)}}};
     add(backend, "harmless edits", "none", true, put(artifacts[backend], next_folder()));
   }
 
@@ -232,13 +239,18 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
       if (!wanted(backend)) continue;
       const auto& artifact = artifacts[backend];
       const std::string other = backend == "step" ? "iges" : "step";
-      const FileSubject file{backend, suffix_of(backend), artifact.files[0].bytes, truth, subject.mesh,
+      const FileSubject file{backend,
+                             suffix_of(backend),
+                             artifact.files[0].bytes,
+                             truth,
+                             subject.mesh,
                              [&](const Model& m) {
                                if (backend == "mesh") return stl_of(m, next_folder());
                                const Artifact a = written(m, backend);
                                return a.files.empty() ? std::string() : a.files[0].bytes;
                              },
-                             written(truth, other).files[0].bytes, subject.extent};
+                             written(truth, other).files[0].bytes,
+                             subject.extent};
       std::map<std::string, std::vector<FileDamage>> by_kind;
       for (auto& d : file_damages(file)) by_kind[d.kind].push_back(std::move(d));
       for (auto& [kind, list] : by_kind) {
@@ -283,7 +295,8 @@ std::string markdown_table(const std::vector<DamageCase>& cases) {
       ++sum.tried, sum.right += c.kept == c.harmless, sum.named += !c.kept && c.named;
     }
   }
-  auto table = [&](const std::string& title, std::map<std::string, std::map<std::string, Count>>& rows, bool with_names) {
+  auto table = [&](const std::string& title, std::map<std::string, std::map<std::string, Count>>& rows,
+                   bool with_names) {
     std::string text = "| " + title + " |";
     for (const auto& c : columns) text += " " + c.second + " |";
     text += " all |\n|---|" + std::string(6 * 4, '-').replace(0, 24, "---|---|---|---|---|---|") + "\n";
@@ -291,13 +304,17 @@ std::string markdown_table(const std::vector<DamageCase>& cases) {
       text += "| " + (kind == "~" ? std::string("**all**") : kind) + " |";
       for (const auto& column : {"openscad", "alpha1", "iges", "step", "mesh", "all"}) {
         const Count n = counts.count(column) ? counts.at(column) : Count{};
-        text += n.tried == 0 ? " - |" : " " + print_number(double(n.right)) + (with_names ? " / " + print_number(double(n.named)) : "") + " / " + print_number(double(n.tried)) + " |";
+        text += n.tried == 0
+                    ? " - |"
+                    : " " + print_number(double(n.right)) + (with_names ? " / " + print_number(double(n.named)) : "") +
+                          " / " + print_number(double(n.tried)) + " |";
       }
       text += "\n";
     }
     return text;
   };
-  return table("damage: refused / named / tried", damages, true) + "\n" + table("harmless: verified / tried", harmless, false);
+  return table("damage: refused / named / tried", damages, true) + "\n" +
+         table("harmless: verified / tried", harmless, false);
 }
 
 std::string line_of(const DamageCase& c) {
@@ -305,9 +322,12 @@ std::string line_of(const DamageCase& c) {
   std::replace(words.begin(), words.end(), '\n', '|');
   std::string faces;
   for (const auto& f : c.harm.faces) faces += (faces.empty() ? "" : ",") + f;
-  const std::string fate = c.harmless ? (c.kept ? "ok" : "HARMLESS REFUSED") : c.kept ? "NOT REFUSED" : c.named ? "ok" : "NOT NAMED";
-  return fate + "\t" + c.part + "\t" + c.backend + "\t" + c.kind + "\t" + c.damage + "\t" + print_number(snapped(c.moved, 1e-4)) + "\t" + c.outcome + "\t" +
-         c.feature + "\t[" + faces + "]\t" + words;
+  const std::string fate = c.harmless ? (c.kept ? "ok" : "HARMLESS REFUSED")
+                           : c.kept   ? "NOT REFUSED"
+                           : c.named  ? "ok"
+                                      : "NOT NAMED";
+  return fate + "\t" + c.part + "\t" + c.backend + "\t" + c.kind + "\t" + c.damage + "\t" +
+         print_number(snapped(c.moved, 1e-4)) + "\t" + c.outcome + "\t" + c.feature + "\t[" + faces + "]\t" + words;
 }
 
 }  // namespace partscribe

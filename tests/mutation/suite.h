@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/files.h"
-#include "geometry/point_cloud.h"
-#include "verify/mutate.h"
+#include "geometry/points/point_cloud.h"
+#include "verify/mutate/mutate.h"
 #include "verify/verify.h"
 
 namespace partscribe {
@@ -17,25 +17,25 @@ struct DamageCase {
   std::string part, backend;  ///< a backend's name, or "mesh"
   std::string kind, damage;   ///< row of the table; "radius + 0.2"
   bool harmless = false;
-  bool whole = false;              ///< place, hand or size of the part
-  double moved = 0;                ///< mm
-  std::vector<std::string> says;   ///< lower case; one must stand in the reasons or findings; none: `harm` decides
+  bool whole = false;             ///< place, hand or size of the part
+  double moved = 0;               ///< mm
+  std::vector<std::string> says;  ///< lower case; one must stand in the reasons or findings; none: `harm` decides
   Harm harm;
   Path file;
   double seconds = 600;
 
-  std::string outcome;             ///< "verified", "out_of_tolerance", ..., or "error"
-  std::string words;               ///< reasons and findings, one a line
-  std::string feature;             ///< of the worst finding
-  bool kept = false;               ///< verified
-  bool named = false;              ///< the right feature, or the right fault of the file
-  bool not_applicable = false;     ///< this backend cannot write it, or it changes nothing
+  std::string outcome;          ///< "verified", "out_of_tolerance", ..., or "error"
+  std::string words;            ///< reasons and findings, one a line
+  std::string feature;          ///< of the worst finding
+  bool kept = false;            ///< verified
+  bool named = false;           ///< the right feature, or the right fault of the file
+  bool not_applicable = false;  ///< this backend cannot write it, or it changes nothing
 };
 
 struct SuiteOptions {
-  std::size_t most = 2;       ///< damages of a kind, per part and backend
-  bool in_turn = false;       ///< each damage of a model through one backend only, which change in turn
-  std::size_t turn = 0;       ///< the backend to begin with
+  std::size_t most = 2;  ///< damages of a kind, per part and backend
+  bool in_turn = false;  ///< each damage of a model through one backend only, which change in turn
+  std::size_t turn = 0;  ///< the backend to begin with
   std::vector<std::string> backends = {"openscad", "alpha1", "iges", "step", "mesh"};
   std::vector<std::string> kinds;  ///< rows of the table to try; empty: all
   bool models = true, files = true;

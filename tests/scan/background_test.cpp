@@ -1,5 +1,5 @@
 /// A part is cut out of its surroundings, and only it.
-#include "scan/background.h"
+#include "scan/filter/background.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,14 +7,14 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/keep_points.h"
+#include "geometry/points/keep_points.h"
 
 using namespace partscribe;
 
 namespace {
 
-/// A table of 200 x 160 mm at some attitude with a ball (20 mm) and a can (30 mm high) on it, and a wall behind; what each point
-/// is of, is told by `of`.
+/// A table of 200 x 160 mm at some attitude with a ball (20 mm) and a can (30 mm high) on it, and a wall behind; what
+/// each point is of, is told by `of`.
 struct Scene {
   PointCloud cloud;
   std::vector<char> of;
@@ -74,7 +74,9 @@ TEST_CASE("background: one thing on a table is cut out, whatever the attitude") 
   }
 }
 
-TEST_CASE("background: what is seen through the plane and under things is counted, for a table hides it and they hide the table") {
+TEST_CASE(
+    "background: what is seen through the plane and under things is counted, for a table hides it and they hide the "
+    "table") {
   Scene scene = scene_of({}, 0.2);
   const auto on_table = cut_background(scene.cloud, 0.2, 1, 1);
   REQUIRE(on_table.ok());

@@ -1,9 +1,9 @@
-#include "scan/filter.h"
+#include "scan/filter/filter.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "scan/simulate.h"
+#include "scan/simulate/simulate.h"
 
 using namespace partscribe;
 
@@ -89,7 +89,8 @@ TEST_CASE("filter: what hides in the noise is part of a place's sigma, and no pa
   }
   CHECK(larger > place.cloud.size() / 20);
   const std::vector<RegisterView> views = views_to_register(ball.scan.merged, ball.images, context);
-  CHECK(views[0].cloud.sigma == std::vector<float>(noise.cloud.sigma.begin(), noise.cloud.sigma.begin() + std::ptrdiff_t(views[0].cloud.size())));
+  CHECK(views[0].cloud.sigma == std::vector<float>(noise.cloud.sigma.begin(),
+                                                   noise.cloud.sigma.begin() + std::ptrdiff_t(views[0].cloud.size())));
 }
 
 TEST_CASE("filter: points without images stay as they are") {

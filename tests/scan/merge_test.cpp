@@ -1,4 +1,4 @@
-#include "scan/merge.h"
+#include "scan/merge/merge.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/random.h"
-#include "geometry/kd_tree.h"
+#include "geometry/points/kd_tree.h"
 
 using namespace partscribe;
 
@@ -24,7 +24,8 @@ PointCloud plane_twice() {
   PointCloud cloud;
   Random random(3);
   for (std::int32_t view = 0; view < 2; ++view)
-    for (int i = 0; i < 4000; ++i) add(cloud, {random.uniform(0, 20), random.uniform(0, 20), 0}, Vec3::UnitZ(), view, random);
+    for (int i = 0; i < 4000; ++i)
+      add(cloud, {random.uniform(0, 20), random.uniform(0, 20), 0}, Vec3::UnitZ(), view, random);
   return cloud;
 }
 
@@ -90,15 +91,18 @@ TEST_CASE("merge: a sharp edge is not rounded") {
   for (std::int32_t view = 0; view < 3; ++view)
     for (int i = 0; i < 4000; ++i) {
       const double x = random.uniform(0, 10), y = random.uniform(0, 20);
-      if (i % 2) add(cloud, {x, y, 0}, Vec3::UnitZ(), view, random);
-      else add(cloud, {0, y, -x}, Vec3(-1, 0, 0), view, random);
+      if (i % 2)
+        add(cloud, {x, y, 0}, Vec3::UnitZ(), view, random);
+      else
+        add(cloud, {0, y, -x}, Vec3(-1, 0, 0), view, random);
     }
   Context context;
   const MergedCloud merged = merge_views(cloud, {}, context);
   double sum = 0;
   for (const Vec3& p : merged.cloud.points) {
     // Distance from the quarter space x > 0, z < 0.
-    const double d = p.x() > 0 && p.z() < 0 ? -std::min(p.x(), -p.z()) : std::hypot(std::min(p.x(), 0.0), std::max(p.z(), 0.0));
+    const double d =
+        p.x() > 0 && p.z() < 0 ? -std::min(p.x(), -p.z()) : std::hypot(std::min(p.x(), 0.0), std::max(p.z(), 0.0));
     CHECK(std::abs(d) < 5 * sigma);
     sum += d;
   }
@@ -142,7 +146,8 @@ TEST_CASE("merge: of a thin wall a side of few samples stays beside one of many"
     for (int y = 0; y < 10; ++y) add(cloud, {x + 0.1, y + 0.1, -0.15}, -Vec3::UnitZ(), 1, random);
   Context context;
   const MergedCloud merged = merge_views(cloud, {}, context);
-  CHECK(std::count_if(merged.cloud.normals.begin(), merged.cloud.normals.end(), [](const Vec3& n) { return n.z() < 0; }) == 100);
+  CHECK(std::count_if(merged.cloud.normals.begin(), merged.cloud.normals.end(),
+                      [](const Vec3& n) { return n.z() < 0; }) == 100);
 }
 
 TEST_CASE("merge: the same for any number of threads; bad input gives nothing") {

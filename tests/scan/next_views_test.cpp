@@ -1,4 +1,4 @@
-#include "scan/next_views.h"
+#include "scan/views/next_views.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>

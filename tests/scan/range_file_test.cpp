@@ -1,10 +1,10 @@
 /// Range images as files.
-#include <catch2/catch.hpp>
+#include "scan/read/range_file.h"
 
+#include <catch2/catch.hpp>
 #include <limits>
 
 #include "core/random.h"
-#include "scan/range_file.h"
 
 using namespace partscribe;
 
@@ -23,7 +23,8 @@ std::string npy(const std::string& kind, const std::string& shape, const std::ve
   std::string header = "{'descr': '" + kind + "', 'fortran_order': False, 'shape': " + shape + ", }";
   header.resize(117, ' ');
   header += '\n';
-  return std::string("\x93NUMPY\1\0", 8) + char(header.size()) + '\0' + header + std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T));
+  return std::string("\x93NUMPY\1\0", 8) + char(header.size()) + '\0' + header +
+         std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T));
 }
 
 }  // namespace
@@ -60,8 +61,10 @@ TEST_CASE("range file: depths of numpy come back within half a step, and what is
   REQUIRE(image->depth);
   CHECK(image->depth->q < 2e-6);
   for (std::size_t i = 0; i < depths.size(); ++i) {
-    if (!(depths[i] > 0 && depths[i] < 10)) CHECK(image->codes[i] == 0);
-    else CHECK(std::abs(image->depth->z0 + image->depth->q * (image->codes[i] - 1) - depths[i]) < 0.51 * image->depth->q);
+    if (!(depths[i] > 0 && depths[i] < 10))
+      CHECK(image->codes[i] == 0);
+    else
+      CHECK(std::abs(image->depth->z0 + image->depth->q * (image->codes[i] - 1) - depths[i]) < 0.51 * image->depth->q);
   }
   const auto doubles = parse_range_file(npy<double>("<f8", "(1, 2)", {2, 2}), "flat.npy");
   REQUIRE(doubles.ok());

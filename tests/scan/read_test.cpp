@@ -1,14 +1,14 @@
 /// Scans from files: units, poses, sidecars, several files in one frame.
-#include <Eigen/Geometry>
-#include <catch2/catch.hpp>
+#include "scan/read/read.h"
 
+#include <Eigen/Geometry>
 #include <array>
+#include <catch2/catch.hpp>
 
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/read_geometry.h"
-#include "scan/range_file.h"
-#include "scan/read.h"
+#include "geometry/io/read_geometry.h"
+#include "scan/read/range_file.h"
 
 using namespace partscribe;
 
@@ -42,8 +42,10 @@ std::string failure_of(const std::vector<Path>& inputs, const ReadOptions& optio
 TriangleMesh block(const Vec3& size) {
   TriangleMesh mesh;
   for (int c = 0; c < 8; ++c) mesh.vertices.push_back(size.cwiseProduct(Vec3(c & 1, c >> 1 & 1, c >> 2 & 1)));
-  const std::array<std::array<std::uint32_t, 4>, 6> sides = {{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}}};
-  for (const auto& s : sides) mesh.triangles.push_back({s[0], s[1], s[2]}), mesh.triangles.push_back({s[0], s[2], s[3]});
+  const std::array<std::array<std::uint32_t, 4>, 6> sides = {
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}}};
+  for (const auto& s : sides)
+    mesh.triangles.push_back({s[0], s[1], s[2]}), mesh.triangles.push_back({s[0], s[2], s[3]});
   return mesh;
 }
 
@@ -54,7 +56,8 @@ TriangleMesh ball(double radius, int rings) {
   for (int r = 0; r <= rings; ++r)
     for (int a = 0; a < around; ++a) {
       const double polar = pi * r / rings, across = r == rings ? 0 : std::sin(polar), turn = 2 * pi * a / around;
-      mesh.vertices.emplace_back(radius * across * std::cos(turn), radius * across * std::sin(turn), radius * std::cos(polar));
+      mesh.vertices.emplace_back(radius * across * std::cos(turn), radius * across * std::sin(turn),
+                                 radius * std::cos(polar));
     }
   for (int r = 0; r < rings; ++r)
     for (int a = 0; a < around; ++a) {
@@ -120,7 +123,8 @@ TEST_CASE("read_scan: the user's unit beats the sidecar's, which beats millimetr
 
 TEST_CASE("read_scan: a unit that cannot be right is questioned, one that the user gave is not") {
   Folder folder;
-  const auto small = folder.put("small.xyz", "0 0 0\n0.1 0.05 0.02\n"), large = folder.put("large.xyz", "0 0 0\n20000 100 100\n");
+  const auto small = folder.put("small.xyz", "0 0 0\n0.1 0.05 0.02\n"),
+             large = folder.put("large.xyz", "0 0 0\n20000 100 100\n");
   CHECK(warns(scan_of({small}), "only 0.1 mm large; if its numbers are metres, say --units m"));
   ReadOptions metres;
   metres.unit = parse_unit("m");
@@ -128,7 +132,8 @@ TEST_CASE("read_scan: a unit that cannot be right is questioned, one that the us
   CHECK(warns(scan_of({large}), "20 m large"));
   CHECK(scan_of({folder.put("usual.xyz", "0 0 0\n20 100 100\n")}).warnings.empty());
   CHECK(warns(scan_of({folder.put("few.xyz", "0 0 0\n3.3 2.1 1.02\n")}), "only 3.3 mm large; inches? --units inch"));
-  CHECK(warns(scan_of({folder.put("quarters.stl", write_stl(block({12.25, 8.5, 0.75})))}), "x 8.5 x 0.75 are round in inches and not in mm"));
+  CHECK(warns(scan_of({folder.put("quarters.stl", write_stl(block({12.25, 8.5, 0.75})))}),
+              "x 8.5 x 0.75 are round in inches and not in mm"));
   CHECK(scan_of({folder.put("halves.stl", write_stl(block({12.5, 8.5, 30})))}).warnings.empty());
   // 5 x 2 1/2 x 1 3/8: nobody makes 1.375 mm; 50 x 20 x 10 mm told in inches; and ordinary millimetres.
   CHECK(warns(scan_of({folder.put("inch.stl", write_stl(block({5, 2.5, 1.375})))}), "inches? --units inch"));
@@ -157,7 +162,8 @@ TEST_CASE("read_scan: a coarse mesh is covered evenly by samples on its faces, a
     REQUIRE(p[axis] == Approx(n[axis] > 0 ? size[axis] : 0).margin(1e-9));
     on_face[static_cast<std::size_t>(axis)] += spacing * spacing;
   }
-  for (int k = 0; k < 3; ++k) CHECK(on_face[std::size_t(k)] == Approx(2 * size[(k + 1) % 3] * size[(k + 2) % 3]).epsilon(0.01));
+  for (int k = 0; k < 3; ++k)
+    CHECK(on_face[std::size_t(k)] == Approx(2 * size[(k + 1) % 3] * size[(k + 2) % 3]).epsilon(0.01));
   CHECK(scan_of({folder.directory.path() / "block.stl"}).cloud.points == scan.cloud.points);
 }
 
@@ -185,10 +191,12 @@ TEST_CASE("read_scan: facets of the wrong sense are turned, and counted in one l
   CHECK(scan_of({folder.put("right.ply", write_mesh_ply(mesh))}).warnings.empty());
   for (const std::size_t t : {7, 200, 201}) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
   const auto mended = scan_of({folder.put("flipped.ply", write_mesh_ply(mesh))});
-  CHECK(mended.warnings == std::vector<std::string>{"flipped.ply: of " + count + " facets 3 face the wrong way and were turned"});
+  CHECK(mended.warnings ==
+        std::vector<std::string>{"flipped.ply: of " + count + " facets 3 face the wrong way and were turned"});
   CHECK(topology(mended.mesh).closed());
   CHECK(volume(mended.mesh) == Approx(whole));
-  // A vertex in the middle of an edge of one facet: the one beyond is cut in two, and a facet without area lies between.
+  // A vertex in the middle of an edge of one facet: the one beyond is cut in two, and a facet without area lies
+  // between.
   auto t = mesh.triangles[30];
   mesh.vertices.push_back(0.5 * (mesh.vertices[t[0]] + mesh.vertices[t[1]]));
   const auto middle = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
@@ -196,7 +204,8 @@ TEST_CASE("read_scan: facets of the wrong sense are turned, and counted in one l
   mesh.triangles.push_back({middle, t[1], t[2]}), mesh.triangles.push_back({t[0], t[1], middle});
   const auto both = scan_of({folder.put("both.ply", write_mesh_ply(mesh))});
   const std::string more = std::to_string(mesh.triangles.size());
-  CHECK(both.warnings == std::vector<std::string>{"both.ply: of " + more + " facets 3 face the wrong way and were turned, 1 has no area"});
+  CHECK(both.warnings == std::vector<std::string>{"both.ply: of " + more +
+                                                  " facets 3 face the wrong way and were turned, 1 has no area"});
   CHECK(topology(both.mesh).closed());
 }
 
@@ -222,7 +231,8 @@ TEST_CASE("read_scan: poses of a scan.json move points, normals and rays; its gu
 TEST_CASE("read_scan: a height map grows towards its sensor, and no return is no point") {
   Folder folder;
   folder.put("range_0.png", write_png({3, 2, {0, 10, 0, 0, 0, 20}}));
-  folder.put("scan.json", R"({"unit": "mm", "projection": "orthographic", "images": [{"index": 0, "width": 3, "height": 2,
+  folder.put("scan.json",
+             R"({"unit": "mm", "projection": "orthographic", "images": [{"index": 0, "width": 3, "height": 2,
     "pixel_size": {"x": 0.5, "y": 0.25, "z": 0.1}, "origin": {"x": -4, "y": 1, "z": 2}}]})");
   const auto scan = scan_of({folder.directory.path()});
   REQUIRE(scan.cloud.size() == 2);
@@ -244,7 +254,8 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
     std::string rows;
     for (int r = 0; r < 12; ++r) {
       rows += r == 0 ? "[" : ", [";
-      for (int c = 0; c <= r; ++c) rows += (c == 0 ? "" : ", ") + (r == 11 && c == 11 ? last : std::to_string(r == c ? 2 + r : c));
+      for (int c = 0; c <= r; ++c)
+        rows += (c == 0 ? "" : ", ") + (r == 11 && c == 11 ? last : std::to_string(r == c ? 2 + r : c));
       rows += "]";
     }
     return R"({"center": [1, 2, 3], "cloud_sha256": ")" + of + R"(", "covariance_between_views": [)" + rows + "]}";
@@ -276,14 +287,18 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
 TEST_CASE("read_scan: an image with a sidecar, orthographic or pinhole") {
   Folder folder;
   const auto png = folder.put("part.png", write_png({2, 2, {9, 1, 3, 9}}));
-  folder.put("part.json", R"({"unit": "cm", "invalid_code": 9, "scale": 0.5, "offset": 10, "x0": 1, "y0": 2, "pitch_x": 0.1, "pitch_y": 0.2})");
+  folder.put(
+      "part.json",
+      R"({"unit": "cm", "invalid_code": 9, "scale": 0.5, "offset": 10, "x0": 1, "y0": 2, "pitch_x": 0.1, "pitch_y": 0.2})");
   const auto flat = scan_of({png});
   REQUIRE(flat.cloud.size() == 2);
   CHECK((flat.cloud.points[0] - Vec3(11, 20, 105)).norm() < 1e-12);  // z = 10 + 0.5 cm
   CHECK((flat.cloud.points[1] - Vec3(10, 22, 115)).norm() < 1e-12);
   CHECK(flat.cloud.rays[0] == Vec3(0, 0, 1));
   CHECK(flat.files == std::vector<std::string>{"part.json", "part.png"});
-  folder.put("part.json", R"({"K": [[100, 0, 0], [0, 50, 1], [0, 0, 1]], "invalid": 9, "z0": 200, "q": 2, "camera_to_world": )" + turned + "}");
+  folder.put("part.json",
+             R"({"K": [[100, 0, 0], [0, 50, 1], [0, 0, 1]], "invalid": 9, "z0": 200, "q": 2, "camera_to_world": )" +
+                 turned + "}");
   const auto pinhole = scan_of({png});
   // Code 1 in column 1, row 0: (2, -4, 200) in the sensor's frame.
   CHECK((pinhole.cloud.points[0] - Vec3(14, 22, 230)).norm() < 1e-12);
@@ -298,7 +313,8 @@ TEST_CASE("read_scan: depths of numpy need a camera, and no codes") {
   std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2), }";
   header.resize(117, ' ');
   const std::array<float, 2> depths = {0.5f, 0.25f};
-  const auto npy = folder.put("depth.npy", std::string("\x93NUMPY\1\0\x76\0", 10) + header + "\n" + std::string(reinterpret_cast<const char*>(depths.data()), 8));
+  const auto npy = folder.put("depth.npy", std::string("\x93NUMPY\1\0\x76\0", 10) + header + "\n" +
+                                               std::string(reinterpret_cast<const char*>(depths.data()), 8));
   folder.put("depth.json", R"({"unit": "m", "fx": 100, "fy": 100, "cx": 0, "cy": 0})");
   const auto scan = scan_of({npy});
   REQUIRE(scan.cloud.size() == 2);
@@ -312,7 +328,9 @@ TEST_CASE("read_scan: a Stanford .conf joins its views") {
   Folder folder;
   folder.put("a.xyz", "1 2 3\n");
   folder.put("b.xyz", "2 -1 3\n");  // the same place seen from a sensor turned by 90 degrees about z
-  const auto conf = folder.put("part.conf", "camera 0 0 0 0 0 0 1\nbmesh a.xyz 10 20 30 0 0 0 1\nbmesh b.xyz 10 20 30 0 0 -0.70710678 0.70710678\n\n");
+  const auto conf = folder.put(
+      "part.conf",
+      "camera 0 0 0 0 0 0 1\nbmesh a.xyz 10 20 30 0 0 0 1\nbmesh b.xyz 10 20 30 0 0 -0.70710678 0.70710678\n\n");
   const auto scan = scan_of({conf});
   CHECK((scan.cloud.points[0] - Vec3(11, 22, 33)).norm() < 1e-12);
   CHECK((scan.cloud.points[1] - Vec3(11, 22, 33)).norm() < 1e-6);
@@ -335,15 +353,18 @@ TEST_CASE("read_scan: bad inputs are refused in one line that names file and pla
       {view(R"("ply": 5)"), "views[0].ply: expected a file name, found 5"},
       {view(R"("ply": "lost.ply")"), "lost.ply"},
       {view(R"("ply": "p.xyz", "camera_to_world": [1, 2, 3])"), "camera_to_world: expected a 4 x 4 matrix"},
-      {view(R"("ply": "p.xyz", "camera_to_world": [[2,0,0,0],[0,2,0,0],[0,0,2,0],[0,0,0,1]])"), "expected a rotation without scale or mirror"},
-      {view(R"("ply": "p.xyz", "camera_to_world": [[-1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]])"), "expected a rotation without scale or mirror"},
+      {view(R"("ply": "p.xyz", "camera_to_world": [[2,0,0,0],[0,2,0,0],[0,0,2,0],[0,0,0,1]])"),
+       "expected a rotation without scale or mirror"},
+      {view(R"("ply": "p.xyz", "camera_to_world": [[-1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]])"),
+       "expected a rotation without scale or mirror"},
       {view(R"("png": "r.png", "z0": 1, "q": 1)"), "expected K or fx, fy, cx, cy (pinhole)"},
       {view(R"("png": "r.png", "q": 1)"), "views[0].z0: expected a number, found nothing"},
       {view(R"("png": "r.png", "z0": 1, "q": 0)"), "views[0].q: expected a step other than 0, found 0"},
       {view(R"("png": "r.png", "z0": 1, "q": 1, "K": [[1, 0], [0, 1]])"), "views[0].K: expected a 3 x 3 matrix"},
       {view(R"("png": "r.png", "z0": 1, "q": 1, "width": 9)"), "views[0].width: expected 1 as r.png has, found 9"},
       {view(R"("png": "r.png", "invalid_code": 70000)"), "invalid_code: expected a code from 0 to 65535"},
-      {view(R"("png": "none.png", "z0": 1, "q": 1, "fx": 1, "fy": 1, "cx": 0, "cy": 0)"), "expected points, found not one return in all images"},
+      {view(R"("png": "none.png", "z0": 1, "q": 1, "fx": 1, "fy": 1, "cx": 0, "cy": 0)"),
+       "expected points, found not one return in all images"},
   };
   for (const auto& [text, message] : bad) {
     CAPTURE(text.substr(0, 200));
@@ -352,6 +373,7 @@ TEST_CASE("read_scan: bad inputs are refused in one line that names file and pla
   CHECK_THAT(failure_of({folder.directory.path() / "r.png"}), Catch::Contains("r.png: expected r.json beside it"));
   CHECK_THAT(failure_of({folder.directory.path() / "lost.stl"}), Catch::Contains("lost.stl"));
   CHECK_THAT(failure_of({folder.directory.path()}), Catch::Contains("expected scan.json in this folder"));
-  CHECK_THAT(failure_of({folder.put("bad.conf", "bmesh p.xyz 1 2 3\n")}), Catch::Contains("line 1: expected a file, tx ty tz and qi qj qk qw, found 4 words"));
+  CHECK_THAT(failure_of({folder.put("bad.conf", "bmesh p.xyz 1 2 3\n")}),
+             Catch::Contains("line 1: expected a file, tx ty tz and qi qj qk qw, found 4 words"));
   CHECK_THAT(failure_of({}), Catch::Contains("expected a file or folder"));
 }

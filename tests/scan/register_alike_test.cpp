@@ -1,5 +1,5 @@
 /// Parts that look alike from several sides: views come to the right one, or it is said that nothing tells.
-#include "scan/register_alike.h"
+#include "scan/register/register_alike.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "core/number.h"
-#include "scan/register.h"
-#include "scan/register_pair.h"
-#include "scan/simulate.h"
+#include "scan/register/register.h"
+#include "scan/register/register_pair.h"
+#include "scan/simulate/simulate.h"
 #include "tests/scan/register_cases.h"
 
 using namespace partscribe;
@@ -19,14 +19,16 @@ namespace {
 
 /// All views of a part at their true poses, and which of them could stand on other sides.
 struct SidesOf {
-  explicit SidesOf(const Surface& part) : scan(scan_of(part, small(), 0, 0)), surfaces(view_surfaces(scan.views, 1500, context)), all(surfaces.size()) {
+  explicit SidesOf(const Surface& part)
+      : scan(scan_of(part, small(), 0, 0)), surfaces(view_surfaces(scan.views, 1500, context)), all(surfaces.size()) {
     std::iota(all.begin(), all.end(), 0);
   }
   AlikeSides at(const std::vector<Pose>& poses) { return alike_sides(surfaces, poses, all, context); }
   /// Views that are not in any of these, of which there must be two at least, lie as in truth to each other.
   void check_told(const std::vector<Pose>& poses, const std::vector<std::size_t>& open) const {
     std::vector<std::size_t> told;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(told), [&](std::size_t v) { return std::find(open.begin(), open.end(), v) == open.end(); });
+    std::copy_if(all.begin(), all.end(), std::back_inserter(told),
+                 [&](std::size_t v) { return std::find(open.begin(), open.end(), v) == open.end(); });
     REQUIRE(told.size() >= 2);
     const Pose back = scan.truth[told[0]] * poses[told[0]].inverse();
     for (const std::size_t v : told) CHECK(same_place(surfaces[v], back * poses[v], scan.truth[v], 0.05, 1));
@@ -38,11 +40,15 @@ struct SidesOf {
   std::vector<std::size_t> all;
 };
 
-bool about_z(const AlikeTurn& a) { return rotation_vector(a.turn.rotation).normalized().cross(Vec3::UnitZ()).norm() < 0.01; }
+bool about_z(const AlikeTurn& a) {
+  return rotation_vector(a.turn.rotation).normalized().cross(Vec3::UnitZ()).norm() < 0.01;
+}
 
 }  // namespace
 
-TEST_CASE("register: without any poses a part alike from two sides is put together, and views that show no difference are named") {
+TEST_CASE(
+    "register: without any poses a part alike from two sides is put together, and views that show no difference are "
+    "named") {
   SimulateOptions scanner;
   scanner.views = "cube", scanner.resolution = 100, scanner.sigma = 0.03, scanner.bit_error = 0.002, scanner.seed = 3;
   const Case scan = scan_of(block_alike_from_two_sides(1), scanner, 0, 0);
@@ -55,7 +61,8 @@ TEST_CASE("register: without any poses a part alike from two sides is put togeth
 }
 
 TEST_CASE("register: without any poses a part alike from three sides is put together by all views at once") {
-  // Two of three arrangements held against each other at a time leave views a third of a turn round here, or upside down.
+  // Two of three arrangements held against each other at a time leave views a third of a turn round here, or upside
+  // down.
   SimulateOptions scanner;
   scanner.views = "cube", scanner.resolution = 140, scanner.sigma = 0.08, scanner.bit_error = 0.002, scanner.seed = 3;
   const Case scan = scan_of(prism_alike_from_sides(3, 2), scanner, 0, 0);
@@ -69,7 +76,9 @@ TEST_CASE("register: without any poses a part alike from three sides is put toge
   }
 }
 
-TEST_CASE("register: without any poses views of a part alike from several sides are refused where they slide, or come to lie upon one another") {
+TEST_CASE(
+    "register: without any poses views of a part alike from several sides are refused where they slide, or come to lie "
+    "upon one another") {
   SimulateOptions scanner;
   scanner.views = "8", scanner.resolution = 80, scanner.sigma = 0.05, scanner.bit_error = 0.002, scanner.seed = 2;
   const Registration sliding = run_from_nothing(scan_of(prism_alike_from_sides(3, 2), scanner, 0, 0));
@@ -95,7 +104,8 @@ TEST_CASE("register: of views on both sides of a part alike from two sides those
   const std::vector<Pose>& truth = block.scan.truth;
   const AlikeSides right = block.at(truth);
   CHECK(right.better.empty());
-  const auto it = std::find_if(right.turns.begin(), right.turns.end(), [](const AlikeTurn& a) { return about_z(a) && !a.open.empty(); });
+  const auto it = std::find_if(right.turns.begin(), right.turns.end(),
+                               [](const AlikeTurn& a) { return about_z(a) && !a.open.empty(); });
   const std::vector<std::size_t> open = it == right.turns.end() ? std::vector<std::size_t>() : it->open;
   CHECK(open.size() <= 6);  // all but those from where the corner is seen
   // Whoever tells its side comes back to it.
@@ -119,13 +129,16 @@ TEST_CASE("register: views on three sides of a part alike from three come to one
   for (const AlikeTurn& turn : right.turns) open.insert(open.end(), turn.open.begin(), turn.open.end());
   // Every view a third of a turn farther than the one before.
   std::vector<Pose> poses = prism.scan.truth;
-  for (const std::size_t v : prism.all) poses[v] = Pose{rotation_of(2 * pi / 3 * static_cast<double>(v % 3) * Vec3::UnitZ()), Vec3::Zero()} * poses[v];
+  for (const std::size_t v : prism.all)
+    poses[v] = Pose{rotation_of(2 * pi / 3 * static_cast<double>(v % 3) * Vec3::UnitZ()), Vec3::Zero()} * poses[v];
   for (int round = 0; round < 4; ++round)  // turns are told by surfaces that lie where they should
     if (AlikeSides sides = prism.at(poses); !sides.better.empty()) poses = std::move(sides.better);
   prism.check_told(poses, open);
 }
 
-TEST_CASE("register: a block that nothing turns onto itself is not alike after any turn, and a cylinder only from end to end") {
+TEST_CASE(
+    "register: a block that nothing turns onto itself is not alike after any turn, and a cylinder only from end to "
+    "end") {
   SidesOf cut(cut_block()), round(cylinder());
   const AlikeSides block = cut.at(cut.scan.truth);
   CHECK(!block.any_open());

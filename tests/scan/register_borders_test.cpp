@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "core/number.h"
-#include "scan/filter.h"
-#include "scan/register.h"
-#include "scan/register_surface.h"
-#include "scan/simulate.h"
+#include "scan/filter/filter.h"
+#include "scan/register/register.h"
+#include "scan/register/register_surface.h"
+#include "scan/simulate/simulate.h"
 #include "tests/scan/register_cases.h"
 
 using namespace partscribe;
@@ -75,7 +75,8 @@ TEST_CASE("register: borders are measured from where noise has not rounded the e
   const Pose back = truth_from_found(scan, found);
   double farther = 0;  // than they stood, on the mean; their directions add up to nothing
   for (std::size_t v = 0; v < truth.size(); ++v) {
-    const Vec3 middle = found.center, off = back * found.views[v].world_from_view * truth[v].inverse() * middle - middle;
+    const Vec3 middle = found.center,
+               off = back * found.views[v].world_from_view * truth[v].inverse() * middle - middle;
     farther -= off.dot(truth[v].rotation.col(2)) / double(truth.size());
   }
   INFO(farther << " mm, pixel " << pixel);
@@ -85,14 +86,16 @@ TEST_CASE("register: borders are measured from where noise has not rounded the e
 TEST_CASE("register: where surfaces fix nothing they do not pull against the borders") {
   // Of a plate each view sees one side and some of the rim: what lies between the sides only borders tell.
   std::vector<Side> sides{{Vec3::UnitZ(), 5}, {-Vec3::UnitZ(), 5}};
-  for (int k = 0; k < 7; ++k) sides.push_back({Vec3(std::cos(0.9 * k + 0.1 * k * k), std::sin(0.9 * k + 0.1 * k * k), 0), 17.0 + k});
+  for (int k = 0; k < 7; ++k)
+    sides.push_back({Vec3(std::cos(0.9 * k + 0.1 * k * k), std::sin(0.9 * k + 0.1 * k * k), 0), 17.0 + k});
   const Surface plate = convex(sides, 30);
   Context context;
   context.threads = 2;
   double squares = 0, variances = 0, pixel = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SimulateOptions options = small();
-    options.resolution = 100, options.sigma = 0.08, options.seed = seed, options.pose_noise_angle = 0.03, options.pose_noise_shift = 0.5;
+    options.resolution = 100, options.sigma = 0.08, options.seed = seed, options.pose_noise_angle = 0.03,
+    options.pose_noise_shift = 0.5;
     const SimulatedScan scan = simulate(plate, options, context);
     const Registration found = run(guessed_views(scan, context));
     REQUIRE(count(found, ViewStatus::registered) == 7);
@@ -126,21 +129,23 @@ TEST_CASE("register: rejected returns inside a face are no border") {
 }
 
 TEST_CASE("register: an edge broken by a narrow chamfer tells nothing of the faces beside it") {
-  // Views from above and from below share the sides alone; how far the two ends are apart only borders tell. Those of an end are the inner
-  // edges of its chamfers, and the part came out thinner by a chamfer's width, to a twentieth of a pixel. Where enough of the chamfer is
-  // seen its own plane tells; else nothing does, and that is said.
+  // Views from above and from below share the sides alone; how far the two ends are apart only borders tell. Those of
+  // an end are the inner edges of its chamfers, and the part came out thinner by a chamfer's width, to a twentieth of a
+  // pixel. Where enough of the chamfer is seen its own plane tells; else nothing does, and that is said.
   struct Expected {
     double chamfer;  // mm, along either face; a pixel is one
     const char* views;
     bool known;
   };
-  const auto [chamfer, arrangement, known] = GENERATE(Expected{0, "cube", true}, Expected{1, "cube", false}, Expected{1.25, "12", true});
+  const auto [chamfer, arrangement, known] =
+      GENERATE(Expected{0, "cube", true}, Expected{1, "cube", false}, Expected{1.25, "12", true});
   std::vector<Side> sides{{Vec3::UnitZ(), 19}, {-Vec3::UnitZ(), 19}};
   for (int k = 0; k < 7; ++k) {
     const double angle = 0.3 + 2 * pi * k / 7 + 0.05 * k * (k % 3), far = 13 + k % 2;
     const Vec3 side(std::cos(angle), std::sin(angle), 0);
     sides.push_back({side, far});
-    for (const Vec3& end : {Vec3(0, 0, 1), Vec3(0, 0, -1)}) sides.push_back({(side + end).normalized(), (far + 19 - chamfer) / std::sqrt(2.0)});
+    for (const Vec3& end : {Vec3(0, 0, 1), Vec3(0, 0, -1)})
+      sides.push_back({(side + end).normalized(), (far + 19 - chamfer) / std::sqrt(2.0)});
   }
   Context context;
   context.threads = 2;
@@ -155,7 +160,8 @@ TEST_CASE("register: an edge broken by a narrow chamfer tells nothing of the fac
   INFO("chamfer " << chamfer << " mm: " << thicker << " mm thicker, pixel " << pixel);
   if (known) CHECK(std::abs(thicker) < 0.05 * pixel);
   const Pose back = truth_from_found(scan, found);
-  const bool declared = std::any_of(found.free_motions.begin(), found.free_motions.end(),
-                                    [&](const FreeMotion& m) { return !m.turns && std::abs((back.rotation * m.axis).z()) > 0.99; });
+  const bool declared = std::any_of(found.free_motions.begin(), found.free_motions.end(), [&](const FreeMotion& m) {
+    return !m.turns && std::abs((back.rotation * m.axis).z()) > 0.99;
+  });
   CHECK(declared != known);
 }

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "bench/registration/sides.h"
-#include "scan/register_pair.h"
+#include "scan/register/register_pair.h"
 
 namespace partscribe::registration_cases {
 
@@ -59,7 +59,8 @@ Registration run_from_nothing(Case scan) {
 }
 
 int count(const Registration& registration, ViewStatus status) {
-  return static_cast<int>(std::count_if(registration.views.begin(), registration.views.end(), [&](const auto& v) { return v.status == status; }));
+  return static_cast<int>(std::count_if(registration.views.begin(), registration.views.end(),
+                                        [&](const auto& v) { return v.status == status; }));
 }
 
 }  // namespace partscribe::registration_cases

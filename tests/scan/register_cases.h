@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "bench/registration/parts.h"
-#include "scan/register.h"
-#include "scan/simulate.h"
+#include "scan/register/register.h"
+#include "scan/simulate/simulate.h"
 
 namespace partscribe::registration_cases {
 
@@ -25,8 +25,8 @@ Registration run(const std::vector<RegisterView>& views, const RegisterOptions& 
 /// Of views whose poses are forgotten.
 Registration run_from_nothing(Case scan);
 
-/// Largest rotation and shift off the truth, relative to the reference view; views that were said to fit in several places are taken in the
-/// best of these.
+/// Largest rotation and shift off the truth, relative to the reference view; views that were said to fit in several
+/// places are taken in the best of these.
 struct Off {
   double angle = 0, shift = 0;
 };

@@ -1,12 +1,13 @@
 /// Which views may be used where they have come to lie, and why others may not.
+#include "scan/register/register_judge.h"
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
 
 #include "core/number.h"
-#include "scan/register_free.h"
-#include "scan/register_judge.h"
+#include "scan/register/register_free.h"
 #include "tests/scan/register_cases.h"
 
 using namespace partscribe;
@@ -47,14 +48,18 @@ std::vector<RegisteredView> judged(const Scene& scene, const JointResult& joint,
 }
 
 std::size_t refused(const std::vector<RegisteredView>& views) {
-  return static_cast<std::size_t>(std::count_if(views.begin(), views.end(), [](const RegisteredView& v) { return v.status == ViewStatus::refused; }));
+  return static_cast<std::size_t>(std::count_if(
+      views.begin(), views.end(), [](const RegisteredView& v) { return v.status == ViewStatus::refused; }));
 }
 
-bool says(const RegisteredView& view, const char* words) { return view.status == ViewStatus::refused && view.reason.find(words) != std::string::npos; }
+bool says(const RegisteredView& view, const char* words) {
+  return view.status == ViewStatus::refused && view.reason.find(words) != std::string::npos;
+}
 
 std::vector<Side> prism(int sides, double radius, double low, double high) {
   std::vector<Side> result{{Vec3::UnitZ(), high}, {-Vec3::UnitZ(), -low}};
-  for (int k = 0; k < sides; ++k) result.push_back({Vec3(std::cos(2 * pi * k / sides), std::sin(2 * pi * k / sides), 0), radius});
+  for (int k = 0; k < sides; ++k)
+    result.push_back({Vec3(std::cos(2 * pi * k / sides), std::sin(2 * pi * k / sides), 0), radius});
   return result;
 }
 
@@ -96,7 +101,9 @@ TEST_CASE("judge: without guesses hardly anything may have been looked through")
   // A drum with a post: where a view is turned about the drum, two hundredths of it stand where another looked past.
   SimulateOptions scanner = small();
   scanner.resolution = 140;
-  const Scene scene = scene_of(scan_of(drum_with({{{9, 0, 3}, 4.5}, {{12, 0, 3}, 4.5}, {{15, 0, 3}, 4.5}, {{18, 0, 3}, 4.5}}, {23, 23, 15}), scanner, 0, 0));
+  const Scene scene = scene_of(
+      scan_of(drum_with({{{9, 0, 3}, 4.5}, {{12, 0, 3}, 4.5}, {{15, 0, 3}, 4.5}, {{18, 0, 3}, 4.5}}, {23, 23, 15}),
+              scanner, 0, 0));
   constexpr std::size_t turned = 1;
   std::vector<Pose> poses = scene.scan.truth;
   poses[turned] = Pose{rotation_of(0.4 * Vec3::UnitZ()), Vec3::Zero()} * poses[turned];
@@ -116,13 +123,15 @@ TEST_CASE("judge: without guesses a view on a wrong face is told by what faces s
   constexpr std::size_t slid = 11;
   std::vector<Pose> poses = scene.scan.truth;
   const ViewSurface& surface = scene.surfaces[slid];
-  poses[slid] = Pose{Mat3::Identity(), 0.2 * surface.radius * (poses[slid].rotation * surface.raster.axes.col(0))} * poses[slid];
+  poses[slid] =
+      Pose{Mat3::Identity(), 0.2 * surface.radius * (poses[slid].rotation * surface.raster.axes.col(0))} * poses[slid];
   const JointResult joint = known_of(scene, poses);
   CHECK(says(judged(scene, joint, Arrangement::unknown)[slid], "saw nothing there"));
   CHECK(judged(scene, joint, Arrangement::guessed)[slid].status == ViewStatus::registered);
 }
 
-TEST_CASE("judge: a pose that is hardly known is no pose where nobody guessed it, nor one that a handful of places hold") {
+TEST_CASE(
+    "judge: a pose that is hardly known is no pose where nobody guessed it, nor one that a handful of places hold") {
   const Scene scene = scene_of(scan_of(cut_block(), small(), 0, 0));
   const JointResult known = known_of(scene, scene.scan.truth);
   constexpr std::size_t view = 3;
@@ -139,10 +148,12 @@ TEST_CASE("judge: a pose that is hardly known is no pose where nobody guessed it
   CHECK(says(views[view], "mm only, and no guess says where it lies"));
 
   joint = known, joint.matches[view] = 49;
-  CHECK(says(judged(scene, joint, Arrangement::guessed)[view], "only 49 places of its surface lie on that of other views, expected 50"));
+  CHECK(says(judged(scene, joint, Arrangement::guessed)[view],
+             "only 49 places of its surface lie on that of other views, expected 50"));
 }
 
-TEST_CASE("judge: views that are free together are moved to where nothing contradicts them, and stay where nothing does") {
+TEST_CASE(
+    "judge: views that are free together are moved to where nothing contradicts them, and stay where nothing does") {
   const Scene scene = tower_from_around();
   Context context;
   CHECK_FALSE(any_in_trouble(scene.surfaces, scene.scan.truth, scene.all));

@@ -1,4 +1,6 @@
 /// Views of known poses are found again, and what cannot be known is said.
+#include "scan/register/register.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -7,14 +9,13 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "scan/filter.h"
-#include "scan/register.h"
-#include "scan/register_joint.h"
-#include "scan/register_pair.h"
-#include "scan/register_paper.h"
-#include "scan/register_planes.h"
-#include "scan/register_start.h"
-#include "scan/simulate.h"
+#include "scan/filter/filter.h"
+#include "scan/register/register_joint.h"
+#include "scan/register/register_pair.h"
+#include "scan/register/register_paper.h"
+#include "scan/register/register_planes.h"
+#include "scan/register/register_start.h"
+#include "scan/simulate/simulate.h"
 #include "tests/scan/register_cases.h"
 
 using namespace partscribe;
@@ -54,7 +55,8 @@ TEST_CASE("register: a stated sigma is of the size of the error") {
     const Pose back = scan.truth[0] * found.views[0].world_from_view.inverse();
     for (std::size_t v = 1; v < scan.truth.size(); ++v) {
       const Pose d = back * found.views[v].world_from_view * scan.truth[v].inverse();
-      const double z = rotation_vector(d.rotation).squaredNorm() / found.views[v].covariance.topLeftCorner<3, 3>().trace();
+      const double z =
+          rotation_vector(d.rotation).squaredNorm() / found.views[v].covariance.topLeftCorner<3, 3>().trace();
       sum += z, most = std::max(most, z), ++n;
     }
   }
@@ -119,7 +121,9 @@ TEST_CASE("register: without any poses a view that may slide and turn is refused
   CHECK(count(found, ViewStatus::refused) < 4);
   for (std::size_t v = 0; v < scan.views.size(); ++v) {
     INFO("view " << v << ": " << found.views[v].reason);
-    const auto own = std::count_if(found.free_motions.begin(), found.free_motions.end(), [&](const FreeMotion& m) { return std::count(m.views.begin(), m.views.end(), v) > 0; });
+    const auto own = std::count_if(found.free_motions.begin(), found.free_motions.end(), [&](const FreeMotion& m) {
+      return std::count(m.views.begin(), m.views.end(), v) > 0;
+    });
     CHECK((found.views[v].status == ViewStatus::refused || own < 2));
   }
   CHECK(off_truth(found, scan.truth).angle < 0.02);
@@ -134,7 +138,8 @@ TEST_CASE("register: beside creases views do not contradict each other at their 
   std::iota(all.begin(), all.end(), 0);
   const double reach = confirm_reach(surfaces);
   for (const std::size_t v : all) {
-    CHECK(agreement(surfaces, scan.truth, v, scan.truth[v], all, reach, 1500, Creases::left_out).disagreement() < 0.005);
+    CHECK(agreement(surfaces, scan.truth, v, scan.truth[v], all, reach, 1500, Creases::left_out).disagreement() <
+          0.005);
     const Vec3 middle = scan.truth[v] * surfaces[v].center;
     const Mat3 turn = rotation_of(0.5 * Vec3(1, 1, 1).normalized());
     const Pose turned = Pose{turn, middle - turn * middle} * scan.truth[v];
@@ -159,11 +164,14 @@ TEST_CASE("register: planes of a view are its faces, and lay one view onto anoth
   // The view beside it shares two faces at least; one of the poses is near enough to start from.
   std::size_t beside = 1;
   for (std::size_t v = 1; v < block.truth.size(); ++v)
-    if (block.truth[v].rotation.col(2).dot(block.truth[0].rotation.col(2)) > block.truth[beside].rotation.col(2).dot(block.truth[0].rotation.col(2))) beside = v;
+    if (block.truth[v].rotation.col(2).dot(block.truth[0].rotation.col(2)) >
+        block.truth[beside].rotation.col(2).dot(block.truth[0].rotation.col(2)))
+      beside = v;
   const auto poses = plane_poses(planes_of(surfaces[beside], 12), first, surfaces, beside, 0, 0.2, 16);
   const Pose truth = block.truth[0].inverse() * block.truth[beside];
   CHECK(std::any_of(poses.begin(), poses.end(), [&](const Pose& p) {
-    return rotation_vector(truth.rotation.transpose() * p.rotation).norm() < 0.05 && (p * surfaces[beside].center - truth * surfaces[beside].center).norm() < 0.2 * surfaces[beside].radius;
+    return rotation_vector(truth.rotation.transpose() * p.rotation).norm() < 0.05 &&
+           (p * surfaces[beside].center - truth * surfaces[beside].center).norm() < 0.2 * surfaces[beside].radius;
   }));
 }
 
@@ -173,7 +181,8 @@ TEST_CASE("register: a cylinder turns about its axis, and that is said") {
   const Case scan = scan_of(cylinder(), options, 0.05, 0.5);
   const Registration found = run(scan.views);
   REQUIRE(found.free_motions.size() >= 1);
-  const auto turning = std::find_if(found.free_motions.begin(), found.free_motions.end(), [](const FreeMotion& m) { return m.turns; });
+  const auto turning =
+      std::find_if(found.free_motions.begin(), found.free_motions.end(), [](const FreeMotion& m) { return m.turns; });
   REQUIRE(turning != found.free_motions.end());
   CHECK(turning->views.size() == 7);
   CHECK(turning->words.find("turn about") != std::string::npos);
@@ -211,7 +220,8 @@ TEST_CASE("register: views come out truer from filtered images") {
   const SimulatedScan scan = simulate(drum_with_bumps(), options, context);
   std::vector<RangeImage> images;
   std::vector<Pose> truth;
-  for (const SimulatedView& view : scan.views) images.push_back(view.image), truth.push_back(view.image.world_from_view);
+  for (const SimulatedView& view : scan.views)
+    images.push_back(view.image), truth.push_back(view.image.world_from_view);
   const auto with_guesses = [&](std::vector<RegisterView> views) {
     for (std::size_t v = 0; v < views.size(); ++v) views[v].guess = scan.views[v].initial_guess;
     return views;
@@ -236,10 +246,13 @@ TEST_CASE("register: the surface of a filtered view is the same whether its bord
   const auto with = view_surfaces(views, 800, context, true), without = view_surfaces(views, 800, context, false);
   for (std::size_t v = 0; v < views.size(); ++v) {
     CHECK((!with[v].contour.empty() && without[v].contour.empty()));
-    CHECK((with[v].points == without[v].points && with[v].measured == without[v].measured && with[v].normals == without[v].normals));
-    CHECK((with[v].smooth == without[v].smooth && with[v].variance == without[v].variance && with[v].pixels == without[v].pixels));
+    CHECK((with[v].points == without[v].points && with[v].measured == without[v].measured &&
+           with[v].normals == without[v].normals));
+    CHECK((with[v].smooth == without[v].smooth && with[v].variance == without[v].variance &&
+           with[v].pixels == without[v].pixels));
     CHECK((with[v].samples == without[v].samples && with[v].raster.depth == without[v].raster.depth));
-    CHECK((with[v].sigma == without[v].sigma && with[v].spacing == without[v].spacing && with[v].rejected == without[v].rejected));
+    CHECK((with[v].sigma == without[v].sigma && with[v].spacing == without[v].spacing &&
+           with[v].rejected == without[v].rejected));
   }
 }
 
@@ -250,11 +263,13 @@ TEST_CASE("register: places as measured mend what the filter does where surfaces
   double with = 0, without = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SimulateOptions options = small();
-    options.resolution = 128, options.sigma = 0.05, options.seed = seed, options.pose_noise_angle = 0.02, options.pose_noise_shift = 0.3;
+    options.resolution = 128, options.sigma = 0.05, options.seed = seed, options.pose_noise_angle = 0.02,
+    options.pose_noise_shift = 0.3;
     const SimulatedScan scan = simulate(drum_with_bumps(), options, context);
     std::vector<RangeImage> images;
     std::vector<Pose> truth;
-    for (const SimulatedView& view : scan.views) images.push_back(view.image), truth.push_back(view.image.world_from_view);
+    for (const SimulatedView& view : scan.views)
+      images.push_back(view.image), truth.push_back(view.image.world_from_view);
     auto views = views_to_register(scan.merged, images, context);
     for (std::size_t v = 0; v < views.size(); ++v) views[v].guess = scan.views[v].initial_guess;
     const auto off = [&] {
@@ -293,7 +308,8 @@ TEST_CASE("register: a view of another part is refused") {
   CHECK(off_truth(found, scan.truth).angle < 0.3 * pi / 180);
 }
 
-TEST_CASE("register: two views of balls of different radius are no pair, although a cap of one nearly lies on the other") {
+TEST_CASE(
+    "register: two views of balls of different radius are no pair, although a cap of one nearly lies on the other") {
   const auto options = small();
   const Case one = scan_of(ball(20), options, 0, 0);
   for (const double radius : {20.0, 22.0}) {
@@ -412,7 +428,8 @@ TEST_CASE("register: a pair of views comes to one place from wherever it starts"
       CHECK(off_truth(result, {scan.truth[0], scan.truth[1]}).angle < 0.3 * pi / 180);
       found.push_back(result.views[1].world_from_view);
     }
-  for (const Pose& pose : found) CHECK(rotation_vector(found[0].rotation.transpose() * pose.rotation).norm() < 0.03 * pi / 180);
+  for (const Pose& pose : found)
+    CHECK(rotation_vector(found[0].rotation.transpose() * pose.rotation).norm() < 0.03 * pi / 180);
 }
 
 TEST_CASE("register: a pair of views far off has the same bytes for any number of threads") {
@@ -435,7 +452,8 @@ TEST_CASE("register: what a free motion would displace floats, and what it leave
   registration.free_motions = {slide};
   PointCloud cloud;
   for (const std::int32_t view : {0, 1, 2})
-    for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(0, 0, 1)}) cloud.points.push_back({3, 2, 1}), cloud.normals.push_back(normal), cloud.view.push_back(view);
+    for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(0, 0, 1)})
+      cloud.points.push_back({3, 2, 1}), cloud.normals.push_back(normal), cloud.view.push_back(view);
   CHECK(floating_points(registration, cloud, 1) == std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0});
   // Two of three that slide together: the third may as well have slid.
   registration.free_motions[0].views = {1, 2};
@@ -474,7 +492,8 @@ TEST_CASE("register: views are taken apart and put together again") {
   const Pose moved{rotation_of(Vec3(0.1, 0.2, 0.3)), Vec3(5, 6, 7)};
   for (const auto& view : views) {
     registration.views.emplace_back();
-    registration.views.back().world_from_view = moved * *view.guess, registration.views.back().status = ViewStatus::registered;
+    registration.views.back().world_from_view = moved * *view.guess,
+    registration.views.back().status = ViewStatus::registered;
   }
   registration.views[2].status = ViewStatus::refused;
   const PointCloud before = scan.merged.cloud;
@@ -495,7 +514,8 @@ TEST_CASE("register: the closed form of the paper finds a motion exactly") {
   Random random(3);
   const Pose motion{rotation_of(Vec3(0.4, -1.2, 0.7)), Vec3(3, -4, 5)};
   std::vector<Vec3> from, to;
-  for (int k = 0; k < 12; ++k) from.emplace_back(random.normal(), random.normal(), random.normal()), to.push_back(motion * from.back());
+  for (int k = 0; k < 12; ++k)
+    from.emplace_back(random.normal(), random.normal(), random.normal()), to.push_back(motion * from.back());
   const Pose found = closest_motion(from, to);
   CHECK((found.rotation - motion.rotation).norm() < 1e-12);
   CHECK((found.translation - motion.translation).norm() < 1e-12);

@@ -16,14 +16,15 @@ namespace {
 /// A table that turns a part before a sensor, which looks along z.
 struct Table {
   Vec3 point, axis;
-  Pose table_from_part;         ///< z of the table is the sensor's; at the first view
-  std::vector<double> turned;   ///< rad, of each view against the first; first_from_view
-  double depth_scale = 1;       ///< what the sensor makes of depths
-  double sigma = 0;             ///< mm along z
-  int pixels = 100;             ///< across 45 mm
+  Pose table_from_part;        ///< z of the table is the sensor's; at the first view
+  std::vector<double> turned;  ///< rad, of each view against the first; first_from_view
+  double depth_scale = 1;      ///< what the sensor makes of depths
+  double sigma = 0;            ///< mm along z
+  int pixels = 100;            ///< across 45 mm
 };
 
-/// `plate`: mm below the middle of the part, where the table's own surface ends what the sensor sees; 0: it does not show.
+/// `plate`: mm below the middle of the part, where the table's own surface ends what the sensor sees; 0: it does not
+/// show.
 std::vector<RegisterView> seen_on(const Table& table, const Surface& part, double plate = 0, double width = 45) {
   std::vector<RegisterView> views(table.turned.size());
   Random random(7);
@@ -37,7 +38,8 @@ std::vector<RegisterView> seen_on(const Table& table, const Surface& part, doubl
     const int size = table.pixels;
     views[k].width = views[k].height = size;
     for (int pixel = 0; pixel < size * size; ++pixel) {
-      const Vec3 from((pixel % size - 0.5 * (size - 1)) * width / size + 2, (pixel / size - 0.5 * (size - 1)) * width / size, 0);
+      const Vec3 from((pixel % size - 0.5 * (size - 1)) * width / size + 2,
+                      (pixel / size - 0.5 * (size - 1)) * width / size, 0);
       const auto hit = part.first_hit(part_from_view * from, part_from_view.rotation * Vec3::UnitZ());
       double distance = hit ? hit->distance : 1e30;
       if (plate > 0) distance = std::min(distance, up.dot(foot - from) / up.z());
@@ -67,10 +69,12 @@ Surface rough_drum() {
   return drum_with(bumps, {11, 11, 16});
 }
 
-/// Stands upright in the sensor's y, half a millimetre beside the middle of a table that leans a little; turned by unequal steps.
+/// Stands upright in the sensor's y, half a millimetre beside the middle of a table that leans a little; turned by
+/// unequal steps.
 Table uneven_table() {
   const double degree = pi / 180;
-  Table table{Vec3(2, 0, 40), Vec3(0.02, 1, -0.05).normalized(), {}, {0, 31 * degree, 55 * degree, 96 * degree, 123 * degree}};
+  Table table{
+      Vec3(2, 0, 40), Vec3(0.02, 1, -0.05).normalized(), {}, {0, 31 * degree, 55 * degree, 96 * degree, 123 * degree}};
   table.table_from_part = {rotation_of(Vec3(pi / 2 + 0.03, 0, 0)), table.point + Vec3(0.4, 0, 0.3)};
   table.sigma = 0.02, table.pixels = 200;
   return table;
@@ -82,7 +86,8 @@ void check_steps(const Registration& found, const Table& table, double degrees_o
   CHECK(found.turntable->step_observed);
   const double sign = found.turntable->axis.dot(table.axis) < 0 ? -1 : 1;
   for (std::size_t k = 0; k + 1 < table.turned.size(); ++k)
-    CHECK(sign * found.turntable->steps[k] * 180 / pi == Approx((table.turned[k + 1] - table.turned[k]) * 180 / pi).margin(degrees_off));
+    CHECK(sign * found.turntable->steps[k] * 180 / pi ==
+          Approx((table.turned[k + 1] - table.turned[k]) * 180 / pi).margin(degrees_off));
 }
 
 }  // namespace
@@ -90,7 +95,8 @@ void check_steps(const Registration& found, const Table& table, double degrees_o
 TEST_CASE("register: a turntable's axis and step are found from views without poses") {
   const Vec3 point(4, -3, 60), axis = Vec3(0.1, 0.95, 0.2).normalized();
   const double step = 35 * pi / 180;
-  const Registration found = run(seen_on({point, axis, {Mat3::Identity(), Vec3(0, 0, 60)}, {0, step, 2 * step, 3 * step}}, balls()), on_table());
+  const Registration found = run(
+      seen_on({point, axis, {Mat3::Identity(), Vec3(0, 0, 60)}, {0, step, 2 * step, 3 * step}}, balls()), on_table());
   REQUIRE(found.turntable);
   CHECK(found.turntable->step_observed);
   CHECK(found.turntable->steps.empty());
@@ -102,7 +108,10 @@ TEST_CASE("register: a turntable's axis and step are found from views without po
 
 TEST_CASE("register: a table that shows in every view tells no step, the part on it does") {
   const double step = 35 * pi / 180;
-  Table table{Vec3(4, -3, 60), Vec3(0.05, 0.7, -0.7).normalized(), {Mat3::Identity(), Vec3(0, 0, 60)}, {0, step, 2 * step, 3 * step}};
+  Table table{Vec3(4, -3, 60),
+              Vec3(0.05, 0.7, -0.7).normalized(),
+              {Mat3::Identity(), Vec3(0, 0, 60)},
+              {0, step, 2 * step, 3 * step}};
   table.sigma = 0.02;
   const Registration found = run(seen_on(table, balls(), 12, 90), on_table());
   REQUIRE(found.turntable);
@@ -111,7 +120,8 @@ TEST_CASE("register: a table that shows in every view tells no step, the part on
   CHECK(std::abs(found.turntable->axis.dot(table.axis)) > 0.9995);
   CHECK((found.turntable->point - table.point).cross(table.axis).norm() < 0.3);
   CHECK(count(found, ViewStatus::registered) == 3);
-  CHECK(std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& w) { return w.find("stands still") != std::string::npos; }));
+  CHECK(std::any_of(found.warnings.begin(), found.warnings.end(),
+                    [](const auto& w) { return w.find("stands still") != std::string::npos; }));
 }
 
 TEST_CASE("register: a table with nothing on it, or with what looks alike from all sides, is no turntable of steps 0") {
@@ -121,8 +131,10 @@ TEST_CASE("register: a table with nothing on it, or with what looks alike from a
   for (const Surface& part : {ball(0.1), ball(10)}) {
     Context context;
     const auto found = register_views(seen_on(table, part, 5, 90), on_table(), context);
-    if (!found.ok()) CHECK(found.error().message.find("no such axis") != std::string::npos);
-    else CHECK_FALSE(found->turntable->step_observed);
+    if (!found.ok())
+      CHECK(found.error().message.find("no such axis") != std::string::npos);
+    else
+      CHECK_FALSE(found->turntable->step_observed);
   }
 }
 
@@ -149,7 +161,11 @@ TEST_CASE("register: depths that do not fit widths are named, and corrected only
   Table table = uneven_table();
   table.depth_scale = 1.2;
   const auto views = seen_on(table, rough_drum());
-  const auto names_depths = [](const Registration& r) { return std::any_of(r.warnings.begin(), r.warnings.end(), [](const auto& w) { return w.find("depths and widths of this scanner do not agree") != std::string::npos; }); };
+  const auto names_depths = [](const Registration& r) {
+    return std::any_of(r.warnings.begin(), r.warnings.end(), [](const auto& w) {
+      return w.find("depths and widths of this scanner do not agree") != std::string::npos;
+    });
+  };
   const Registration raw = run(views, on_table());
   CHECK(names_depths(raw));
   CHECK_FALSE(raw.depth);
@@ -167,6 +183,9 @@ TEST_CASE("register: depths that do not fit widths are named, and corrected only
   place_views(found, scan);
   REQUIRE(scan.cloud.size() == before.size());
   double most = 0;
-  for (std::size_t i = 0; i < before.size(); ++i) most = std::max(most, ((scan.cloud.points[i] - scan.cloud.points[0]) - (before[i] - before[0]).cwiseProduct(Vec3(1, 1, 1 / 1.2))).norm());
+  for (std::size_t i = 0; i < before.size(); ++i)
+    most = std::max(most, ((scan.cloud.points[i] - scan.cloud.points[0]) -
+                           (before[i] - before[0]).cwiseProduct(Vec3(1, 1, 1 / 1.2)))
+                              .norm());
   CHECK(most < 0.3);
 }

@@ -1,13 +1,14 @@
 /// The simulated scanner delivers what its options say, and the same for any number of threads.
+#include "scan/simulate/simulate.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
 
 #include "core/number.h"
-#include "scan/range_file.h"
-#include "scan/read.h"
-#include "scan/simulate.h"
+#include "scan/read/range_file.h"
+#include "scan/read/read.h"
 
 using namespace partscribe;
 
@@ -67,8 +68,13 @@ Model cylinder_with_bore() {
 }  // namespace
 
 TEST_CASE("viewpoints: the sets have their size, unit length and balance") {
-  for (const auto& [name, count] : std::vector<std::pair<std::string, std::size_t>>{
-           {"tetrahedron", 4}, {"octahedron", 6}, {"cube", 8}, {"icosahedron", 12}, {"dodecahedron", 20}, {"1", 1}, {"37", 37}}) {
+  for (const auto& [name, count] : std::vector<std::pair<std::string, std::size_t>>{{"tetrahedron", 4},
+                                                                                    {"octahedron", 6},
+                                                                                    {"cube", 8},
+                                                                                    {"icosahedron", 12},
+                                                                                    {"dodecahedron", 20},
+                                                                                    {"1", 1},
+                                                                                    {"37", 37}}) {
     const auto points = viewpoints(name);
     REQUIRE(points);
     CHECK(points->size() == count);
@@ -97,7 +103,8 @@ TEST_CASE("simulate: without noise every point lies on the surface to half a cod
     for (const auto& v : scan.views) CHECK((v.image.q == q && v.image.z0 == scan.views[0].image.z0));
     for (const auto& p : scan.merged.cloud.points) REQUIRE(std::abs(off_ball(p)) < 0.51 * q);
     for (std::size_t i = 0; i < scan.merged.cloud.size(); ++i)  // seen from outside, within the drop-out angle
-      REQUIRE((scan.merged.cloud.points[i] - center).normalized().dot(scan.merged.cloud.rays[i]) < -std::cos(radians(78.1)));
+      REQUIRE((scan.merged.cloud.points[i] - center).normalized().dot(scan.merged.cloud.rays[i]) <
+              -std::cos(radians(78.1)));
   }
 }
 
@@ -150,7 +157,8 @@ TEST_CASE("simulate: outliers come as often as asked for and fill the volume") {
   const auto scan = run(ball(), options);
   std::size_t off = 0;
   double farthest = 0;
-  for (const auto& p : scan.merged.cloud.points) off += std::abs(off_ball(p)) > 0.1, farthest = std::max(farthest, off_ball(p));
+  for (const auto& p : scan.merged.cloud.points)
+    off += std::abs(off_ball(p)) > 0.1, farthest = std::max(farthest, off_ball(p));
   CHECK(double(off) / double(scan.merged.cloud.size()) == Approx(0.05).epsilon(0.15));
   CHECK(farthest > 5);
 }

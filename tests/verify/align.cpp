@@ -1,5 +1,5 @@
 /// Claims about alignment: found from any pose, told, and never silent.
-#include "verify/align.h"
+#include "verify/align/align.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -92,7 +92,8 @@ TEST_CASE("align: a third of the surface unseen and strays do not lead it astray
   auto scan = scanned(truth, 20000, sigma);
   std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.x() + p.y() < -6; });
   Random random(3);
-  for (std::size_t i = 0; i < scan.cloud.size(); i += 100) scan.cloud.points[i] += 5 * Vec3(random.normal(), random.normal(), random.normal());
+  for (std::size_t i = 0; i < scan.cloud.size(); i += 100)
+    scan.cloud.points[i] += 5 * Vec3(random.normal(), random.normal(), random.normal());
   const auto verdict = verdict_on(truth, moved_scan(scan, elsewhere), by(AlignBy::best_fit));
   INFO(all_reasons(verdict));
   CHECK(verdict.verdict == Outcome::verified);

@@ -1,9 +1,9 @@
-#include <catch2/catch.hpp>
+#include "verify/evaluate/alpha1.h"
 
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/number.h"
-#include "verify/alpha1.h"
 
 using namespace partscribe;
 
@@ -69,13 +69,15 @@ TEST_CASE("alpha1: primitives have the volumes of the textbook") {
         Approx(4.0 / 3 * pi * 216).epsilon(6e-3));
   CHECK(good_volume("E : objTransform( unitSphere, sXYZ( 8.0, 5.0, 3.0 ) );", 0.02) ==
         Approx(4.0 / 3 * pi * 120).epsilon(2e-3));
-  CHECK(good_volume("M : objTransform( box( Origin, vec(1,0,0), vec(0,2,0), vec(0,0,3) ), sXYZ( -1, 1, 1 ) );") == Approx(6));
+  CHECK(good_volume("M : objTransform( box( Origin, vec(1,0,0), vec(0,2,0), vec(0,0,3) ), sXYZ( -1, 1, 1 ) );") ==
+        Approx(6));
 }
 
 TEST_CASE("alpha1: transformations turn by degrees and move by millimetres") {
-  const Evaluation e = run(
-      "A : box( Origin, vec(10,0,0), vec(0,2,0), vec(0,0,1) );"
-      "B : objTransform( objTransform( objTransform( objTransform( A, rx( 90.0 ) ), ry( 90.0 ) ), rz( 90.0 ) ), tX( 5.0 ) );");
+  const Evaluation e =
+      run("A : box( Origin, vec(10,0,0), vec(0,2,0), vec(0,0,1) );"
+          "B : objTransform( objTransform( objTransform( objTransform( A, rx( 90.0 ) ), ry( 90.0 ) ), rz( 90.0 ) ), "
+          "tX( 5.0 ) );");
   // x: 10 -> x -> -z -> -z;  y: 2 -> z -> x -> y;  z: 1 -> -y -> -y -> x
   REQUIRE(e.complaints.empty());
   const Box3 box = e.mesh.bounds();
@@ -135,7 +137,8 @@ Mesh : seqCollect {
 Patch : surface( Cubic, "ec_open", "kv_bezier", Cubic, "ec_open", "kv_bezier", Mesh );
 )";
   const Evaluation plain = run(mesh);
-  const Evaluation refined = run(mesh + "Knots : seqCollect { 0.25; 0.5; } Fine : sRefine( Patch, \"row\", Knots, true );");
+  const Evaluation refined =
+      run(mesh + "Knots : seqCollect { 0.25; 0.5; } Fine : sRefine( Patch, \"row\", Knots, true );");
   CHECK(plain.complaints.empty());
   CHECK(refined.complaints.empty());
   CHECK_FALSE(plain.solid);
@@ -144,7 +147,8 @@ Patch : surface( Cubic, "ec_open", "kv_bezier", Cubic, "ec_open", "kv_bezier", M
   // The corners are interpolated and u runs along a row.
   CHECK((plain.mesh.bounds().high.head<2>() - Vec2(30, 30)).norm() < 1e-9);
   const std::string knots = "K : seqCollect { 0; 0; 0; 0; 1; 1; 1; 1; }";
-  const Evaluation given = run(mesh + knots + "G : surface( Cubic, \"ec_open\", K, Cubic, \"ec_open\", \"kv_uniform\", Mesh );");
+  const Evaluation given =
+      run(mesh + knots + "G : surface( Cubic, \"ec_open\", K, Cubic, \"ec_open\", \"kv_uniform\", Mesh );");
   CHECK(area(given.mesh) == Approx(area(plain.mesh)).epsilon(1e-9));
 }
 
@@ -154,7 +158,8 @@ Mesh : seqCollect { seqCollect { pt( 0,0,0 ); pt( 30,0,0 ); } seqCollect { pt( 0
 Patch : surface( Linear, "ec_open", "kv_uniform", Linear, "ec_open", "kv_uniform", Mesh );
 Tool : makeGeom( rightCirCylinder( pt( 15,15,-10 ), vec( 0,0,30 ), 11.0 ) );
 Disc : shared( Patch, Tool );
-)", 0.01);
+)",
+                           0.01);
   for (const auto& c : e.complaints) UNSCOPED_INFO(c);
   CHECK(e.complaints.empty());
   CHECK_FALSE(e.solid);
@@ -177,23 +182,27 @@ Pattern : group( Copies );
 }
 
 TEST_CASE("alpha1: profiles turn and extrude into the volumes of Pappus and Cavalieri") {
-  CHECK(good_volume("P : profile( pt(10.0,0.0,0.0), pt(14.0,0.0,0.0), pt(14.0,0.0,3.0), pt(10.0,0.0,3.0), pt(10.0,0.0,0.0) );"
-                    "R : surfRev( P );", 0.02) == Approx(pi * (196 - 100) * 3).epsilon(1e-3));
+  CHECK(good_volume(
+            "P : profile( pt(10.0,0.0,0.0), pt(14.0,0.0,0.0), pt(14.0,0.0,3.0), pt(10.0,0.0,3.0), pt(10.0,0.0,0.0) );"
+            "R : surfRev( P );",
+            0.02) == Approx(pi * (196 - 100) * 3).epsilon(1e-3));
   // An open profile is closed straight to the axis.
   CHECK(good_volume("P : profile( pt(5.0,0.0,0.0), pt(5.0,0.0,8.0) ); R : surfRev( P );", 0.02) ==
         Approx(pi * 25 * 8).epsilon(2e-3));
   CHECK(good_volume("C : profile( arcThru3Pts( pt(12.0,0.0,0.0), pt(10.0,0.0,2.0), pt(8.0,0.0,0.0) ),"
                     "             arcThru3Pts( pt(8.0,0.0,0.0), pt(10.0,0.0,-2.0), pt(12.0,0.0,0.0) ) );"
-                    "T : surfRev( C );", 0.02) == Approx(2 * pi * 10 * pi * 4).epsilon(5e-3));
+                    "T : surfRev( C );",
+                    0.02) == Approx(2 * pi * 10 * pi * 4).epsilon(5e-3));
   const std::string disc =
       "procedure disc( X, R ) profile( arcThru3Pts( pt( X + R, 0.0 ), pt( X, R ), pt( X - R, 0.0 ) ),"
       "                                arcThru3Pts( pt( X - R, 0.0 ), pt( X, -R ), pt( X + R, 0.0 ) ) );";
-  CHECK(good_volume(disc + "Both : seqCollect { disc( 0.0, 10.0 ); disc( 2.0, 4.0 ); } T : extrudeProfiles( Both, 7.0 );", 0.02) ==
-        Approx(pi * (100 - 16) * 7).epsilon(2e-3));
+  CHECK(
+      good_volume(disc + "Both : seqCollect { disc( 0.0, 10.0 ); disc( 2.0, 4.0 ); } T : extrudeProfiles( Both, 7.0 );",
+                  0.02) == Approx(pi * (100 - 16) * 7).epsilon(2e-3));
   CHECK(good_volume("K : seqCollect { 0.; 0.; 0.; 1.; 1.; 1.; } W : seqCollect { 1.; 0.7071067811865476; 1.; }"
                     "Q : seqCollect { pt(3.,0.); pt(3.,3.); pt(0.,3.); }"
-                    "P : profile( nurbsCrv( 3, K, Q, W ), pt(0.,0.), pt(3.,0.) ); E : extrudeProfiles( P, 2.0 );", 0.005) ==
-        Approx(pi * 9 / 4 * 2).epsilon(1e-3));
+                    "P : profile( nurbsCrv( 3, K, Q, W ), pt(0.,0.), pt(3.,0.) ); E : extrudeProfiles( P, 2.0 );",
+                    0.005) == Approx(pi * 9 / 4 * 2).epsilon(1e-3));
 }
 
 TEST_CASE("alpha1: facets and half-spaces close into solids that face outward") {
@@ -205,7 +214,8 @@ TEST_CASE("alpha1: facets and half-spaces close into solids that face outward") 
   CHECK(good_volume(tetrahedron) == Approx(36));
   CHECK(good_volume(tetrahedron + "Cube : makeGeom( box( Origin, vec(2,0,0), vec(0,2,0), vec(0,0,2) ) );"
                                   "Rest : combineShells( \"difference\", S, Cube );") == Approx(28));
-  const Evaluation open = run("F : seqCollect { seqCollect { pt(0,0,0); pt(4,0,0); pt(4,3,0); pt(0,3,0); } } S : shellOfFacets( F );");
+  const Evaluation open =
+      run("F : seqCollect { seqCollect { pt(0,0,0); pt(4,0,0); pt(4,3,0); pt(0,3,0); } } S : shellOfFacets( F );");
   CHECK(open.complaints.empty());
   CHECK_FALSE(open.solid);
   CHECK(area(open.mesh) == Approx(12));
@@ -215,7 +225,8 @@ TEST_CASE("alpha1: facets and half-spaces close into solids that face outward") 
       "                 half(-1,1,1); half(-1,1,-1); half(-1,-1,1); half(-1,-1,-1); } O : shellOfHalfSpaces( P );";
   CHECK(good_volume(octahedron) == Approx(4.0 / 3 * 216));
   CHECK_THAT(refusal("procedure half( X, Y, Z ) seqCollect { X; Y; Z; 6.0; }"
-                     "P : seqCollect { half(1,0,0); half(-1,0,0); half(0,1,0); half(0,-1,0); half(0,0,1); } O : shellOfHalfSpaces( P );"),
+                     "P : seqCollect { half(1,0,0); half(-1,0,0); half(0,1,0); half(0,-1,0); half(0,0,1); } O : "
+                     "shellOfHalfSpaces( P );"),
              Catch::Contains("expected") || Catch::Contains("bound"));
 }
 
@@ -226,13 +237,17 @@ Skin : surface( Cubic, "ec_periodic", "kv_uniform", Cubic, "ec_open", "kv_unifor
 Body : shellOfSurfaces( Skin );
 )";
   const double whole = good_volume(ball, 0.02);
-  const double half = good_volume(ball + "Block : makeGeom( box( pt( -20,-20,0 ), vec( 40,0,0 ), vec( 0,40,0 ), vec( 0,0,40 ) ) );"
-                                         "Half : cutBy( Body, Block );", 0.02);
+  const double half =
+      good_volume(ball +
+                      "Block : makeGeom( box( pt( -20,-20,0 ), vec( 40,0,0 ), vec( 0,40,0 ), vec( 0,0,40 ) ) );"
+                      "Half : cutBy( Body, Block );",
+                  0.02);
   CHECK(half == Approx(whole / 2).epsilon(2e-3));
 }
 
 TEST_CASE("alpha1: the result is the last dump, else the last show, else the last labelled object") {
-  const std::string two = "A : box( Origin, vec(1,0,0), vec(0,1,0), vec(0,0,1) ); B : box( Origin, vec(2,0,0), vec(0,1,0), vec(0,0,1) );";
+  const std::string two =
+      "A : box( Origin, vec(1,0,0), vec(0,1,0), vec(0,0,1) ); B : box( Origin, vec(2,0,0), vec(0,1,0), vec(0,0,1) );";
   CHECK(good_volume(two) == Approx(2));
   CHECK(good_volume(two + "show( A );") == Approx(1));
   CHECK(good_volume(two + "L : seqCollect { A; } dumpA1File( L, \"a.a1\" ); show( B );") == Approx(1));
@@ -283,9 +298,11 @@ TEST_CASE("alpha1: bad text is refused with file, line and column") {
       {"A : 1; getAttr( unitSphere, \"x\" );", "has no attribute"},
       {"include \"nowhere.scl\";", "t.scl:1:1: expected the file to include, found no \"nowhere.scl\""},
       {"M : seqCollect { seqCollect { pt(0,0,0); pt(1,0,0); } seqCollect { pt(0,1,0); } }"
-       "A : surface( Linear, \"ec_open\", \"kv_uniform\", Linear, \"ec_open\", \"kv_uniform\", M );", "rows of equal length"},
+       "A : surface( Linear, \"ec_open\", \"kv_uniform\", Linear, \"ec_open\", \"kv_uniform\", M );",
+       "rows of equal length"},
       {"M : seqCollect { seqCollect { pt(0,0,0); pt(1,0,0); } seqCollect { pt(0,1,0); pt(1,1,0); } }"
-       "A : surface( Cubic, \"ec_open\", \"kv_uniform\", Linear, \"ec_open\", \"kv_uniform\", M );", "expected at least 4 points, found 2"},
+       "A : surface( Cubic, \"ec_open\", \"kv_uniform\", Linear, \"ec_open\", \"kv_uniform\", M );",
+       "expected at least 4 points, found 2"},
   };
   for (const auto& [text, message] : bad) {
     INFO(text);
@@ -301,7 +318,8 @@ TEST_CASE("alpha1: hostile text comes to an end") {
   CHECK_THAT(refusal("A : forCollect( I; 0; true; I + 1 ) pt( I, I );"), Catch::Contains("at most"));
   std::string bomb = "L0 : seqCollect { pt(0,0,0); pt(1,0,0); }";
   for (int i = 1; i < 40; ++i)
-    bomb += "L" + std::to_string(i) + " : seqCollect { L" + std::to_string(i - 1) + "; L" + std::to_string(i - 1) + "; }";
+    bomb +=
+        "L" + std::to_string(i) + " : seqCollect { L" + std::to_string(i - 1) + "; L" + std::to_string(i - 1) + "; }";
   CHECK_THAT(refusal(bomb + "M : objTransform( L39, tX( 1.0 ) );"), Catch::Contains("at most"));
   std::string deep = "procedure f( N ) ";
   for (int i = 0; i < 150; ++i) deep += "-( ";
@@ -314,7 +332,8 @@ TEST_CASE("alpha1: files are included from the folder of the file that asks") {
   Procedure procedure;
   std::filesystem::create_directory(procedure.folder.path() / "sub");
   procedure.add("sub/sizes.scl", "Size : 3.0;");
-  procedure.add("sub/more.scl", "include \"sizes.scl\"; procedure cube( S ) box( Origin, vec(S,0,0), vec(0,S,0), vec(0,0,S) );");
+  procedure.add("sub/more.scl",
+                "include \"sizes.scl\"; procedure cube( S ) box( Origin, vec(S,0,0), vec(0,S,0), vec(0,0,S) );");
   const Path main = procedure.add("main.scl", "include \"sub/more.scl\"; C : cube( Size );");
   Context context;
   const auto good = evaluate_alpha1(main, {}, context);

@@ -1,9 +1,9 @@
 /// Attacks on the verdict: damage too small, too hidden or too much like a stray, and true parts that look damaged.
 #include <catch2/catch.hpp>
 
-#include "scan/simulate.h"
+#include "scan/simulate/simulate.h"
 #include "tests/verify/shapes.h"
-#include "verify/chance.h"
+#include "verify/compare/chance.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -28,12 +28,14 @@ Scan plate_scan(std::uint64_t seed = 1) { return scanned(plate(), 20000, sigma, 
 void add_strays(Scan& scan, double share, std::uint64_t seed) {
   Random random(seed);
   for (auto& p : scan.cloud.points)
-    if (random.uniform() < share) p += random.uniform(-10, 10) * Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    if (random.uniform() < share)
+      p += random.uniform(-10, 10) * Vec3(random.normal(), random.normal(), random.normal()).normalized();
 }
 
 /// A pin of that radius stands at (x, y): it hides the plate below it and shows `count` points of its own.
 void add_pin(Scan& scan, double x, double y, double radius, double height, int count, std::uint64_t seed) {
-  std::erase_if(scan.cloud.points, [&](const Vec3& p) { return p.z() > 2.5 && std::hypot(p.x() - x, p.y() - y) < radius; });
+  std::erase_if(scan.cloud.points,
+                [&](const Vec3& p) { return p.z() > 2.5 && std::hypot(p.x() - x, p.y() - y) < radius; });
   Random random(seed);
   for (int i = 0; i < count; ++i) {
     const double a = random.uniform(0, 2 * pi);
@@ -87,7 +89,8 @@ TEST_CASE("attack: strays alone, up to the expected rate, refuse no true part") 
 }
 
 TEST_CASE("attack: mixed pixels, bit errors and outliers of a real scanner refuse no true part") {
-  const auto truth = joined(holed_plate(20, 8, 4, 5, -3), moved(turned({{0, 0}, {3, 0}, {3, 9}, {0, 9}}, 60), {-10, 8, 8.5}));
+  const auto truth =
+      joined(holed_plate(20, 8, 4, 5, -3), moved(turned({{0, 0}, {3, 0}, {3, 9}, {0, 9}}, 60), {-10, 8, 8.5}));
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     SimulateOptions options;
     options.resolution = 128;
@@ -111,10 +114,12 @@ TEST_CASE("attack: mixed pixels, bit errors and outliers of a real scanner refus
 TEST_CASE("attack: a thin wall that the model lacks is missed") {
   for (const int count : {40, 140}) {  // of 140 that the rest of the scan would have
     auto scan = plate_scan();
-    std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() > 2.5 && std::abs(p.x() - 10) < 0.5 && std::abs(p.y()) < 5; });
+    std::erase_if(scan.cloud.points,
+                  [](const Vec3& p) { return p.z() > 2.5 && std::abs(p.x() - 10) < 0.5 && std::abs(p.y()) < 5; });
     Random random(4);
     for (int i = 0; i < count; ++i)
-      scan.cloud.points.push_back({10 + (i % 2 ? 0.5 : -0.5) + sigma * random.normal(), random.uniform(-5, 5), random.uniform(5.2, 8)});
+      scan.cloud.points.push_back(
+          {10 + (i % 2 ? 0.5 : -0.5) + sigma * random.normal(), random.uniform(-5, 5), random.uniform(5.2, 8)});
     INFO(count);
     CHECK(verdict_on(plate(), scan, at(T)).verdict == Outcome::out_of_tolerance);
   }
@@ -126,7 +131,8 @@ TEST_CASE("attack: a lid on a hole of a few pixels is refused, because points be
   // The wall ends below the lid, which closes the hole at its top.
   TriangleMesh closed = truth;
   const auto n = static_cast<std::uint32_t>(truth.vertices.size() / 4);
-  for (std::uint32_t j = n; j-- > 0;) closed.triangles.erase(closed.triangles.begin() + 8 * j + 6, closed.triangles.begin() + 8 * j + 8);
+  for (std::uint32_t j = n; j-- > 0;)
+    closed.triangles.erase(closed.triangles.begin() + 8 * j + 6, closed.triangles.begin() + 8 * j + 8);
   const auto below = static_cast<std::uint32_t>(closed.vertices.size()), bottom = below + n, top = bottom + 1;
   for (std::uint32_t j = 0; j < n; ++j) closed.vertices.push_back(truth.vertices[2 * n + j] - lid * Vec3::UnitZ());
   closed.vertices.emplace_back(5, -3, thick - lid), closed.vertices.emplace_back(5, -3, thick);
@@ -151,7 +157,8 @@ TEST_CASE("attack: a lid on a hole of a few pixels is refused, because points be
 }
 
 TEST_CASE("attack: a wall whose back nobody saw hides nothing of the slot before it") {
-  // A round slot beside a chamber that is closed: below the chamber's wall lies the far side of the slot, which was seen from above.
+  // A round slot beside a chamber that is closed: below the chamber's wall lies the far side of the slot, which was
+  // seen from above.
   const auto block = turned({{0, 0}, {15, 0}, {15, 20}, {10.8, 20}, {10.8, 17}, {10, 17}, {10, 20}, {0, 20}}, 128);
   auto chamber = turned({{0, 16}, {8.5, 16}, {8.5, 19}, {0, 19}}, 128);
   for (auto& t : chamber.triangles) std::swap(t[1], t[2]);
@@ -159,7 +166,8 @@ TEST_CASE("attack: a wall whose back nobody saw hides nothing of the slot before
   Scan scan;
   for (int v = 0; v < 12; ++v) {
     const double a = pi * v / 6, tilt = v % 2 ? 0.3 : 0.5;
-    add_view(scan, truth, Vec3(std::sin(tilt) * std::cos(a), std::sin(tilt) * std::sin(a), -std::cos(tilt)), 0.25, sigma, 40 + std::uint64_t(v));
+    add_view(scan, truth, Vec3(std::sin(tilt) * std::cos(a), std::sin(tilt) * std::sin(a), -std::cos(tilt)), 0.25,
+             sigma, 40 + std::uint64_t(v));
   }
   const auto verdict = verdict_on(truth, scan, at(T));
   INFO(all_reasons(verdict));
@@ -171,7 +179,8 @@ TEST_CASE("attack: a thin sheet inside the material is refused at any depth from
   const auto scan = plate_scan();
   for (const double depth : {0.5 * T, T, 2 * T, 5 * T}) {
     INFO(depth);
-    const auto verdict = verdict_on(joined(plate(), box({-10, -10, 5 - depth - 0.05}, {10, 10, 5 - depth})), scan, at(T));
+    const auto verdict =
+        verdict_on(joined(plate(), box({-10, -10, 5 - depth - 0.05}, {10, 10, 5 - depth})), scan, at(T));
     CHECK(verdict.verdict == Outcome::out_of_tolerance);
     CHECK(all_reasons(verdict).find("overlap") != std::string::npos);
   }
@@ -192,7 +201,9 @@ TEST_CASE("attack: a second body inside the part, shifted, is refused") {
   // Bodies that only touch are a matter of taste.
   const auto two = joined(plate(), box({-5, -5, 5}, {5, 5, 8}));
   auto seen = scanned(two, 60000, sigma);
-  std::erase_if(seen.cloud.points, [](const Vec3& p) { return std::abs(p.x()) < 4.9 && std::abs(p.y()) < 4.9 && std::abs(p.z() - 5) < 0.2; });
+  std::erase_if(seen.cloud.points, [](const Vec3& p) {
+    return std::abs(p.x()) < 4.9 && std::abs(p.y()) < 4.9 && std::abs(p.z() - 5) < 0.2;
+  });
   const auto verdict = verdict_on(two, seen, at(T));
   CHECK(all_reasons(verdict).find("overlap") == std::string::npos);
 }
@@ -212,7 +223,8 @@ TEST_CASE("attack: a blind hole too deep is refused by the few points of its rea
   };
   for (const int count : {8, 12, 20}) {
     auto scan = scanned(block(10), 20000, sigma);
-    std::erase_if(scan.cloud.points, [](const Vec3& p) { return std::hypot(p.x(), p.y()) < 2.5 && p.z() < 18 && p.z() > 1; });
+    std::erase_if(scan.cloud.points,
+                  [](const Vec3& p) { return std::hypot(p.x(), p.y()) < 2.5 && p.z() < 18 && p.z() > 1; });
     Random random(7);
     for (int i = 0; i < count; ++i) {
       const double a = random.uniform(0, 2 * pi), r = 0.9 * std::sqrt(random.uniform());
@@ -229,7 +241,8 @@ TEST_CASE("attack: holes in a dense mesh refuse no true part and hide no damage"
   scan.mesh = sphere(20, 100);
   Random random(9);
   std::vector<Vec3> middles;
-  for (int i = 0; i < 40; ++i) middles.push_back(20 * Vec3(random.normal(), random.normal(), random.normal()).normalized());
+  for (int i = 0; i < 40; ++i)
+    middles.push_back(20 * Vec3(random.normal(), random.normal(), random.normal()).normalized());
   std::size_t t = 0;
   std::erase_if(scan.mesh.triangles, [&](const auto& triangle) {
     const Vec3 at = scan.mesh.vertices[triangle[0]];
@@ -281,7 +294,8 @@ TEST_CASE("attack: views that lie farther apart than the tolerance cannot decide
   CHECK(verdict_on(truth, scan, at(T)).verdict == Outcome::verified);
   Random random(5);
   std::vector<Vec3> shift;
-  for (std::size_t v = 0; v < scan.views.size(); ++v) shift.push_back(0.3 * Vec3(random.normal(), random.normal(), random.normal()));
+  for (std::size_t v = 0; v < scan.views.size(); ++v)
+    shift.push_back(0.3 * Vec3(random.normal(), random.normal(), random.normal()));
   for (std::size_t i = 0; i < scan.cloud.size(); ++i) scan.cloud.points[i] += shift[std::size_t(scan.cloud.view[i])];
   const auto verdict = verdict_on(truth, scan, at(T));
   INFO(verdict.smallest_honest_tolerance);

@@ -1,6 +1,5 @@
 /// Claims about exact distances to trimmed surfaces.
-#include "verify/brep_distance.h"
-#include "verify/trim_region.h"
+#include "verify/exchange/brep_distance.h"
 
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -16,17 +15,18 @@
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRepPrimAPI_MakeWedge.hxx>
+#include <BRep_Builder.hxx>
 #include <Geom_BezierSurface.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
-#include <BRep_Builder.hxx>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/number.h"
 #include "core/random.h"
+#include "verify/exchange/trim_region.h"
 
 using namespace partscribe;
 
@@ -51,12 +51,14 @@ void agree(const TopoDS_Shape& shape, double reach, int count, std::uint64_t see
   for (int i = 0; i < count; ++i) {
     Vec3 q(random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach));
     // Every second one is drawn to the surface, where edges and trims decide.
-    if (i % 2) q = exact->closest(q).point + Vec3(0.05 * random.normal(), 0.05 * random.normal(), 0.05 * random.normal());
+    if (i % 2)
+      q = exact->closest(q).point + Vec3(0.05 * random.normal(), 0.05 * random.normal(), 0.05 * random.normal());
     const BrepHit hit = exact->closest(q);
     const double truth = referee(shape, q);
     if (std::abs(std::abs(hit.distance) - truth) > 1e-6)
-      wrong += "(" + print_number(q.x()) + ", " + print_number(q.y()) + ", " + print_number(q.z()) + "): " +
-               print_number(hit.distance) + " on face " + std::to_string(hit.face) + ", not " + print_number(truth) + "\n";
+      wrong += "(" + print_number(q.x()) + ", " + print_number(q.y()) + ", " + print_number(q.z()) +
+               "): " + print_number(hit.distance) + " on face " + std::to_string(hit.face) + ", not " +
+               print_number(truth) + "\n";
     CHECK(std::abs((hit.point - q).norm() - std::abs(hit.distance)) < 1e-12);
   }
   CHECK(wrong == "");
@@ -64,7 +66,9 @@ void agree(const TopoDS_Shape& shape, double reach, int count, std::uint64_t see
 
 TopoDS_Shape bracket(bool dimple = true) {
   TopoDS_Shape part = BRepPrimAPI_MakeWedge(up(-10, -8, -5), 20, 16, 10, 5, 4, 15, 9).Shape();
-  part = BRepAlgoAPI_Cut(part, BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(-2, 0, -20), gp_Dir(0.2, 0.1, 1)), 2.5, 50).Shape()).Shape();
+  part =
+      BRepAlgoAPI_Cut(part, BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(-2, 0, -20), gp_Dir(0.2, 0.1, 1)), 2.5, 50).Shape())
+          .Shape();
   part = BRepAlgoAPI_Cut(part, BRepPrimAPI_MakeCone(up(5, 0, -6), 3, 1, 9).Shape()).Shape();
   if (dimple) part = BRepAlgoAPI_Cut(part, BRepPrimAPI_MakeSphere(gp_Pnt(-9, -7, 1), 4).Shape()).Shape();
   return BRepAlgoAPI_Cut(part, BRepPrimAPI_MakeTorus(up(3, 3, 5), 4, 1).Shape()).Shape();
@@ -94,7 +98,8 @@ TEST_CASE("brep distance: whole spheres, tori, cylinders and cones have their cl
     }
   };
   each(BRepPrimAPI_MakeSphere(5).Shape(), [](const Vec3& q) { return q.norm() - 5; });
-  each(BRepPrimAPI_MakeTorus(6, 2).Shape(), [](const Vec3& q) { return std::hypot(std::hypot(q.x(), q.y()) - 6, q.z()) - 2; });
+  each(BRepPrimAPI_MakeTorus(6, 2).Shape(),
+       [](const Vec3& q) { return std::hypot(std::hypot(q.x(), q.y()) - 6, q.z()) - 2; });
   each(BRepPrimAPI_MakeCylinder(up(0, 0, -4), 3, 8).Shape(), [](const Vec3& q) {
     const double r = std::hypot(q.x(), q.y()) - 3, z = std::abs(q.z()) - 4;
     return r > 0 && z > 0 ? std::hypot(r, z) : std::max(r, z);
@@ -148,12 +153,14 @@ TEST_CASE("brep distance: many queries on any number of threads get the answers 
   REQUIRE(exact);
   Random random(9);
   std::vector<Vec3> queries;
-  for (int i = 0; i < 3000; ++i) queries.push_back({random.uniform(-12, 12), random.uniform(-12, 12), random.uniform(-12, 6)});
+  for (int i = 0; i < 3000; ++i)
+    queries.push_back({random.uniform(-12, 12), random.uniform(-12, 12), random.uniform(-12, 6)});
   const auto two = exact->closest(queries, 2), one = exact->closest(queries, 1);
   std::size_t different = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const BrepHit alone = exact->closest(queries[i]);
-    different += one[i].distance != alone.distance || two[i].distance != alone.distance || one[i].face != alone.face || two[i].point != alone.point;
+    different += one[i].distance != alone.distance || two[i].distance != alone.distance || one[i].face != alone.face ||
+                 two[i].point != alone.point;
   }
   CHECK(different == 0);
 }
@@ -176,8 +183,8 @@ TEST_CASE("brep distance: a straight boundary with a knot just short of its end 
   std::swap(seam.first, seam.last);  // run from its end to its start
   auto top = straight({0, 0}, {turn, 0}, 1, {});
   std::swap(top.first, top.last);
-  const TrimRegion region({{straight({0, -last}, {turn, -last}, 1, {}), seam, top,
-                            straight({0, 0}, {0, -last}, last, {last - 1e-13})}});
+  const TrimRegion region(
+      {{straight({0, -last}, {turn, -last}, 1, {}), seam, top, straight({0, 0}, {0, -last}, last, {last - 1e-13})}});
   CHECK(region.contains({0.04, -1.2}));
   CHECK(region.contains({6.2, -0.1}));
   CHECK_FALSE(region.contains({6.3, -0.1}));

@@ -1,8 +1,9 @@
 /// Claims about STEP and IGES files that are not whole: each is refused by its text, with the reason.
+#include "verify/exchange/check_exchange.h"
+
 #include <catch2/catch.hpp>
 
 #include "core/files.h"
-#include "verify/check_exchange.h"
 
 using namespace partscribe;
 
@@ -42,12 +43,15 @@ TEST_CASE("check exchange: bad_step files are refused with what is wrong") {
   for (const double share : {0.1, 0.5, 0.9, 0.999})
     CHECK(says(fault_of_step(text.substr(0, std::size_t(share * double(text.size())))), "the file ends before"));
   CHECK(says(fault_of_step(""), "does not begin"));
-  CHECK(says(fault_of_step(with(text, "CLOSED_SHELL('',(#17,", "CLOSED_SHELL('',(#999999,")), "#999999, which is missing"));
-  CHECK(says(fault_of_step(with(text, "CLOSED_SHELL('',(#17,", "CLOSED_SHELL('',(#16,")), "#16 refers to itself in a circle"));
+  CHECK(says(fault_of_step(with(text, "CLOSED_SHELL('',(#17,", "CLOSED_SHELL('',(#999999,")),
+             "#999999, which is missing"));
+  CHECK(says(fault_of_step(with(text, "CLOSED_SHELL('',(#17,", "CLOSED_SHELL('',(#16,")),
+             "#16 refers to itself in a circle"));
   CHECK(says(fault_of_step(with(text, "(12.5,-3.25,40.)", "(NAN,-3.25,40.)")), "'NAN' stands where"));
   CHECK(says(fault_of_step(with(text, "(12.5,-3.25,40.)", "(1.E400,-3.25,40.)")), "no finite number"));
   CHECK(says(fault_of_step(with(text, "(12.5,-3.25,40.)", "(,-3.25,40.)")), "a value is missing"));
-  CHECK(says(fault_of_step(with(text, "#15 = MANIFOLD_SOLID_BREP", "#14 = MANIFOLD_SOLID_BREP")), "#14 is defined twice"));
+  CHECK(says(fault_of_step(with(text, "#15 = MANIFOLD_SOLID_BREP", "#14 = MANIFOLD_SOLID_BREP")),
+             "#14 is defined twice"));
   CHECK_FALSE(fault_of_step(with(text, "DATA;", "DATA;\n/* a remark; with #77 = and ' in it */")));
   CHECK_FALSE(fault_of_step(with(text, "(12.5,-3.25,40.)", "(12.5,-3.25E-400,4.0E+1)")));
 }

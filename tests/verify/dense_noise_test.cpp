@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "tests/verify/shapes.h"
-#include "verify/source.h"
+#include "verify/compare/source.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;

@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "tests/verify/shapes.h"
-#include "verify/features.h"
+#include "verify/features/features.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -57,12 +57,14 @@ std::size_t faults(const Verdict& verdict) {
 
 }  // namespace
 
-TEST_CASE("features: a plate with a hole of few facets has six faces and one hole of the diameter through its corners") {
+TEST_CASE(
+    "features: a plate with a hole of few facets has six faces and one hole of the diameter through its corners") {
   for (const int sectors : {12, 24, 128}) {
     const auto found = recognise_features(holed_plate(40, 10, 6, 5, -8, sectors), T);
     INFO(sectors << "\n" << names(found));
     CHECK(found.features.size() == 7);
-    for (const char* name : {"face +z at 10", "face -z at 0", "face +x at 40", "face -y at -40"}) CHECK(find(found, name));
+    for (const char* name : {"face +z at 10", "face -z at 0", "face +x at 40", "face -y at -40"})
+      CHECK(find(found, name));
     const auto* hole = find(found, "hole 1");
     REQUIRE(hole);
     CHECK(hole->kind == "hole");
@@ -101,8 +103,10 @@ TEST_CASE("features: spheres and tori are known by their corners") {
   CHECK(ball.features[0].primitive->radius == Approx(20).margin(1e-5));
   // A pill: two half spheres that run smoothly into a cylinder.
   std::vector<Vec2> profile;
-  for (int i = 0; i <= 12; ++i) profile.emplace_back(i == 0 ? 0 : 5 * std::sin(pi / 2 * i / 12), -5 * std::cos(pi / 2 * i / 12));
-  for (int i = 0; i <= 12; ++i) profile.emplace_back(i == 12 ? 0 : 5 * std::cos(pi / 2 * i / 12), 20 + 5 * std::sin(pi / 2 * i / 12));
+  for (int i = 0; i <= 12; ++i)
+    profile.emplace_back(i == 0 ? 0 : 5 * std::sin(pi / 2 * i / 12), -5 * std::cos(pi / 2 * i / 12));
+  for (int i = 0; i <= 12; ++i)
+    profile.emplace_back(i == 12 ? 0 : 5 * std::cos(pi / 2 * i / 12), 20 + 5 * std::sin(pi / 2 * i / 12));
   const auto pill = recognise_features(turned(profile, 48), T);
   INFO(names(pill));
   CHECK(find(pill, "boss 1"));
@@ -154,7 +158,8 @@ TEST_CASE("inspection: the numbers of a true model agree with the scan, and noth
   const auto* hole = row(verdict, "hole 1");
   REQUIRE(hole);
   CHECK(hole->kind == "hole");
-  const auto *diameter = dimension(*hole, "diameter"), *x = dimension(*hole, "position x"), *y = dimension(*hole, "position y");
+  const auto *diameter = dimension(*hole, "diameter"), *x = dimension(*hole, "position x"),
+             *y = dimension(*hole, "position y");
   REQUIRE(diameter);
   REQUIRE(x);
   REQUIRE(y);
@@ -241,7 +246,8 @@ TEST_CASE("findings: a filled hole is a missing hole, an invented one an extra h
   const auto missing = verdict_on(full, scanned(holed, 60000, sigma), options());
   INFO(texts(missing));
   CHECK(missing.verdict == Outcome::out_of_tolerance);
-  CHECK(texts(missing).find("missing hole: the scan shows a cylindrical wall of diameter 12 about (5, -8,") != std::string::npos);
+  CHECK(texts(missing).find("missing hole: the scan shows a cylindrical wall of diameter 12 about (5, -8,") !=
+        std::string::npos);
   const auto extra = verdict_on(holed, scanned(full, 60000, sigma), options());
   INFO(texts(extra));
   CHECK(extra.verdict == Outcome::out_of_tolerance);
@@ -250,7 +256,8 @@ TEST_CASE("findings: a filled hole is a missing hole, an invented one an extra h
 }
 
 TEST_CASE("findings: a hole in quite another place is one moved hole") {
-  const auto verdict = verdict_on(holed_plate(40, 10, 6, 20, -8), scanned(holed_plate(40, 10, 6, -15, -8), 60000, sigma), options());
+  const auto verdict =
+      verdict_on(holed_plate(40, 10, 6, 20, -8), scanned(holed_plate(40, 10, 6, -15, -8), 60000, sigma), options());
   INFO(texts(verdict));
   CHECK(texts(verdict).find("hole 1 (diameter 12): centre 35 mm too far in +x") != std::string::npos);
 }

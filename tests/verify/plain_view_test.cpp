@@ -1,8 +1,7 @@
 /// What sticks out of a part in plain view and was not scanned is refused; what a scanner cannot see is not.
-#include <catch2/catch.hpp>
-
 #include <Eigen/Geometry>
 #include <array>
+#include <catch2/catch.hpp>
 #include <map>
 #include <set>
 
@@ -31,7 +30,9 @@ TriangleMesh made_of(const Boxes& solids, const Boxes& holes = {}) {
     cuts[k].assign(values.begin(), values.end());
   }
   using Cell = std::array<int, 3>;
-  auto at = [&](const Cell& c) { return Vec3(cuts[0][std::size_t(c[0])], cuts[1][std::size_t(c[1])], cuts[2][std::size_t(c[2])]); };
+  auto at = [&](const Cell& c) {
+    return Vec3(cuts[0][std::size_t(c[0])], cuts[1][std::size_t(c[1])], cuts[2][std::size_t(c[2])]);
+  };
   auto filled = [&](const Cell& c) {
     for (std::size_t k = 0; k < 3; ++k)
       if (c[k] < 0 || c[k] + 1 >= int(cuts[k].size())) return false;
@@ -103,14 +104,16 @@ TEST_CASE("verify: a fin, a pin and a lug that stick out where the scanner looke
   const Scan scan = seen_along(made_of(bracket), around), merged = without_rays(scan);
   CHECK(verdict_on(made_of(bracket), scan, at(0.2)).verdict == Outcome::verified);
   CHECK(verdict_on(made_of(bracket), merged, at(0.2)).verdict == Outcome::verified);
-  const Box3 fin = span({15, 12, 4}, {35, 12.2, 13}), pin = span({30, 20, 4}, {31, 21, 12}), lug = span({18, -6, 1}, {24, 1, 4});
+  const Box3 fin = span({15, 12, 4}, {35, 12.2, 13}), pin = span({30, 20, 4}, {31, 21, 12}),
+             lug = span({18, -6, 1}, {24, 1, 4});
   for (const auto& invented : {fin, pin, lug})
     for (const auto* s : {&scan, &merged}) {
       const Verdict verdict = verdict_on(made_of(with(bracket, invented)), *s, at(0.2));
       INFO(invented.low.transpose() << (s == &scan ? ", with rays" : ", without"));
       CHECK(verdict.verdict == Outcome::out_of_tolerance);
       const auto& findings = verdict.artifacts.front().findings;
-      CHECK(std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.kind == Finding::Kind::invented_material; }));
+      CHECK(std::any_of(findings.begin(), findings.end(),
+                        [](const Finding& f) { return f.kind == Finding::Kind::invented_material; }));
     }
 }
 
@@ -120,7 +123,8 @@ TEST_CASE("verify: the deep walls of screw holes in bosses are not scanned, and 
   for (const double x : {5.5, 26.5}) solids.push_back(span({x, 5.5, 1}, {x + 8, 13.5, 28}));
   const TriangleMesh housing = made_of(solids, {span({8, 8, 4}, {11, 11, 30}), span({29, 8, 4}, {32, 11, 30})});
   std::vector<Vec3> directions = around;
-  for (const Vec3& d : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) directions.push_back(d);
+  for (const Vec3& d : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)})
+    directions.push_back(d);
   const Scan scan = seen_along(housing, directions);
   for (const Scan& s : {scan, without_rays(scan)}) {
     const Verdict verdict = verdict_on(housing, s, at(0.2));
@@ -132,7 +136,8 @@ TEST_CASE("verify: the deep walls of screw holes in bosses are not scanned, and 
 }
 
 TEST_CASE("verify: the sides that one view never saw are not scanned, with and without rays") {
-  const TriangleMesh stepped = made_of({span({0, 0, 0}, {40, 30, 4}), span({5, 5, 0}, {12, 12, 14}), span({22, 8, 0}, {36, 12, 9})});
+  const TriangleMesh stepped =
+      made_of({span({0, 0, 0}, {40, 30, 4}), span({5, 5, 0}, {12, 12, 14}), span({22, 8, 0}, {36, 12, 9})});
   const Scan scan = seen_along(stepped, {{0, 0, -1}});
   for (const Scan& s : {scan, without_rays(scan)}) {
     const Verdict verdict = verdict_on(stepped, s, at(0.2));

@@ -1,5 +1,5 @@
-/// Claims about reading STEP and IGES in a process of its own: hostile files neither hang nor crash the verifier, and files
-/// that contradict themselves are not believed.
+/// Claims about reading STEP and IGES in a process of its own: hostile files neither hang nor crash the verifier, and
+/// files that contradict themselves are not believed.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 #include "core/number.h"
 #include "tests/verify/shapes.h"
-#include "verify/brep_distance.h"
+#include "verify/exchange/brep_distance.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -48,15 +48,18 @@ struct Desk {
 };
 
 /// A torus in metres instead of millimetres: to mesh it to a hundredth of a millimetre takes hours and all memory.
-std::string endless_torus() { return replaced(golden("torus/part.step"), "SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"); }
+std::string endless_torus() {
+  return replaced(golden("torus/part.step"), "SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)");
+}
 
 /// The n-th point in space moved by `by` in x.
 std::string point_moved(const std::string& text, std::size_t n, double by) {
   static const std::regex point(R"(CARTESIAN_POINT\('[^']*',\(([-0-9.E+]+),([-0-9.E+]+),\s*([-0-9.E+]+)\)\))");
   for (std::sregex_iterator m(text.begin(), text.end(), point), end; m != end; ++m)
     if (n-- == 0)
-      return text.substr(0, std::size_t(m->position(0))) + "CARTESIAN_POINT('',(" + print_real(std::stod((*m)[1]) + by) + "," +
-             (*m)[2].str() + "," + (*m)[3].str() + "))" + text.substr(std::size_t(m->position(0) + m->length(0)));
+      return text.substr(0, std::size_t(m->position(0))) + "CARTESIAN_POINT('',(" +
+             print_real(std::stod((*m)[1]) + by) + "," + (*m)[2].str() + "," + (*m)[3].str() + "))" +
+             text.substr(std::size_t(m->position(0) + m->length(0)));
   return {};
 }
 
@@ -89,8 +92,8 @@ TEST_CASE("run occt: what does not finish is not run in the verdict, with exit c
   Desk desk;
   VerifyOptions options;
   options.seconds = 0.001;  // no program starts that fast
-  const auto verdict = verify({desk.put("part.step", golden("box/part.step"))}, scanned(box({0, 0, 0}, {10, 10, 10}), 2000, 0), {},
-                              options, desk.context);
+  const auto verdict = verify({desk.put("part.step", golden("box/part.step"))},
+                              scanned(box({0, 0, 0}, {10, 10, 10}), 2000, 0), {}, options, desk.context);
   REQUIRE(verdict.ok());
   CHECK(verdict->verdict == Outcome::not_run);
   CHECK(exit_code_of(verdict->verdict) == 4);
@@ -101,8 +104,9 @@ TEST_CASE("run occt: a file that crashes the reader is refused") {
   Desk desk;
   // Lists within lists, deeper than the stack of OpenCASCADE's parser.
   const std::size_t depth = 1000000;
-  const std::string deep = replaced(golden("box/part.step"), "DATA;\n",
-                                    "DATA;\n#900000=X(" + std::string(depth, '(') + "1." + std::string(depth, ')') + ");\n");
+  const std::string deep =
+      replaced(golden("box/part.step"), "DATA;\n",
+               "DATA;\n#900000=X(" + std::string(depth, '(') + "1." + std::string(depth, ')') + ");\n");
   const auto e = desk.evaluate(desk.put("part.step", deep));
   CHECK(e.failed);
   REQUIRE(e.complaints.size() == 1);
@@ -155,7 +159,8 @@ TEST_CASE("run occt: a file whose points contradict its surfaces is refused, wha
   CHECK(desk.evaluate(desk.put("spoilt.step", spoilt)).gap.width == Approx(0.8).epsilon(0.01));
   CHECK(outcome(spoilt, reasons) == Outcome::out_of_tolerance);
   INFO(reasons);
-  CHECK(reasons.find("the file contradicts itself: its curves and faces miss one another by 0.8 mm at the vertex") != std::string::npos);
+  CHECK(reasons.find("the file contradicts itself: its curves and faces miss one another by 0.8 mm at the vertex") !=
+        std::string::npos);
   CHECK(outcome(point_moved(cone, 1, 0.03), reasons) == Outcome::cannot_decide);
   CHECK(reasons.find("the file itself is only good to 0.03 mm at the vertex") != std::string::npos);
   CHECK(outcome(point_moved(cone, 1, 0.01), reasons) == Outcome::verified);

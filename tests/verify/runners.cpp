@@ -8,12 +8,12 @@
 #include <GProp_GProps.hxx>
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Writer.hxx>
+#include <IGESData_HArray1OfIGESEntity.hxx>
 #include <IGESGeom_TransformationMatrix.hxx>
 #include <IGESSolid_Block.hxx>
 #include <IGESSolid_BooleanTree.hxx>
 #include <IGESSolid_Cylinder.hxx>
 #include <IGESSolid_Sphere.hxx>
-#include <IGESData_HArray1OfIGESEntity.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
@@ -21,9 +21,9 @@
 #include <TColStd_HArray1OfInteger.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Shape.hxx>
-#include <gp_Trsf.hxx>
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <gp_Trsf.hxx>
 
 #include "core/process.h"
 #include "tests/verify/shapes.h"
@@ -67,7 +67,8 @@ bool have_openscad() {
 
 TopoDS_Shape drilled_block() {
   return BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(40.0, 30.0, 20.0).Shape(),
-                         BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(20, 15, -5), gp_Dir(0, 0, 1)), 6, 30).Shape()).Shape();
+                         BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(20, 15, -5), gp_Dir(0, 0, 1)), 6, 30).Shape())
+      .Shape();
 }
 
 const double drilled_volume = 40 * 30 * 20 - pi * 36 * 20;
@@ -93,8 +94,8 @@ void write_tree(const Path& file, double tree_radius, bool with_body) {
   operands->SetValue(1, block), operands->SetValue(2, hole), operations->SetValue(3, 3);
   Handle(IGESSolid_BooleanTree) tree = new IGESSolid_BooleanTree;
   tree->Init(operands, operations);
-  for (const Handle(IGESData_IGESEntity)& e : {Handle(IGESData_IGESEntity)(block), Handle(IGESData_IGESEntity)(hole),
-                                               Handle(IGESData_IGESEntity)(tree)})
+  for (const Handle(IGESData_IGESEntity) & e :
+       {Handle(IGESData_IGESEntity)(block), Handle(IGESData_IGESEntity)(hole), Handle(IGESData_IGESEntity)(tree)})
     REQUIRE(writer.AddEntity(e));
   writer.ComputeModel();
   REQUIRE(writer.Write(file.c_str()));
@@ -105,7 +106,8 @@ void write_tree(const Path& file, double tree_radius, bool with_body) {
 TEST_CASE("run openscad: a sound script gives its solid") {
   if (!have_openscad()) return;
   Bench bench;
-  const auto e = bench.scad("size = 10; difference() { cube(size); translate([5, 5, -1]) cylinder(r = 2, h = 12, $fn = 64); }");
+  const auto e =
+      bench.scad("size = 10; difference() { cube(size); translate([5, 5, -1]) cylinder(r = 2, h = 12, $fn = 64); }");
   INFO(complaints(e));
   CHECK_FALSE(e.failed);
   CHECK(e.solid);
@@ -113,7 +115,8 @@ TEST_CASE("run openscad: a sound script gives its solid") {
   CHECK(e.program == "openscad");
   CHECK_FALSE(e.version.empty());
   CHECK(volume(e.mesh) == Approx(1000 - 10 * 32 * 4 * std::sin(2 * pi / 64)).epsilon(1e-6));
-  const auto again = bench.scad("size = 10; difference() { cube(size); translate([5, 5, -1]) cylinder(r = 2, h = 12, $fn = 64); }");
+  const auto again =
+      bench.scad("size = 10; difference() { cube(size); translate([5, 5, -1]) cylinder(r = 2, h = 12, $fn = 64); }");
   CHECK(again.mesh.vertices == e.mesh.vertices);
   CHECK(again.mesh.triangles == e.mesh.triangles);
 }
@@ -134,10 +137,12 @@ TEST_CASE("run openscad: far from the origin a script is as exact as near it, wh
   bench.write("library.scad", "module lump() { cube(3); }");
   bench.write("sizes.scad", "size = 10; function half(x) = x / 2;");
   const std::string script =
-      "/* [Sizes] */\nuse <library.scad>\n  include <sizes.scad>\nassert(size > 0);\nmodule part() difference() { cube(size); translate([half(size), half(size), "
+      "/* [Sizes] */\nuse <library.scad>\n  include <sizes.scad>\nassert(size > 0);\nmodule part() difference() { "
+      "cube(size); translate([half(size), half(size), "
       "-1]) cylinder(r = 2.3, h = 12, $fn = 64); }\nmodule placed() translate(far) rotate([10, 20, 30]) children();\n"
       "placed() part();\nplaced() translate([20, 0, 0]) lump(); // the end";
-  const auto near = bench.scad("far = [0, 0, 0];\n" + script), far = bench.scad("far = [694370.12345, -5155489.678, 381.5];\n" + script);
+  const auto near = bench.scad("far = [0, 0, 0];\n" + script),
+             far = bench.scad("far = [694370.12345, -5155489.678, 381.5];\n" + script);
   INFO(complaints(far));
   CHECK_FALSE(far.failed);
   CHECK(far.solid);
@@ -157,8 +162,7 @@ TEST_CASE("run openscad: far from the origin a script is as exact as near it, wh
 TEST_CASE("run openscad: whatever it complains about is refused") {
   if (!have_openscad()) return;
   Bench bench;
-  const std::string open_tetrahedron =
-      "polyhedron([[0,0,0],[10,0,0],[0,10,0],[0,0,10]], [[0,1,2],[0,3,1],[0,2,3]]);";
+  const std::string open_tetrahedron = "polyhedron([[0,0,0],[10,0,0],[0,10,0],[0,0,10]], [[0,1,2],[0,3,1],[0,2,3]]);";
   const auto syntax = bench.scad("cube(10");
   CHECK(syntax.failed);
   CHECK(complaints(syntax).find("ERROR") != std::string::npos);
@@ -175,9 +179,11 @@ TEST_CASE("run openscad: whatever it complains about is refused") {
   CHECK(complaints(open).find("open") != std::string::npos);
   const auto nothing = bench.scad("x = 1;");
   CHECK(nothing.failed);
-  const auto slow = evaluate_artifact(bench.write("slow.scad", "for (i = [0:100]) translate([i * 3, i % 7, 0]) difference() "
-                                                               "{ sphere(10, $fn = 100); translate([5, 0, 0]) sphere(9, $fn = 90); }"),
-                                      {0.1, 0.3, 4096}, bench.context);
+  const auto slow =
+      evaluate_artifact(bench.write("slow.scad",
+                                    "for (i = [0:100]) translate([i * 3, i % 7, 0]) difference() "
+                                    "{ sphere(10, $fn = 100); translate([5, 0, 0]) sphere(9, $fn = 90); }"),
+                        {0.1, 0.3, 4096}, bench.context);
   REQUIRE_FALSE(slow.ok());
   CHECK(slow.error().kind == ErrorKind::stopped);
 }
@@ -208,7 +214,8 @@ TEST_CASE("run openscad: script and scan meet in one verdict") {
   const auto bad = verify({bench.write("part.scad", "cube([20, 15, 10.2]);")}, scan, {}, options, bench.context);
   REQUIRE(bad.ok());
   CHECK(bad->verdict == Outcome::out_of_tolerance);
-  const auto warned = verify({bench.write("part.scad", "cube([20, 15, 10]); bogus();")}, scan, {}, options, bench.context);
+  const auto warned =
+      verify({bench.write("part.scad", "cube([20, 15, 10]); bogus();")}, scan, {}, options, bench.context);
   REQUIRE(warned.ok());
   CHECK(warned->verdict == Outcome::out_of_tolerance);
 }
@@ -307,7 +314,9 @@ TEST_CASE("run occt: an open set of faces is no solid") {
   CHECK(area(e.mesh) == Approx(500));
 }
 
-TEST_CASE("run occt: faces that miss one another are sewn up to a share of the tolerance; beyond it width and place are named") {
+TEST_CASE(
+    "run occt: faces that miss one another are sewn up to a share of the tolerance; beyond it width and place are "
+    "named") {
   Bench bench;
   IGESControl_Controller::Init();
   const Path file = bench.folder.path() / "part.igs";

@@ -1,6 +1,6 @@
-#include <catch2/catch.hpp>
+#include "verify/scl/scl_parser.h"
 
-#include "verify/scl_parser.h"
+#include <catch2/catch.hpp>
 
 using namespace partscribe;
 
@@ -115,7 +115,7 @@ TEST_CASE("scl parser: operators bind as in arithmetic") {
   REQUIRE(parsed.ok());
   const SclNode& minus = (*parsed)[0].children[0];
   CHECK(minus.text == "-");
-  CHECK(minus.children[0].text == "-");           // (1 - 2) - ...
+  CHECK(minus.children[0].text == "-");  // (1 - 2) - ...
   CHECK(minus.children[1].text == "*");
   CHECK(minus.children[1].children[1].text == "**");
 }

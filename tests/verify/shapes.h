@@ -7,10 +7,10 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "geometry/mesh_distance.h"
-#include "geometry/point_cloud.h"
-#include "geometry/read_geometry.h"
-#include "verify/samples.h"
+#include "geometry/io/read_geometry.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/points/point_cloud.h"
+#include "verify/compare/samples.h"
 #include "verify/verify.h"
 
 namespace partscribe::testing {
@@ -70,7 +70,8 @@ inline TriangleMesh holed_plate(double half, double thickness, double radius, do
       angles.push_back(a);
     }
   std::sort(angles.begin(), angles.end());
-  angles.erase(std::unique(angles.begin(), angles.end(), [](double a, double b) { return std::abs(a - b) < 1e-9; }), angles.end());
+  angles.erase(std::unique(angles.begin(), angles.end(), [](double a, double b) { return std::abs(a - b) < 1e-9; }),
+               angles.end());
   const auto n = static_cast<std::uint32_t>(angles.size());
   for (const double z : {0.0, thickness})
     for (const bool outer : {false, true})
@@ -122,7 +123,8 @@ inline TriangleMesh holed_strip(const std::vector<Hole>& cells, double half, dou
           const double a = 2 * pi * j / n;
           const Vec2 d(std::cos(a), std::sin(a));
           const double t = outer ? half / std::max(std::abs(d.x()), std::abs(d.y())) : hole.radius;
-          mesh.vertices.emplace_back(middle + exact(t * d.x() + (outer ? 0 : hole.x)), exact(t * d.y() + (outer ? 0 : hole.y)), z);
+          mesh.vertices.emplace_back(middle + exact(t * d.x() + (outer ? 0 : hole.x)),
+                                     exact(t * d.y() + (outer ? 0 : hole.y)), z);
         }
     const std::uint32_t bi = first, bo = first + n, ti = first + 2 * n, to = first + 3 * n;
     for (std::uint32_t j = 0; j < n; ++j) {
@@ -196,7 +198,8 @@ inline Scan scanned(const TriangleMesh& mesh, std::size_t count, double sigma, s
 }
 
 /// Parallel rays along `direction` on a square grid; every first hit with noise along the ray.
-inline void add_view(Scan& scan, const TriangleMesh& mesh, const Vec3& direction, double pitch, double sigma, std::uint64_t seed) {
+inline void add_view(Scan& scan, const TriangleMesh& mesh, const Vec3& direction, double pitch, double sigma,
+                     std::uint64_t seed) {
   const MeshDistance surface(mesh);
   const Mat3 frame = rotation_onto_axis(direction);
   const double reach = mesh.bounds().diagonal();

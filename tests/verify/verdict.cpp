@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 
-#include "geometry/mesh_distance.h"
+#include "geometry/mesh/mesh_distance.h"
 #include "tests/verify/shapes.h"
-#include "verify/source.h"
+#include "verify/compare/source.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -22,7 +22,9 @@ VerifyOptions at(double tolerance) {
 
 /// A pin with a collar that sits off the middle: no symmetry along its axis.
 TriangleMesh pin(double shank = 5, double collar = 8, double lift = 12) {
-  return turned({{0, 0}, {shank, 0}, {shank, lift}, {collar, lift}, {collar, lift + 4}, {shank, lift + 4}, {shank, 30}, {0, 30}}, 200);
+  return turned(
+      {{0, 0}, {shank, 0}, {shank, lift}, {collar, lift}, {collar, lift + 4}, {shank, lift + 4}, {shank, 30}, {0, 30}},
+      200);
 }
 
 }  // namespace
@@ -104,7 +106,8 @@ TEST_CASE("verdict: a missing feature is refused, also a small one") {
   const auto with_pin = joined(plate, box({3, 3, 5}, {6, 6, 6}));
   // Points of the plate under the pin are not seen; the pin has few points of its own.
   auto scan = scanned(plate, 60000, sigma);
-  std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() > 4 && p.x() > 3 && p.x() < 6 && p.y() > 3 && p.y() < 6; });
+  std::erase_if(scan.cloud.points,
+                [](const Vec3& p) { return p.z() > 4 && p.x() > 3 && p.x() < 6 && p.y() > 3 && p.y() < 6; });
   for (const auto& p : scanned(moved(box({3, 3, 5}, {6, 6, 6}), {0, 0, 0}), 160, sigma).cloud.points)
     if (p.z() > 5.1) scan.cloud.points.push_back(p);
   CHECK(verdict_on(plate, scan, at(T)).verdict == Outcome::out_of_tolerance);
@@ -138,8 +141,15 @@ TEST_CASE("verdict: an extra sheet over scanned surface is refused without any r
 TEST_CASE("verdict: a view that looked through invented material contradicts it") {
   const auto truth = pin();
   Scan scan;
-  const Vec3 directions[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1},
-                             Vec3(1, 1, 1).normalized(), Vec3(-1, 1, -1).normalized(), Vec3(1, -1, -1).normalized()};
+  const Vec3 directions[] = {{1, 0, 0},
+                             {-1, 0, 0},
+                             {0, 1, 0},
+                             {0, -1, 0},
+                             {0, 0, 1},
+                             {0, 0, -1},
+                             Vec3(1, 1, 1).normalized(),
+                             Vec3(-1, 1, -1).normalized(),
+                             Vec3(1, -1, -1).normalized()};
   std::uint64_t seed = 1;
   for (const auto& d : directions) add_view(scan, truth, d, 0.25, sigma, seed++);
   const auto good = verdict_on(truth, scan, at(T));
@@ -165,7 +175,8 @@ TEST_CASE("verdict: scattered outliers do not refuse a true model, a cluster of 
   auto scan = scanned(truth, 60000, sigma);
   Random random(5);
   for (int i = 0; i < 600; ++i)
-    scan.cloud.points[random.below(60000)] += random.uniform(-20, 20) * Vec3(random.normal(), random.normal(), random.normal());
+    scan.cloud.points[random.below(60000)] +=
+        random.uniform(-20, 20) * Vec3(random.normal(), random.normal(), random.normal());
   const auto verdict = verdict_on(truth, scan, at(T));
   INFO(all_reasons(verdict));
   CHECK(verdict.verdict == Outcome::verified);
@@ -181,7 +192,9 @@ TEST_CASE("verdict: scattered outliers do not refuse a true model, a cluster of 
 TEST_CASE("verdict: what a filter rejected is not forgotten") {
   const auto plate = box({-30, -30, 0}, {30, 30, 5});
   auto scan = scanned(joined(plate, box({3, 3, 5}, {9, 9, 7})), 60000, sigma);
-  std::erase_if(scan.cloud.points, [](const Vec3& p) { return std::abs(p.z() - 5) < 0.2 && p.x() > 3.1 && p.x() < 8.9 && p.y() > 3.1 && p.y() < 8.9; });
+  std::erase_if(scan.cloud.points, [](const Vec3& p) {
+    return std::abs(p.z() - 5) < 0.2 && p.x() > 3.1 && p.x() < 8.9 && p.y() > 3.1 && p.y() < 8.9;
+  });
   for (const auto& p : scan.cloud.points) scan.cloud.rejected.push_back(p.z() > 5.3);  // a filter swallows the boss
   const auto verdict = verdict_on(plate, scan, at(T));
   CHECK(verdict.verdict == Outcome::out_of_tolerance);
@@ -343,8 +356,10 @@ TEST_CASE("verdict: a million points against 100,000 triangles", "[.speed]") {
   const auto scan = scanned(truth, 1000000, sigma);
   const auto start = std::chrono::steady_clock::now();
   const auto verdict = verdict_on(truth, scan, at(T));
-  WARN(truth.triangles.size() << " triangles, " << std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()
-                              << " s\n" << verdict_table(verdict));
+  WARN(truth.triangles.size() << " triangles, "
+                              << std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()
+                              << " s\n"
+                              << verdict_table(verdict));
   CHECK(verdict.verdict == Outcome::verified);
 }
 
@@ -359,10 +374,12 @@ TEST_CASE("verdict: a few mixed pixels beside a wall that was hardly seen are no
     // Pixels of its upper edge that fell short of what stands behind it, in four places.
     for (int place = 0; place < 4; ++place)
       for (int k = 0; k < 6; ++k)
-        points.emplace_back(40 + random.uniform(0.2, 1.1), -30 + 20 * place + 1.1 * k + random.uniform(-0.3, 0.3), 9.8 - random.uniform(0, 0.6));
+        points.emplace_back(40 + random.uniform(0.2, 1.1), -30 + 20 * place + 1.1 * k + random.uniform(-0.3, 0.3),
+                            9.8 - random.uniform(0, 0.6));
     // Elsewhere the scan has as many of them.
     for (int k = 0; k < 300; ++k)
-      points.push_back(points[random.below(points.size())] + random.uniform(-2, 2) * Vec3(random.normal(), random.normal(), random.normal()));
+      points.push_back(points[random.below(points.size())] +
+                       random.uniform(-2, 2) * Vec3(random.normal(), random.normal(), random.normal()));
     const auto verdict = verdict_on(truth, scan, at(0.3));
     INFO(seed << "\n" << all_reasons(verdict));
     CHECK(verdict.verdict == Outcome::verified);

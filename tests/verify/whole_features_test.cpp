@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/verify/shapes.h"
-#include "verify/features.h"
+#include "verify/features/features.h"
 
 using namespace partscribe;
 using namespace partscribe::testing;
@@ -39,7 +39,8 @@ double measured(const Verdict& verdict, const std::string& feature, const std::s
   return 0;
 }
 
-/// A prism about z whose outline is a regular polygon, with a hole of that many sides through its corners' circle; 0: round.
+/// A prism about z whose outline is a regular polygon, with a hole of that many sides through its corners' circle; 0:
+/// round.
 TriangleMesh polygon_ring(int outer, double outer_radius, int inner, double inner_radius, double height) {
   TriangleMesh mesh;
   const int rays = 4 * outer * (inner > 0 ? inner : 16);
@@ -80,8 +81,11 @@ TEST_CASE("first finding: equal holes are counted on both sides, and those that 
   INFO(all(found));
   CHECK(verdict.verdict == Outcome::out_of_tolerance);
   REQUIRE(found.size() == 1);
-  CHECK(found[0] == "7 holes of diameter 3 in the artifact, 5 in the scan: hole 2 at (12, 0, 3.5) and hole 5 at (48, 0, 3.5) are invented");
-  const auto fewer = faults(verdict_on(holed_strip(five, 6, 7), scanned(holed_strip(seven, 6, 7), 60000, sigma), options()));
+  CHECK(found[0] ==
+        "7 holes of diameter 3 in the artifact, 5 in the scan: hole 2 at (12, 0, 3.5) and hole 5 at (48, 0, 3.5) are "
+        "invented");
+  const auto fewer =
+      faults(verdict_on(holed_strip(five, 6, 7), scanned(holed_strip(seven, 6, 7), 60000, sigma), options()));
   INFO(all(fewer));
   REQUIRE(!fewer.empty());
   CHECK(begins(fewer[0], "5 holes of diameter 3 in the artifact, 7 in the scan: the one about ("));
@@ -112,7 +116,8 @@ TEST_CASE("first finding: a round of another radius is named with both radii, an
     INFO(drawn << " drawn\n" << all(found));
     CHECK(verdict.verdict == Outcome::out_of_tolerance);
     REQUIRE(!found.empty());
-    CHECK(begins(found[0], "round 1 (radius " + print_number(drawn) + "): radius " + print_number(drawn) + ", the scan says "));
+    CHECK(begins(found[0],
+                 "round 1 (radius " + print_number(drawn) + "): radius " + print_number(drawn) + ", the scan says "));
     CHECK(measured(verdict, "round 1", "radius") == Approx(true_radius).margin(0.06));
     CHECK(found.size() == 1);
     for (const auto& row : verdict.artifacts[0].objects) {

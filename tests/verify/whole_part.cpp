@@ -10,7 +10,8 @@ namespace {
 
 /// A block with a boss and an ear: no symmetry at all.
 TriangleMesh part() {
-  return joined(joined(box({0, 0, 0}, {50, 40, 20}), box({8, 6, 20.001}, {26, 18, 32})), box({30, 25, 20.001}, {44, 36, 25}));
+  return joined(joined(box({0, 0, 0}, {50, 40, 20}), box({8, 6, 20.001}, {26, 18, 32})),
+                box({30, 25, 20.001}, {44, 36, 25}));
 }
 
 std::string reasons_of(const TriangleMesh& artifact, const Scan& scan) {

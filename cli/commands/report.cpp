@@ -1,0 +1,192 @@
+/// report: the page of a folder that build or the single stages filled, or of any artifact and scan.
+#include <algorithm>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/commands/stages.h"
+#include "cli/inputs.h"
+#include "cli/names.h"
+#include "cli/report/report_page.h"
+#include "cli/verdict_file.h"
+
+namespace partscribe {
+namespace {
+
+constexpr const char* help =
+    R"(Examples
+  partscribe report bracket-partscribe --force              report.html again, after an edit
+  partscribe report bracket-partscribe --pictures figures   the page, and its pictures as PNG files
+  partscribe report edited.scad bracket.ply --out review    verify my script and report what came out
+
+Given a folder (or a model.json or verdict.json in it) it reads model.json, cloud.ply, verdict.json and the artifacts
+there. The verdict is the recorded one; the artifacts are run again for the pictures, because verdict.json holds no
+geometry. Given artifacts and scans it verifies them first. Writes report.html: one file that needs no network.)";
+
+struct Options {
+  std::vector<Path> files;
+  Path pictures;
+};
+
+/// Everything a page is made of.
+struct Material {
+  std::string name;
+  std::optional<Model> model;
+  Verdict verdict;
+  Scan scan;
+  std::vector<Path> artifacts;
+  Path folder;  ///< where report.html goes unless --out says otherwise
+};
+
+bool has_suffix(const Path& file, const std::vector<std::string>& suffixes) {
+  std::string suffix = file.extension().string();
+  for (char& c : suffix)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c | 0x20);
+  return std::find(suffixes.begin(), suffixes.end(), suffix) != suffixes.end();
+}
+
+/// Fills in what verdict.json cannot hold: the geometry and the deviation of each point, from a new run.
+Result<Done> evaluate_for_pictures(Material& material, Session& session) {
+  for (auto& recorded : material.verdict.artifacts) {
+    const Path file = material.folder / Path(recorded.file).filename();
+    if (!std::filesystem::is_regular_file(file)) continue;
+    VerifyOptions options;
+    options.tolerance = material.verdict.tolerance;
+    if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
+    auto again = verify({file}, material.scan, material.model, options, session.context);
+    if (!again) return again.error();
+    ArtifactVerdict& fresh = again->artifacts.front();
+    if (fresh.mesh.empty()) continue;
+    if (fresh.verdict != recorded.verdict)
+      session.warn(file.string() + " is now " + name_of(fresh.verdict) + ", but verdict.json says " +
+                   name_of(recorded.verdict) + ": run 'partscribe verify' again");
+    recorded.mesh = std::move(fresh.mesh);
+    recorded.point_deviation = std::move(fresh.point_deviation);
+    recorded.point_object = std::move(fresh.point_object);
+    recorded.triangle_object = std::move(fresh.triangle_object);
+    recorded.sample_support = std::move(fresh.sample_support);
+    recorded.objects = std::move(fresh.objects);
+    if (recorded.findings.empty()) recorded.findings = std::move(fresh.findings);
+  }
+  return Done{};
+}
+
+Result<Material> recorded_material(const Path& given, Session& session) {
+  Material material;
+  material.folder = std::filesystem::is_directory(given) ? given
+                    : given.has_parent_path()            ? given.parent_path()
+                                                         : Path(".");
+  auto model = read_model(material.folder / "model.json");
+  if (!model) return model.error();
+  material.model = **model;
+  material.name = material.model->name;
+  const Path verdict_file = material.folder / "verdict.json";
+  const auto text = read_file(verdict_file);
+  if (!text) return text.error();
+  auto verdict = read_verdict_json(*text, verdict_file.string());
+  if (!verdict) return verdict.error();
+  material.verdict = std::move(*verdict);
+  auto scan = read_scans({material.folder / "cloud.ply"}, session);
+  if (!scan) return scan.error();
+  material.scan = std::move(*scan);
+  for (const auto& artifact : material.verdict.artifacts)
+    material.artifacts.push_back(material.folder / Path(artifact.file).filename());
+  return material;
+}
+
+Result<Material> verified_material(const std::vector<Path>& files, Session& session) {
+  Material material;
+  std::vector<Path> scans;
+  for (const auto& file : files) {
+    if (!std::filesystem::is_regular_file(file))
+      return bad_input(file.string() + ": expected an artifact, a scan or a folder to report on, found no such file");
+    (has_suffix(file, {".scad", ".scl", ".igs", ".iges", ".step", ".stp"}) ? material.artifacts : scans)
+        .push_back(file);
+  }
+  if (material.artifacts.empty() && scans.size() > 1) {
+    material.artifacts.push_back(scans.front());
+    scans.erase(scans.begin());
+  }
+  if (scans.empty() || material.artifacts.empty())
+    return usage_error("report needs a folder that build filled, or an artifact and at least one scan, found only " +
+                       files.front().string());
+  material.name = part_name(material.artifacts.front());
+  auto scan = read_scans(scans, session);
+  if (!scan) return scan.error();
+  material.scan = std::move(*scan);
+  VerifyOptions options;
+  const Path beside = material.artifacts.front().parent_path() / "model.json";
+  if (std::filesystem::is_regular_file(beside))
+    if (auto model = read_model(beside)) material.model = **model, material.name = material.model->name;
+  material.folder = folder_name(material.artifacts.front()) + "-report";
+  if (material.model && !session.options.tolerance) {
+    options.tolerance = material.model->tolerance;
+  } else {
+    const auto tolerance = tolerance_for(material.scan, session);
+    options.tolerance = tolerance.tolerance;
+    session.print("T" + tolerance.reason.substr(1) + ".\n");
+  }
+  if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
+  if (auto ok = session.stage("verify"); !ok) return ok.error();
+  auto verdict = verify(material.artifacts, material.scan, material.model, options, session.context);
+  if (!verdict) return verdict.error();
+  material.verdict = std::move(*verdict);
+  return material;
+}
+
+Result<int> run(const Options& given, Session& session) {
+  const Path& first = given.files.front();
+  const bool recorded =
+      given.files.size() == 1 && (std::filesystem::is_directory(first) || has_suffix(first, {".json"}));
+  if (auto ok = session.stage("read"); !ok) return ok.error();
+  auto material = recorded ? recorded_material(first, session) : verified_material(given.files, session);
+  if (!material) return material.error();
+  const Path out = session.options.out.empty() ? material->folder : session.options.out;
+  if (auto ok = check_overwriting(out, {"report.html"}, session.options.force); !ok) return ok.error();
+  if (recorded) {
+    if (auto ok = session.stage("evaluate"); !ok) return ok.error();
+    if (auto ok = evaluate_for_pictures(*material, session); !ok) return ok.error();
+  }
+
+  if (auto ok = session.stage("report"); !ok) return ok.error();
+  const auto scene = report_scene(material->model, material->verdict, material->scan.cloud, session.context);
+  const auto pictures = draw_report(scene, session.context);
+  if (!given.pictures.empty()) {
+    std::vector<std::string> names;
+    for (const auto& picture : pictures) names.push_back(picture.name);
+    if (auto ok = check_overwriting(given.pictures, names, session.options.force); !ok) return ok.error();
+    if (auto ok = make_folder(given.pictures); !ok) return ok.error();
+  }
+  std::vector<SourceFile> sources;
+  for (std::size_t i = 0; i < material->scan.files.size() && i < material->scan.sha256.size(); ++i)
+    sources.push_back({material->scan.files[i], material->scan.sha256[i]});
+  const auto page = report_page({material->name, material->model, material->verdict, scene, pictures,
+                                 read_scripts(material->artifacts), sources, material->scan.warnings, session.version});
+  if (auto ok = make_folder(out); !ok) return ok.error();
+  std::vector<Path> written = {out / "report.html"};
+  if (auto ok = write_file(written.front(), page); !ok) return ok.error();
+  if (!given.pictures.empty())
+    for (const auto& picture : pictures) {
+      written.push_back(given.pictures / picture.name);
+      if (auto ok = write_file(written.back(), picture.png); !ok) return ok.error();
+    }
+  session.finish_stage();
+  for (const auto& file : written) session.print("Wrote " + file.string() + "\n");
+  session.print_json(summary_json("report", written, material->scan.warnings));
+  return recorded ? 0 : exit_code_of(material->verdict.verdict);
+}
+
+}  // namespace
+
+Command report_command() {
+  auto options = std::make_shared<Options>();
+  return {"report", "make the HTML page of a build folder or of any artifact and scan, and its pictures", help,
+          [options](Arguments& a) {
+            a.paths(options->files, "files",
+                    "a folder with model.json, cloud.ply and verdict.json, or artifacts and scans");
+            a.path(options->pictures, "--pictures", "DIR",
+                   "write the pictures (deviation.png, the six sides, each finding, ...) as PNG files there too");
+          },
+          [options](Session& session) { return run(*options, session); }};
+}
+
+}  // namespace partscribe

@@ -1,0 +1,117 @@
+#include "cli/report/report_scene.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/statistics.h"
+#include "geometry/points/kd_tree.h"
+
+namespace partscribe {
+namespace {
+
+/// The mean of the normals: long for a surface that was seen from one side only.
+Vec3 mean_normal(const PointCloud& cloud) {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& n : cloud.normals) sum += n;
+  return cloud.normals.empty() ? sum : Vec3(sum / static_cast<double>(cloud.normals.size()));
+}
+
+/// Median distance between neighbours, from some hundred points.
+double spacing_of(const PointCloud& cloud) {
+  if (cloud.size() < 2) return 0;
+  const KdTree tree(cloud.points);
+  std::vector<double> distances;
+  std::vector<Neighbour> found;
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / 400);
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    tree.nearest(cloud.points[i], 5, found);
+    distances.push_back(std::sqrt(found.back().sq_distance));
+  }
+  return median_in_place(distances);
+}
+
+std::vector<ReportView> views_of(const std::optional<Model>& model, const PointCloud& cloud) {
+  const Pose scan_from_part = model && model->as_scanned ? evaluate(model->scan_from_part, values_of(*model)) : Pose{};
+  std::vector<ReportView> views = {{"overview", "from the front, right and above", {0.75, -1, 0.7}, {0, 0, 1}},
+                                   {"front", "from the front", {0, -1, 0}, {0, 0, 1}},
+                                   {"right", "from the right", {1, 0, 0}, {0, 0, 1}},
+                                   {"back", "from the back", {0, 1, 0}, {0, 0, 1}},
+                                   {"left", "from the left", {-1, 0, 0}, {0, 0, 1}},
+                                   {"top", "from above", {0, 0, 1}, {0, 1, 0}},
+                                   {"bottom", "from below", {0, 0, -1}, {0, 1, 0}}};
+  for (auto& view : views)
+    view.to_eye = scan_from_part.rotation * view.to_eye, view.up = scan_from_part.rotation * view.up;
+  // A scan from one side only is looked at from that side first.
+  if (const Vec3 facing = mean_normal(cloud); facing.norm() > 0.5) {
+    auto& first = views.front();
+    first.words = "from the side of the scanner";
+    first.to_eye = facing.normalized();
+    if (std::abs(first.to_eye.dot(first.up)) > 0.9) first.up = scan_from_part.rotation * Vec3(0, 1, 0);
+  }
+  return views;
+}
+
+constexpr double detail_of_others = 0.6;  // all of them together, of what the first shows; a page stays within 5 MB
+
+/// Fills in what follows from the scene's artifact.
+void draw(ReportScene& scene, Context& context) {
+  scene.deviations = deviations_of(*scene.cloud, scene.artifact);
+  if (scene.deviations.empty()) return;
+  scene.features = features_of(*scene.cloud, *scene.artifact);
+  SurfaceOptions options;
+  options.max_error = 0.25 * scene.tolerance;
+  options.most_vertices = static_cast<std::size_t>(scene.detail * static_cast<double>(options.most_vertices));
+  scene.surface = deviation_surface(*scene.artifact, *scene.cloud, scene.deviations, options, context);
+}
+
+}  // namespace
+
+const ArtifactVerdict* drawn_artifact(const Verdict& verdict) {
+  for (const auto& artifact : verdict.artifacts)
+    if (!artifact.mesh.empty()) return &artifact;
+  return nullptr;
+}
+
+std::vector<float> deviations_of(const PointCloud& cloud, const ArtifactVerdict* artifact) {
+  if (!artifact) return {};
+  const auto& given = artifact->point_deviation;
+  std::vector<float> result(cloud.size(), std::numeric_limits<float>::quiet_NaN());
+  // What is farther off than the largest judged deviation was not judged: the verifier set it aside as stray.
+  const double judged = artifact->data_to_model.points ? artifact->data_to_model.local_max * (1 + 1e-6) + 1e-9
+                                                       : std::numeric_limits<double>::infinity();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
+    if (next == given.size()) return {};
+    if (std::abs(given[next]) <= judged) result[i] = given[next];
+    ++next;
+  }
+  return next == given.size() ? result : std::vector<float>();
+}
+
+ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdict, const PointCloud& cloud,
+                         Context& context) {
+  ReportScene scene;
+  scene.cloud = &cloud;
+  scene.artifact = drawn_artifact(verdict);
+  scene.tolerance = verdict.tolerance;
+  scene.spacing = spacing_of(cloud);
+  scene.views = views_of(model, cloud);
+  std::vector<const ArtifactVerdict*> others;
+  for (const auto& artifact : verdict.artifacts)
+    if (&artifact != scene.artifact && !artifact.mesh.empty()) others.push_back(&artifact);
+  const ReportScene plain = scene;
+  for (const auto* artifact : others) {
+    ReportScene other = plain;
+    other.artifact = artifact;
+    other.detail = detail_of_others / static_cast<double>(others.size());
+    draw(other, context);
+    if (!other.surface.empty()) scene.others.push_back(std::move(other));
+  }
+  draw(scene, context);
+  return scene;
+}
+
+}  // namespace partscribe

@@ -1,0 +1,26 @@
+/// Sketches as OpenSCAD polygons and circles.
+#pragma once
+
+#include <string>
+
+#include "codegen/openscad/openscad_text.h"
+#include "codegen/template.h"
+
+namespace partscribe {
+
+/// What a script's text calls for: helper functions and the library beside it.
+struct OpenscadNeeds {
+  bool facets = false, arc = false, on_axis = false, disc = false, ball = false, library = false;
+};
+
+/// A sketch as script text.
+struct OpenscadSketch {
+  std::string text;            ///< the module that draws it, after the control points of its NURBS curves
+  std::string largest_radius;  ///< an expression for the largest first coordinate of its outline
+};
+
+/// A module `name` that draws the sketch; `about_axis`: the first coordinate is a radius.
+Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis,
+                                       const OpenscadText& text, const TemplatePack& pack, OpenscadNeeds& needs);
+
+}  // namespace partscribe

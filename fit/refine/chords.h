@@ -1,0 +1,35 @@
+/// Facets of a drawn body lie below the surface they stand for; its vertices lie on it.
+#pragma once
+
+#include <vector>
+
+#include "fit/refine/all_points.h"
+
+namespace partscribe {
+
+/// The points are strewn over the facets of a mesh that are too large for its vertices to stand for its surface.
+bool on_facets(const FitInput& input);
+
+/// How far inside their facet corners are looked at, where their nearest face is the facet's own: with a candidate that
+/// is still off by a little, and with one that is nearly exact.
+constexpr double coarse_inset = 0.97, fine_inset = 0.999;
+
+/// Of a facet's depth, how much a correction may miss: the corners are looked at a thousandth inside.
+constexpr double chords_left = 0.01;
+
+/// mm, per point: how deep the facet lies there below the true surface, by the candidate's distance at the point
+/// against what the facet's corners' distances would give. Errors of the corners themselves cancel, flat faces give
+/// nothing. The corners are taken a little inside the facet; the mean depth grows by what that cuts off.
+std::vector<double> chord_deviation(const Candidate& candidate, const std::vector<Vec3>& points, const Scan& scan,
+                                    double inset, int threads);
+
+/// Of the used points of every node, weighted by their noise.
+std::vector<double> mean_of_nodes(const AllPoints& all, const std::vector<double>& of_points);
+
+/// Where the corners lie far closer to the candidate than the facets between them, as a designer's do and a scanned or
+/// thinned mesh's do not, the corners decide: Gauss-Newton steps on residuals without the chords. `all` then holds
+/// these residuals and the noise that is left, at least `least_sigma`, and says so; otherwise nothing changes.
+void correct_for_chords(Candidate& candidate, AllPoints& all, const FitInput& input, const Unknowns& unknowns,
+                        double least_sigma, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,46 @@
+/// Makes a candidate exact: all its parameters and its place at once, by orthogonal distance, with covariance.
+#pragma once
+
+#include <vector>
+
+#include "fit/candidate.h"
+
+namespace partscribe {
+
+struct RefineOptions {
+  std::size_t points = 20000;  ///< of the search, at most; the last steps take all points of the scan
+  int iterations = 40;
+  double welsch =
+      2.5;  ///< residuals beyond some 2 * welsch sigmas lose their say; the last steps take 3 unless it is narrower
+  bool near =
+      false;  ///< every face starts in its place; else those far out of it are caught, and strays by faces hardly seen
+  bool uncertainty = true;         ///< false: skip the last steps on all points, and sigma
+  std::vector<std::string> fixed;  ///< parameters that keep their value
+};
+
+/// What a refinement found besides the candidate's new values.
+struct RefineReport {
+  double rms = 0;           ///< mm, of the residuals that count
+  double inlier_share = 0;  ///< residuals within 4 sigmas
+  int iterations = 0;
+  bool converged = false;
+  double points_per_independent = 1;   ///< above 1 where neighbouring points err together
+  std::vector<std::string> unlimited;  ///< lengths that may grow as they like: the data end there
+};
+
+constexpr std::size_t hardly_any_points = 10;  ///< fewer fix no number: strays or noise alone may be they
+
+/// Levenberg-Marquardt on Welsch-weighted signed distances of thinned points (reference equations: orthogonal distance
+/// regression, Forbes 1989, Ahn 2004), then Gauss-Newton on all points (all_points.h). Directions that the data leave
+/// free (symmetries) are cut out of the normal matrix. Fills Parameter value, fitted, points and sigma: the noise part,
+/// and a systematic part from what the views disagree about, facets, filters and a floor (uncertainty.h), or, where
+/// the data end, how well they tell the place (open_ends.h).
+RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context);
+
+/// A model with just this candidate in it, for distances; in the part's own frame.
+Model bare_model(const Candidate& candidate);
+
+/// What its parameters are worth now.
+Values values_of(const Candidate& candidate);
+
+}  // namespace partscribe

@@ -1,0 +1,55 @@
+/// The search for a procedure: proposals are judged, compared, and the best is made fit for print.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fit/build.h"
+#include "fit/candidate.h"
+#include "fit/evidence/coverage.h"
+#include "fit/evidence/evidence.h"
+#include "fit/procedures.h"
+#include "fit/propose/superellipsoid.h"
+#include "model/model.h"
+
+namespace partscribe {
+
+/// A candidate after a first refinement, with what speaks for and against it.
+struct Judged {
+  Candidate candidate;
+  CandidateEvidence evidence;
+  Coverage coverage;
+  bool meets = false;
+  bool open = false;     ///< within tolerance, but refused for what was not seen of it or noise hides
+  bool refused = false;  ///< by what was asked after the fit
+  std::string reason;
+};
+
+/// What the makers proposed, what became of it, and the best as a model, if one meets the tolerance.
+struct ProcedureSearch {
+  SuperellipsoidFit hypothesis;
+  std::vector<Judged> judged;  ///< the best first
+  bool found = false;
+  std::size_t winner = 0;  ///< index into judged; their number if none was found
+  Model model;
+  CandidateEvidence evidence;  ///< of the winner as it will be printed
+  double covered = 0;
+};
+
+/// Asks the makers and chooses: procedures of the trade first; superellipsoid and supertoroid, which serve as a last
+/// resort, where `last_resort` asks for them. Asked again it goes on from what is known.
+void search_procedure(ProcedureSearch& search, bool last_resort, const FitInput& input, const BuildOptions& options,
+                      Context& context);
+
+/// Takes the winner out for a reason that its fit did not know, and chooses among the others.
+void choose_another(ProcedureSearch& search, const std::string& reason, const FitInput& input,
+                    const BuildOptions& options, Context& context);
+
+/// True if what was found follows the data only roughly, by many flat faces, by straight walls or by a round form: a
+/// body with rounded corners, or a ring with such, may do better.
+bool is_rough(const ProcedureSearch& search, const FitInput& input);
+
+/// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
+std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,30 @@
+/// Outlines of extrusions of which walls were hidden: lines and circles cut the plane into cells, and what is seen of
+/// walls and end faces tells which cells are solid.
+#pragma once
+
+#include <vector>
+
+#include "fit/sketch/plane_chain.h"
+#include "fit/sketch/sketch_builder.h"
+
+namespace partscribe {
+
+/// What is seen along the direction of a sweep, mm.
+struct OutlineData {
+  std::vector<PlanePoint> walls;
+  std::vector<PlanePoint> rims;  ///< of end faces, where no wall was seen
+  std::vector<Vec2> ends;        ///< points of both end faces
+  double band = 0;               ///< half the thickness that noise gives a wall
+  double spacing = 0;            ///< between neighbouring points of an end face
+  bool outward = false;          ///< the walls' normals point out of the part; else nobody knows their sign
+};
+
+/// The outer loop first; none where no closed outline comes out.
+///
+/// Lines and circles are drawn at random from pairs of wall points (RANSAC), then from what is left of the rims.
+/// Between them the plane falls into cells. The labels solid and empty are those of least cost: end faces seen in an
+/// empty cell and not seen in a solid one, borders without a wall, and walls within one label. Two primitives that
+/// touch meet in one point.
+std::vector<LoopPieces> outline_by_cells(const OutlineData& data);
+
+}  // namespace partscribe

@@ -1,0 +1,37 @@
+/// The fallback that always works: a triangulation within tolerance of the data, as small as that allows.
+#pragma once
+
+#include <optional>
+
+#include "core/result.h"
+#include "fit/candidate.h"
+#include "geometry/mesh/triangle_mesh.h"
+
+namespace partscribe {
+
+/// The surface of one scan, found once and simplified to any tolerance.
+class Triangulator {
+ public:
+  /// `input` and `context` must outlive it.
+  Triangulator(const FitInput& input, Context& context) : input_(input), context_(context) {}
+
+  /// A candidate whose shape is a TriSurface in the scan's frame (scan_from_part is the identity or a plain shift), as
+  /// few triangles as lie within a share of `tolerance` (mm) of the surface. From a source mesh: cleaned, small holes
+  /// closed, decimated. From points: reconstructed, then decimated. The result is manifold and consistently oriented;
+  /// closed if the data bound a solid. Points that span no surface are an error.
+  Result<Candidate> within(double tolerance);
+
+  /// The surface itself, before anything was simplified; nothing where it is made for a tolerance only (points seen
+  /// from one side, meshes).
+  std::optional<Candidate> unsimplified() const;
+
+ private:
+  TriangleMesh from_mesh(double tolerance) const;
+  TriangleMesh from_points(double tolerance);
+
+  const FitInput& input_;
+  Context& context_;
+  std::optional<TriangleMesh> surface_;
+};
+
+}  // namespace partscribe

@@ -1,0 +1,29 @@
+/// Numbers that no point fixes on one side: the data end there.
+#pragma once
+
+#include "core/context.h"
+#include "fit/refine/all_points.h"
+#include "fit/refine/unknowns.h"
+
+namespace partscribe {
+
+/// A length that may grow, alone or together with other numbers and the place, without a residual that changes.
+struct OpenEnd {
+  std::size_t parameter = 0;  ///< of the candidate
+  double sigma = 0;           ///< mm, of the place where the data end
+  double reach = 0;           ///< mm, of the last ten points before the end
+  bool unlimited = false;     ///< ten points stand against it on one side only
+};
+
+/// None of a closed mesh. The free lengths, or what they are together with others, about which hardly_any_points or (of
+/// scans, but not among strays) a hundredth of all points speak at most, at the squares of their say (eigenvectors of
+/// the normal matrix). Points on the walls are taken to be as dense beyond the end as the last ten before it, so that
+/// an empty millimetre costs as many nats as it should have points. Where the wall goes on beyond the end, `candidate`
+/// is moved to the place that costs least (not among strays). sigma is a third of the range that holds the place in 95
+/// % (it is exponentially distributed); of a length that is limited on either side, a quarter of the two-sigma range.
+/// Nobody knows the place where data end to less than half the distance of neighbouring points. `noise` in mm.
+std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns,
+                                      const std::vector<Vec3>& points, const FitInput& input, double noise,
+                                      Context& context);
+
+}  // namespace partscribe

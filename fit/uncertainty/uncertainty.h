@@ -1,0 +1,29 @@
+/// What the data leave open about a fit's numbers: noise, and what does not average out.
+#pragma once
+
+#include "fit/refine/all_points.h"
+
+namespace partscribe {
+
+/// Standard deviations of the free parameters, in their own units, by cause.
+struct Uncertainty {
+  std::vector<double> noise;   ///< falls with the number of independent points
+  std::vector<double> views;   ///< views that disagree: registration, calibration; imagined ones where they are unknown
+  std::vector<double> poses;   ///< where registered views may stand, as registration says
+  std::vector<double> facets;  ///< chords of a coarse source mesh
+  std::vector<double>
+      filter;  ///< smoothing that flattened what curves, by how likely noise that hangs together was smoothed
+  std::vector<double> slant;  ///< noise along rays that nobody knows, on a curved part seen from one side (slant.h)
+  Vector correction;          ///< of the unknowns: without what a smoothing did to rims; empty: none
+  double floor = 0;           ///< mm, what no data can tell about the instrument
+  double points_per_independent = 1;
+  double rms = 0;  ///< mm, of the residuals that count
+};
+
+/// At the result of polish(). Noise: the sandwich of an M-estimator, E psi^2 / (E psi')^2 (sum J J^T / sigma^2)^-1
+/// [Huber 1967], times the points per independent one.
+/// Where a scan was smoothed the points learn their noise anew, without rims, at least `least_sigma`.
+Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const FitInput& input, const Unknowns& unknowns,
+                           double least_sigma, const Welsch& kernel, Context& context);
+
+}  // namespace partscribe

@@ -1,0 +1,317 @@
+#include "geometry/surfaces/curve2.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/ensure.h"
+#include "core/number.h"
+
+namespace partscribe {
+namespace {
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+struct Foot {
+  double sq_distance;
+  Vec2 point;
+};
+
+Foot foot_on_segment(const Vec2& a, const Vec2& b, const Vec2& p) {
+  const Vec2 d = b - a;
+  const double length2 = d.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0.0;
+  const Vec2 q = a + t * d;
+  return {(p - q).squaredNorm(), q};
+}
+
+/// An arc with everything that a query needs again and again.
+struct PreparedArc {
+  Vec2 center, start, end;
+  double radius, low, span;
+  Vec2 middle;       // unit, towards the middle of the arc
+  double cos_half;   // cosine of half the span; -2 for a full turn
+  struct Monotone {  // a piece that rises or falls throughout
+    double y0, y1;
+    bool right_half;
+  };
+  std::vector<Monotone> pieces;
+};
+
+PreparedArc prepared(const Arc2& arc) {
+  PreparedArc p;
+  p.center = arc.center, p.radius = arc.radius, p.start = arc.at(arc.from), p.end = arc.at(arc.to);
+  p.low = std::min(arc.from, arc.to);
+  p.span = std::min(std::abs(arc.to - arc.from), 2 * pi);
+  const double high = p.low + p.span, half = p.low + 0.5 * p.span;
+  p.middle = {std::cos(half), std::sin(half)};
+  p.cos_half = p.span >= 2 * pi - 1e-12 ? -2 : std::cos(0.5 * p.span);
+  // Split at the lowest and highest points of the circle.
+  std::vector<double> cuts = {p.low};
+  for (double k = std::ceil((p.low - pi / 2) / pi); pi / 2 + k * pi < high; k += 1)
+    if (pi / 2 + k * pi > p.low) cuts.push_back(pi / 2 + k * pi);
+  cuts.push_back(high);
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
+    p.pieces.push_back({arc.at(cuts[i]).y(), arc.at(cuts[i + 1]).y(), std::cos(0.5 * (cuts[i] + cuts[i + 1])) > 0});
+  // sin(2 pi) is not sin(0): between the two a ray would slip through the circle.
+  if (p.cos_half == -2) p.pieces.back().y1 = p.pieces.front().y0;
+  return p;
+}
+
+Foot foot_on_arc(const PreparedArc& arc, const Vec2& p) {
+  const Vec2 d = p - arc.center;
+  const double rho = d.norm();
+  if (rho <= 0) return {arc.radius * arc.radius, arc.start};
+  if (arc.middle.dot(d) >= arc.cos_half * rho) {
+    const double off = rho - arc.radius;
+    return {off * off, arc.center + d * (arc.radius / rho)};
+  }
+  const double da = (p - arc.start).squaredNorm(), db = (p - arc.end).squaredNorm();
+  return da <= db ? Foot{da, arc.start} : Foot{db, arc.end};
+}
+
+/// How often a ray from p to the right crosses the arc.
+int crossings(const PreparedArc& arc, const Vec2& p) {
+  if (std::abs(p.y() - arc.center.y()) > arc.radius || p.x() > arc.center.x() + arc.radius) return 0;
+  int count = 0;
+  for (const auto& piece : arc.pieces) {
+    if ((piece.y0 <= p.y()) == (piece.y1 <= p.y())) continue;
+    const double dy = p.y() - arc.center.y();
+    const double half_width = std::sqrt(std::max(arc.radius * arc.radius - dy * dy, 0.0));
+    if (arc.center.x() + (piece.right_half ? half_width : -half_width) > p.x()) ++count;
+  }
+  return count;
+}
+
+int crossings(const Vec2& a, const Vec2& b, const Vec2& p) {
+  if ((a.y() <= p.y()) == (b.y() <= p.y())) return 0;
+  return a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) > p.x() ? 1 : 0;
+}
+
+int span_of(const Nurbs2& c, double u) {
+  const int n = static_cast<int>(c.control.size());
+  if (u >= c.knots[n]) {
+    int s = n - 1;
+    while (s > c.degree && c.knots[s] == c.knots[s + 1]) --s;
+    return s;
+  }
+  const auto it = std::upper_bound(c.knots.begin() + c.degree, c.knots.begin() + n + 1, u);
+  return static_cast<int>(it - c.knots.begin()) - 1;
+}
+
+Eigen::Vector3d homogeneous(const Nurbs2& c, int i) {
+  const double w = c.weights.empty() ? 1 : c.weights[static_cast<std::size_t>(i)];
+  return {c.control[i].x() * w, c.control[i].y() * w, w};
+}
+
+constexpr int highest_degree = 9;
+
+/// de Boor on homogeneous control points; `order` derivatives by differencing the control polygon first.
+Eigen::Vector3d de_boor(const Nurbs2& c, double u, int order) {
+  const int p = c.degree, s = span_of(c, u);
+  ensure(p <= highest_degree, "a NURBS curve has at most degree 9");
+  std::array<Eigen::Vector3d, highest_degree + 1> d;  // no allocation: this is the innermost loop of every fit
+  for (int j = 0; j <= p; ++j) d[j] = homogeneous(c, s - p + j);
+  int q = p;
+  for (int k = 0; k < order && q > 0; ++k, --q)
+    for (int j = 0; j < q; ++j) {
+      const double width = c.knots[s + j + 1] - c.knots[s - q + j + 1];
+      d[j] = width > 0 ? Eigen::Vector3d(q * (d[j + 1] - d[j]) / width) : Eigen::Vector3d::Zero();
+    }
+  if (order > p) return Eigen::Vector3d::Zero();
+  for (int r = 1; r <= q; ++r)
+    for (int j = q; j >= r; --j) {
+      const int i = s - q + j;
+      const double width = c.knots[i + q - r + 1] - c.knots[i];
+      const double a = width > 0 ? (u - c.knots[i]) / width : 0;
+      d[j] = (1 - a) * d[j - 1] + a * d[j];
+    }
+  return d[q];
+}
+
+}  // namespace
+
+Vec2 Arc2::at(double angle) const { return center + radius * Vec2(std::cos(angle), std::sin(angle)); }
+
+Vec2 Nurbs2::at(double u) const {
+  const auto h = de_boor(*this, u, 0);
+  return h.head<2>() / h.z();
+}
+
+void Nurbs2::derivatives(double u, Vec2& point, Vec2& first, Vec2& second) const {
+  const auto a = de_boor(*this, u, 0), b = de_boor(*this, u, 1), c = de_boor(*this, u, 2);
+  point = a.head<2>() / a.z();
+  first = (b.head<2>() - b.z() * point) / a.z();
+  second = (c.head<2>() - 2 * b.z() * first - c.z() * point) / a.z();
+}
+
+Vec2 start_of(const Curve2& curve) {
+  if (const auto* l = std::get_if<Line2>(&curve)) return l->a;
+  if (const auto* a = std::get_if<Arc2>(&curve)) return a->at(a->from);
+  return std::get<Nurbs2>(curve).control.front();
+}
+
+Vec2 end_of(const Curve2& curve) {
+  if (const auto* l = std::get_if<Line2>(&curve)) return l->b;
+  if (const auto* a = std::get_if<Arc2>(&curve)) return a->at(a->to);
+  return std::get<Nurbs2>(curve).control.back();
+}
+
+namespace {
+
+void refine_nurbs(const Nurbs2& c, double u0, const Vec2& p0, double u1, const Vec2& p1, double error, int depth,
+                  std::vector<double>& us) {
+  const double um = 0.5 * (u0 + u1);
+  const Vec2 pm = c.at(um);
+  const double third = std::max(foot_on_segment(p0, p1, c.at(u0 + (u1 - u0) * 0.29)).sq_distance,
+                                foot_on_segment(p0, p1, c.at(u0 + (u1 - u0) * 0.71)).sq_distance);
+  const double worst = std::max(foot_on_segment(p0, p1, pm).sq_distance, third);
+  if (depth < 16 && worst > error * error) {
+    refine_nurbs(c, u0, p0, um, pm, error, depth + 1, us);
+    refine_nurbs(c, um, pm, u1, p1, error, depth + 1, us);
+  } else {
+    us.push_back(u1);
+  }
+}
+
+std::vector<double> nurbs_parameters(const Nurbs2& c, double error) {
+  std::vector<double> us = {c.knots[c.degree]};
+  for (std::size_t i = static_cast<std::size_t>(c.degree); i < c.control.size(); ++i)
+    if (c.knots[i + 1] > c.knots[i])
+      refine_nurbs(c, c.knots[i], c.at(c.knots[i]), c.knots[i + 1], c.at(c.knots[i + 1]), error, 0, us);
+  return us;
+}
+
+}  // namespace
+
+std::vector<Vec2> polyline(const Curve2& curve, double chord_error) {
+  if (const auto* l = std::get_if<Line2>(&curve)) return {l->a, l->b};
+  if (const auto* a = std::get_if<Arc2>(&curve)) {
+    const double step = 2 * std::acos(std::clamp(1 - chord_error / a->radius, 0.0, 1.0));
+    const int pieces = std::max(2, static_cast<int>(std::ceil(std::abs(a->to - a->from) / std::max(step, 1e-3))));
+    std::vector<Vec2> points;
+    for (int i = 0; i <= pieces; ++i) points.push_back(a->at(a->from + (a->to - a->from) * i / pieces));
+    return points;
+  }
+  const auto& c = std::get<Nurbs2>(curve);
+  std::vector<Vec2> points;
+  for (const double u : nurbs_parameters(c, chord_error)) points.push_back(c.at(u));
+  return points;
+}
+
+struct OutlineDistance::Prepared {
+  std::vector<PreparedArc> arcs;  // one per curve; meaningful for arcs only
+};
+
+OutlineDistance::~OutlineDistance() = default;
+OutlineDistance::OutlineDistance(OutlineDistance&&) noexcept = default;
+
+OutlineDistance::OutlineDistance(Outline2 outline)
+    : outline_(std::move(outline)),
+      ignored_(outline_.curves.size(), 0),
+      chords_(outline_.curves.size()),
+      chord_u_(outline_.curves.size()),
+      prepared_(std::make_unique<Prepared>()) {
+  for (const auto& c : outline_.curves) {
+    const auto* a = std::get_if<Arc2>(&c.curve);
+    prepared_->arcs.push_back(a ? prepared(*a) : PreparedArc{});
+  }
+  double size = 0;
+  Vec2 low = Vec2::Constant(1e300), high = Vec2::Constant(-1e300);
+  for (const auto& c : outline_.curves)
+    for (const auto& p : {start_of(c.curve), end_of(c.curve)}) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  size = (high - low).norm();
+  chord_error_ = std::max(1e-3 * size, 1e-9);
+  for (std::size_t i = 0; i < outline_.curves.size(); ++i)
+    if (const auto* c = std::get_if<Nurbs2>(&outline_.curves[i].curve)) {
+      chord_u_[i] = nurbs_parameters(*c, chord_error_);
+      for (const double u : chord_u_[i]) chords_[i].push_back(c->at(u));
+    }
+}
+
+bool OutlineDistance::inside(const Vec2& p) const {
+  int count = 0;
+  for (std::size_t i = 0; i < outline_.curves.size(); ++i) {
+    const auto& curve = outline_.curves[i].curve;
+    if (const auto* l = std::get_if<Line2>(&curve)) {
+      count += crossings(l->a, l->b, p);
+    } else if (std::holds_alternative<Arc2>(curve)) {
+      count += crossings(prepared_->arcs[i], p);
+    } else {
+      for (std::size_t k = 0; k + 1 < chords_[i].size(); ++k) count += crossings(chords_[i][k], chords_[i][k + 1], p);
+    }
+  }
+  return count % 2 == 1;
+}
+
+OutlineDistance::Hit OutlineDistance::operator()(const Vec2& p) const {
+  Hit hit;
+  double best = 1e300;
+  Vec2 nurbs_normal = Vec2::Zero();  // of the nearest curve, when it is a NURBS
+  for (std::size_t i = 0; i < outline_.curves.size(); ++i) {
+    if (ignored_[i]) continue;
+    const auto& curve = outline_.curves[i].curve;
+    Foot foot{1e300, p};
+    Vec2 normal = Vec2::Zero();
+    if (const auto* l = std::get_if<Line2>(&curve)) {
+      foot = foot_on_segment(l->a, l->b, p);
+    } else if (std::holds_alternative<Arc2>(curve)) {
+      foot = foot_on_arc(prepared_->arcs[i], p);
+    } else {
+      const auto& c = std::get<Nurbs2>(curve);
+      std::size_t at = 0;
+      for (std::size_t k = 0; k + 1 < chords_[i].size(); ++k) {
+        const Foot chord = foot_on_segment(chords_[i][k], chords_[i][k + 1], p);
+        if (chord.sq_distance < foot.sq_distance) foot = chord, at = k;
+      }
+      const double u0 = chord_u_[i][at], u1 = chord_u_[i][at + 1];
+      const double length = (chords_[i][at + 1] - chords_[i][at]).norm();
+      double u = length > 0 ? u0 + (u1 - u0) * (foot.point - chords_[i][at]).norm() / length : u0;
+      Vec2 q, d1, d2;
+      for (int k = 0; k < 8; ++k) {
+        c.derivatives(u, q, d1, d2);
+        const double g = d1.dot(q - p), h = d1.squaredNorm() + d2.dot(q - p);
+        const double step = -g / (h > 0 ? h : std::max(d1.squaredNorm(), 1e-300));
+        u = std::clamp(u + step, c.knots[c.degree], c.knots[c.control.size()]);
+        if (std::abs(step) < 1e-12 * (c.knots[c.control.size()] - c.knots[c.degree])) break;
+      }
+      c.derivatives(u, q, d1, d2);
+      foot = {(p - q).squaredNorm(), q};
+      // Beyond its ends a curve's normal tells no side.
+      if (u > c.knots[c.degree] && u < c.knots[c.control.size()]) normal = Vec2(d1.y(), -d1.x());
+    }
+    if (foot.sq_distance < best) {
+      best = foot.sq_distance;
+      hit.curve = static_cast<int>(i);
+      hit.foot = foot.point;
+      nurbs_normal = normal;
+    }
+  }
+  ensure(hit.curve >= 0, "an outline has at least one curve that is a surface");
+  hit.distance = std::sqrt(best);
+  bool is_inside = inside(p);
+  // Chords decide the inside only coarsely; close to a NURBS its own normal does (right of it is outside).
+  if (nurbs_normal.squaredNorm() > 0 && hit.distance > 0 && hit.distance < 2 * chord_error_) {
+    const double side = nurbs_normal.normalized().dot(p - hit.foot) / hit.distance;
+    if (std::abs(side) > 0.9) is_inside = side < 0;
+  }
+  if (is_inside) hit.distance = -hit.distance;
+  return hit;
+}
+
+double signed_area(const Outline2& outline, int loop) {
+  double sum = 0;
+  for (const auto& c : outline.curves) {
+    if (c.loop != loop) continue;
+    const auto points = polyline(c.curve, 1e-3);
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) sum += cross(points[i], points[i + 1]);
+    if (const auto* a = std::get_if<Arc2>(&c.curve)) {
+      // What lies between the chords and the arc, exactly.
+      const double step = (a->to - a->from) / static_cast<double>(points.size() - 1);
+      sum += static_cast<double>(points.size() - 1) * a->radius * a->radius * (step - std::sin(step));
+    }
+  }
+  return 0.5 * sum;
+}
+
+}  // namespace partscribe

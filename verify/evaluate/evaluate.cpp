@@ -1,0 +1,75 @@
+#include "verify/evaluate/evaluate.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "geometry/io/read_geometry.h"
+#include "verify/evaluate/alpha1.h"
+#include "verify/evaluate/run_occt.h"
+#include "verify/evaluate/run_openscad.h"
+#include "verify/evaluate/solid.h"
+
+namespace partscribe {
+namespace {
+
+/// How many mm one unit is, by the name that a file gives it; 3MF's names.
+double millimetres_in(const std::string& unit) {
+  if (unit == "micron") return 0.001;
+  if (unit == "centimeter") return 10;
+  if (unit == "inch") return 25.4;
+  if (unit == "foot") return 304.8;
+  if (unit == "meter") return 1000;
+  return 1;
+}
+
+Result<Evaluation> evaluate_mesh_file(const Path& path, const EvaluateOptions&, Context& context) {
+  const auto raw = read_geometry(path, context);
+  if (!raw.ok()) return raw.error();
+  if (raw->mesh.empty())
+    return bad_input("'" + path.filename().string() + "' was expected to hold a mesh, but it holds " +
+                     std::to_string(raw->cloud.size()) + " points and no triangles");
+  Evaluation evaluation;
+  evaluation.backend = "mesh";
+  evaluation.program = "partscribe";
+  evaluation.version = raw->format;
+  TriangleMesh mesh = raw->mesh;
+  const double scale = millimetres_in(raw->unit);
+  for (auto& v : mesh.vertices) v *= scale;
+  auto check = check_solid(mesh);
+  evaluation.mesh = std::move(check.mesh);
+  evaluation.solid = check.solid;
+  evaluation.complaints = std::move(check.faults);
+  return evaluation;
+}
+
+struct Runner {
+  std::string_view suffix;
+  Result<Evaluation> (*evaluate)(const Path&, const EvaluateOptions&, Context&);
+};
+
+constexpr std::array runners = {
+    Runner{".scad", evaluate_openscad}, Runner{".scl", evaluate_alpha1},    Runner{".igs", evaluate_iges},
+    Runner{".iges", evaluate_iges},     Runner{".step", evaluate_step},     Runner{".stp", evaluate_step},
+    Runner{".stl", evaluate_mesh_file}, Runner{".off", evaluate_mesh_file}, Runner{".obj", evaluate_mesh_file},
+    Runner{".3mf", evaluate_mesh_file}, Runner{".ply", evaluate_mesh_file},
+};
+
+}  // namespace
+
+Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& options, Context& context) {
+  std::string suffix = path.extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  for (const auto& runner : runners) {
+    if (runner.suffix != suffix) continue;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return bad_input("artifact '" + path.string() + "' is no file");
+    return runner.evaluate(path, options, context);
+  }
+  std::string known;
+  for (const auto& runner : runners) known += (known.empty() ? "" : " ") + std::string(runner.suffix);
+  return usage_error("'" + path.filename().string() + "' cannot be evaluated: expected one of " + known);
+}
+
+}  // namespace partscribe

@@ -1,0 +1,34 @@
+/// Sizes, places and directions as findings say them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/vec.h"
+
+namespace partscribe {
+
+/// Lengths are rounded to a fifth of the tolerance or finer, and at least to 0.01 mm.
+class Words {
+ public:
+  explicit Words(double tolerance);
+
+  std::string mm(double length) const;                        ///< "0.31"
+  std::string with_sigma(double length, double sigma) const;  ///< "6.98 +- 0.01"
+  std::string area(double mm2) const;                         ///< "14"
+  std::string place(const Vec3& point) const;                 ///< "(10, 20, 5)"
+
+ private:
+  double resolution_;
+};
+
+/// "+x" within 10 degrees of an axis, else the two or three components: "(0.6, 0.8, 0)".
+std::string direction_text(const Vec3& direction);
+
+/// "a, b and c".
+std::string listed(const std::vector<std::string>& names);
+
+/// "1 point", "14 points".
+std::string counted(std::size_t count, const std::string& what);
+
+}  // namespace partscribe
