@@ -53,7 +53,7 @@ Json triangle_of(const Eigen::MatrixXd& m) {
   return rows;
 }
 
-std::string degrees(double angle) { return print_number(snapped(angle * 180 / pi, 1e-3)) + " degrees"; }
+std::string in_degrees(double angle) { return print_number(snapped(angle * 180 / pi, 1e-3)) + " degrees"; }
 
 std::string listed_degrees(const std::vector<double>& angles) {
   std::string text;
@@ -75,7 +75,7 @@ void say(const Registration& registration, const Scan& scan, Session& session) {
     session.print("Turntable: axis (" + readable(table->axis.x()) + ", " + readable(table->axis.y()) + ", " +
                   readable(table->axis.z()) + ") through (" + readable(table->point.x()) + ", " +
                   readable(table->point.y()) + ", " + readable(table->point.z()) + "), " +
-                  (table->steps.empty() ? "step " + degrees(table->step) : "steps " + listed_degrees(table->steps)) +
+                  (table->steps.empty() ? "step " + in_degrees(table->step) : "steps " + listed_degrees(table->steps)) +
                   (table->step_observed ? "" : ", as for a full turn: the part is round") + "\n");
 }
 

@@ -27,7 +27,7 @@
 namespace partscribe {
 namespace {
 
-Handle(TCollection_HAsciiString) text(const std::string& s) { return new TCollection_HAsciiString(s.c_str()); }
+Handle(TCollection_HAsciiString) step_text(const std::string& s) { return new TCollection_HAsciiString(s.c_str()); }
 
 /// Names and colours hang on the labels of a document; STEP's writer walks it.
 Handle(TDocStd_Document) document_of(const Model& model, const Brep& brep) {
@@ -69,13 +69,13 @@ Result<Artifact> emit_step(const CheckedModel& checked, const EmitOptions& optio
 
     // Everything that would differ between two runs or two machines.
     APIHeaderSection_MakeHeader header(writer.ChangeWriter().Model());
-    header.SetName(text(options.stem + ".step"));
-    header.SetTimeStamp(text("1970-01-01T00:00:00"));
-    header.SetAuthorValue(1, text(""));
-    header.SetOrganizationValue(1, text(""));
-    header.SetOriginatingSystem(text(one_line(model.provenance.program + " " + model.provenance.version)));
-    header.SetPreprocessorVersion(text("Open CASCADE"));
-    header.SetAuthorisation(text(""));
+    header.SetName(step_text(options.stem + ".step"));
+    header.SetTimeStamp(step_text("1970-01-01T00:00:00"));
+    header.SetAuthorValue(1, step_text(""));
+    header.SetOrganizationValue(1, step_text(""));
+    header.SetOriginatingSystem(step_text(one_line(model.provenance.program + " " + model.provenance.version)));
+    header.SetPreprocessorVersion(step_text("Open CASCADE"));
+    header.SetAuthorisation(step_text(""));
 
     const auto folder = TemporaryDirectory::make();
     if (!folder) return folder.error();

@@ -29,10 +29,10 @@ Matrix hardly_fixed(const AllPoints& all, double few, int threads) {
 }
 
 /// What the points say along one way through the unknowns.
-class Way {
+class WayThrough {
  public:
-  Way(const Candidate& candidate, const Unknowns& unknowns, const Vector& direction, const std::vector<Vec3>& points,
-      double noise, double points_each, Context& context)
+  WayThrough(const Candidate& candidate, const Unknowns& unknowns, const Vector& direction,
+             const std::vector<Vec3>& points, double noise, double points_each, Context& context)
       : candidate_(candidate),
         unknowns_(unknowns),
         direction_(direction),
@@ -77,7 +77,7 @@ class Way {
 };
 
 /// How far along the way the cost is least, and the end there.
-std::pair<double, OpenEnd> end_along(const Way& way, std::size_t parameter, double size) {
+std::pair<double, OpenEnd> end_along(const WayThrough& way, std::size_t parameter, double size) {
   constexpr double each = 9;  // nats at most for a point that is left outside
   constexpr int per_point = 2, outward = 30 * per_point, inward = int(hardly_any_points) * per_point;  // steps
   constexpr double lopsided = 3;
@@ -124,7 +124,7 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
     for (int round = 0; round < rounds && (round == 0 || moved != 0);
          ++round) {  // from the end itself its last points are better known
       const Candidate start = candidate;
-      const Way way(start, unknowns, direction, points, noise, points_each, context);
+      const WayThrough way(start, unknowns, direction, points, noise, points_each, context);
       std::tie(moved, end) = end_along(way, parameter, unknowns.size());
       if (moved != 0 && !among_strays(input)) candidate = way.at(moved);  // among strays it would go on to them
     }

@@ -21,14 +21,14 @@ Pose part_from_surface(const Model& model) {
 }
 
 /// A circle on the surface that is nearly flat, with room above it and material below.
-struct Spot {
+struct FlatSpot {
   Vec3 at, normal;
 };
 
 /// Up to two of them, far from each other.
-std::vector<Spot> spots(const Gauge& gauge, double radius, double height, double depth) {
+std::vector<FlatSpot> spots(const Gauge& gauge, double radius, double height, double depth) {
   const ModelDistance& distance = gauge.distance();
-  std::vector<Spot> found;
+  std::vector<FlatSpot> found;
   for (const auto& p : gauge.points()) {
     if (distance(p.point + height * p.normal).distance < 0.6 * height) continue;
     if (distance(p.point - depth * p.normal).distance > -0.4 * depth) continue;
@@ -43,7 +43,8 @@ std::vector<Spot> spots(const Gauge& gauge, double radius, double height, double
   }
   if (found.size() < 2) return found;
   const Vec3 first = found[0].at;
-  std::iter_swap(found.begin() + 1, std::max_element(found.begin() + 1, found.end(), [&](const Spot& a, const Spot& b) {
+  std::iter_swap(found.begin() + 1,
+                 std::max_element(found.begin() + 1, found.end(), [&](const FlatSpot& a, const FlatSpot& b) {
                    return (a.at - first).squaredNorm() < (b.at - first).squaredNorm();
                  }));
   found.resize(2);
@@ -345,7 +346,7 @@ std::vector<Edit> additions(const Model& model, const Gauge& gauge) {
   const double radius = std::max(0.05 * diagonal, 6 * T), thin = T / 2;
   const Pose to_part = part_from_surface(model);
   int n = 0;
-  for (const Spot& spot : spots(gauge, radius, 1.5 * radius, radius)) {
+  for (const FlatSpot& spot : spots(gauge, radius, 1.5 * radius, radius)) {
     const std::string where = " at place " + print_number(++n);
     const Pose on = {to_part.rotation * rotation_onto_axis(spot.normal), to_part * spot.at};
     edits.push_back(
