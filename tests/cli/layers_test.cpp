@@ -109,7 +109,7 @@ TEST_CASE("layers: every folder includes only what stands below it") {
   CHECK(files > 50);
 }
 
-TEST_CASE("layers: every room has its sentence in CONTRIBUTING") {
+TEST_CASE("layers: every subfolder has its sentence in CONTRIBUTING") {
   std::set<std::string> there, told;
   for (const auto& [folder, below] : allowed)
     for (const auto& entry : std::filesystem::recursive_directory_iterator(source_file(folder)))
