@@ -1,4 +1,4 @@
-/// Registration measured on scans with known poses; prints the tables of docs/registration.md.
+/// Registration measured on scans with known poses; prints the tables of docs/method/registration.md.
 ///
 ///   bench_registration published FILE DEG MM  poses of FILE disturbed, and how far apart the views end up
 ///   bench_registration unknown FILE           the same with the poses forgotten
