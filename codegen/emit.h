@@ -4,25 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/context.h"
-#include "core/files.h"
-#include "core/result.h"
-#include "model/artifact.h"
-#include "model/check.h"
+#include "codegen/backend.h"
 
 namespace partscribe {
-
-struct EmitOptions {
-  Path templates;             ///< a folder of packs that replaces the built-in ones; empty: built in
-  std::string stem = "part";  ///< of the file names
-};
-
-/// One backend as the list knows it.
-struct Backend {
-  std::string name;         ///< "openscad"
-  std::string suffix;       ///< ".scad"
-  std::string description;  ///< one line for --help
-};
 
 /// All backends in order: openscad, alpha1, iges, step.
 const std::vector<Backend>& backends();

@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "geometry/mesh/convex.h"
+#include "model/overloaded.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -207,56 +208,73 @@ struct Check {
         if (chord.a.x() < -1e-7) return complain(where + ": the profile crosses the axis");
   }
 
-  void check_shape(const std::string& where, const EvaluatedShape& shape, const std::set<std::string>& earlier) {
-    auto check_names = [&](const std::vector<std::string>& names, std::size_t least) {
-      if (names.size() < least) complain(where + ": expected at least " + print_number(double(least)) + " objects");
-      for (const auto& name : names)
-        if (!earlier.count(name)) complain(where + ": " + quoted(name) + " is not an earlier object");
-    };
-    if (const auto* s = std::get_if<ConeOf<double>>(&shape)) {
-      if (s->bottom_radius <= 0 && s->top_radius <= 0) complain(where + ": one radius of a cone must be above 0");
-    } else if (const auto* t = std::get_if<TorusOf<double>>(&shape)) {
-      if (t->minor_radius >= t->major_radius) complain(where + ": the tube's radius must be below the ring's");
-    } else if (const auto* q = std::get_if<SupertoroidOf<double>>(&shape)) {
-      if (q->minor_radius >= q->major_radius)
-        complain(where + ": the tube's half width must be below the ring's radius");
-    } else if (const auto* h = std::get_if<HalfSpacesOf<double>>(&shape)) {
-      std::vector<Plane3> planes;
-      for (const auto& p : h->planes) {
-        const Vec3 n(p.normal_x, p.normal_y, p.normal_z);
-        if (std::abs(n.norm() - 1) > 1e-6)
-          return complain(where + ": the normal of face " + quoted(p.name) + " is no unit vector");
-        planes.push_back({n.normalized(), p.offset});
-      }
-      if (!convex_polyhedron(planes)) complain(where + ": the half-spaces leave no bounded body");
-    } else if (const auto* e = std::get_if<ExtrudeOf<double>>(&shape)) {
-      check_sketch(where, e->sketch, false);
-    } else if (const auto* r = std::get_if<RevolveOf<double>>(&shape)) {
-      check_sketch(where, r->sketch, true);
-    } else if (const auto* m = std::get_if<TriSurfaceOf<double>>(&shape)) {
-      TriangleMesh mesh{m->vertices.empty() ? std::vector<Vec3>{} : std::vector<Vec3>(m->vertices.size()),
-                        m->triangles};
-      for (std::size_t i = 0; i < m->vertices.size(); ++i) mesh.vertices[i] = Vec3(m->vertices[i].data());
-      if (mesh.triangles.empty()) return complain(where + ": a triangulation needs a triangle");
-      for (const auto& t3 : mesh.triangles)
-        for (const auto v : t3)
-          if (v >= mesh.vertices.size())
-            return complain(where + ": a triangle names vertex " + print_number(v) + ", there are " +
-                            print_number(double(mesh.vertices.size())));
-      const auto topo = topology(mesh);
-      if (topo.nonmanifold_edges > 0 || topo.inconsistent_edges > 0)
-        complain(where + ": " + print_number(double(topo.nonmanifold_edges + topo.inconsistent_edges)) +
-                 " edges are not manifold");
-      if (m->closed && topo.boundary_edges > 0)
-        complain(where + ": called closed, but has " + print_number(double(topo.boundary_edges)) + " open edges");
-      if (m->closed && topo.closed() && volume(mesh) <= 0) complain(where + ": the triangles face inward");
-    } else if (const auto* u = std::get_if<UnionOf<double>>(&shape)) {
-      check_names(u->objects, 1);
-    } else if (const auto* d = std::get_if<DifferenceOf<double>>(&shape)) {
-      check_names(d->objects, 2);
-    } else if (const auto* n = std::get_if<IntersectionOf<double>>(&shape)) {
-      check_names(n->objects, 1);
+  void check_half_spaces(const std::string& where, const HalfSpacesOf<double>& s) {
+    std::vector<Plane3> planes;
+    for (const auto& p : s.planes) {
+      const Vec3 n(p.normal_x, p.normal_y, p.normal_z);
+      if (std::abs(n.norm() - 1) > 1e-6)
+        return complain(where + ": the normal of face " + quoted(p.name) + " is no unit vector");
+      planes.push_back({n.normalized(), p.offset});
     }
+    if (!convex_polyhedron(planes)) complain(where + ": the half-spaces leave no bounded body");
+  }
+
+  void check_triangles(const std::string& where, const TriSurfaceOf<double>& s) {
+    TriangleMesh mesh{std::vector<Vec3>(s.vertices.size()), s.triangles};
+    for (std::size_t i = 0; i < s.vertices.size(); ++i) mesh.vertices[i] = Vec3(s.vertices[i].data());
+    if (mesh.triangles.empty()) return complain(where + ": a triangulation needs a triangle");
+    for (const auto& t3 : mesh.triangles)
+      for (const auto v : t3)
+        if (v >= mesh.vertices.size())
+          return complain(where + ": a triangle names vertex " + print_number(v) + ", there are " +
+                          print_number(double(mesh.vertices.size())));
+    const auto topo = topology(mesh);
+    if (topo.nonmanifold_edges > 0 || topo.inconsistent_edges > 0)
+      complain(where + ": " + print_number(double(topo.nonmanifold_edges + topo.inconsistent_edges)) +
+               " edges are not manifold");
+    if (s.closed && topo.boundary_edges > 0)
+      complain(where + ": called closed, but has " + print_number(double(topo.boundary_edges)) + " open edges");
+    if (s.closed && topo.closed() && volume(mesh) <= 0) complain(where + ": the triangles face inward");
+  }
+
+  void check_names(const std::string& where, const std::vector<std::string>& names, std::size_t least,
+                   const std::set<std::string>& earlier) {
+    if (names.size() < least) complain(where + ": expected at least " + print_number(double(least)) + " objects");
+    for (const auto& name : names)
+      if (!earlier.count(name)) complain(where + ": " + quoted(name) + " is not an earlier object");
+  }
+
+  /// What the domains of a shape's numbers do not say by themselves.
+  void check_shape(const std::string& where, const EvaluatedShape& shape, const std::set<std::string>& earlier) {
+    std::visit(Overloaded{
+                   [](const BoxOf<double>&) {},
+                   [](const WedgeOf<double>&) {},
+                   [](const CylinderOf<double>&) {},
+                   [](const SphereOf<double>&) {},
+                   [](const EllipsoidOf<double>&) {},
+                   [](const SuperellipsoidOf<double>&) {},
+                   [](const FilletOf<double>&) {},
+                   [&](const ConeOf<double>& s) {
+                     if (s.bottom_radius <= 0 && s.top_radius <= 0)
+                       complain(where + ": one radius of a cone must be above 0");
+                   },
+                   [&](const TorusOf<double>& s) {
+                     if (s.minor_radius >= s.major_radius)
+                       complain(where + ": the tube's radius must be below the ring's");
+                   },
+                   [&](const SupertoroidOf<double>& s) {
+                     if (s.minor_radius >= s.major_radius)
+                       complain(where + ": the tube's half width must be below the ring's radius");
+                   },
+                   [&](const HalfSpacesOf<double>& s) { check_half_spaces(where, s); },
+                   [&](const ExtrudeOf<double>& s) { check_sketch(where, s.sketch, false); },
+                   [&](const RevolveOf<double>& s) { check_sketch(where, s.sketch, true); },
+                   [&](const TriSurfaceOf<double>& s) { check_triangles(where, s); },
+                   [&](const UnionOf<double>& s) { check_names(where, s.objects, 1, earlier); },
+                   [&](const DifferenceOf<double>& s) { check_names(where, s.objects, 2, earlier); },
+                   [&](const IntersectionOf<double>& s) { check_names(where, s.objects, 1, earlier); },
+               },
+               shape);
   }
 
   std::variant<CheckedModel, Complaints> run() {

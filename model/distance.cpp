@@ -11,6 +11,7 @@
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/surfaces/quadric_distance.h"
 #include "model/lower.h"
+#include "model/overloaded.h"
 #include "model/sketch.h"
 
 namespace partscribe {
@@ -138,81 +139,96 @@ EvaluatedSketch profile(std::vector<std::pair<Vec2, std::string>> corners) {
   return {{loop}};
 }
 
-std::unique_ptr<Solid> solid_of(const EvaluatedShape& shape) {
-  auto planes_of = [](double x, double y, double z) {
-    return std::vector<Plane3>{{-Vec3::UnitX(), 0}, {Vec3::UnitX(), x},  {-Vec3::UnitY(), 0},
-                               {Vec3::UnitY(), y},  {-Vec3::UnitZ(), 0}, {Vec3::UnitZ(), z}};
-  };
-  const std::vector<std::string> box_names = {"left", "right", "front", "back", "bottom", "top"};
-  if (const auto* s = std::get_if<BoxOf<double>>(&shape))
-    return std::make_unique<ConvexSolid>(planes_of(s->size_x, s->size_y, s->size_z), box_names);
-  if (const auto* s = std::get_if<WedgeOf<double>>(&shape)) {
-    auto planes = planes_of(s->size_x, s->size_y, s->size_z);
-    const Vec3 n = Vec3(s->size_y, s->size_x - s->top_x, 0).normalized();
-    planes[1] = {n, n.x() * s->size_x};
-    auto names = box_names;
-    names[1] = "slope";
-    if (s->top_x <= 0) planes.erase(planes.begin() + 3), names.erase(names.begin() + 3);
-    return std::make_unique<ConvexSolid>(planes, names);
+/// The planes of a block from the origin: left, right, front, back, bottom, top.
+std::vector<Plane3> planes_of(double x, double y, double z) {
+  return {{-Vec3::UnitX(), 0}, {Vec3::UnitX(), x},  {-Vec3::UnitY(), 0},
+          {Vec3::UnitY(), y},  {-Vec3::UnitZ(), 0}, {Vec3::UnitZ(), z}};
+}
+const std::vector<std::string> box_names = {"left", "right", "front", "back", "bottom", "top"};
+
+using SolidPointer = std::unique_ptr<Solid>;
+
+SolidPointer make_solid(const BoxOf<double>& s) {
+  return std::make_unique<ConvexSolid>(planes_of(s.size_x, s.size_y, s.size_z), box_names);
+}
+
+SolidPointer make_solid(const WedgeOf<double>& s) {
+  auto planes = planes_of(s.size_x, s.size_y, s.size_z);
+  const Vec3 n = Vec3(s.size_y, s.size_x - s.top_x, 0).normalized();
+  planes[1] = {n, n.x() * s.size_x};
+  auto names = box_names;
+  names[1] = "slope";
+  if (s.top_x <= 0) planes.erase(planes.begin() + 3), names.erase(names.begin() + 3);
+  return std::make_unique<ConvexSolid>(planes, names);
+}
+
+SolidPointer make_solid(const CylinderOf<double>& s) {
+  return std::make_unique<Swept>(
+      profile({{{0, 0}, "bottom"}, {{s.radius, 0}, "side"}, {{s.radius, s.height}, "top"}, {{0, s.height}, "axis"}}),
+      true, 0);
+}
+
+SolidPointer make_solid(const ConeOf<double>& s) {
+  std::vector<std::pair<Vec2, std::string>> corners = {{{0, 0}, "bottom"}};
+  if (s.bottom_radius > 0)
+    corners.push_back({{s.bottom_radius, 0}, "side"});
+  else
+    corners.back().second = "side";
+  if (s.top_radius > 0) corners.push_back({{s.top_radius, s.height}, "top"});
+  corners.push_back({{0, s.height}, "axis"});
+  return std::make_unique<Swept>(profile(corners), true, 0);
+}
+
+SolidPointer make_solid(const SphereOf<double>& s) {
+  return function_solid("surface", [r = s.radius](const Vec3& p) { return p.norm() - r; });
+}
+
+SolidPointer make_solid(const EllipsoidOf<double>& s) {
+  return function_solid(
+      "surface", [r = Vec3(s.radius_x, s.radius_y, s.radius_z)](const Vec3& p) { return ellipsoid_distance(p, r); });
+}
+
+SolidPointer make_solid(const TorusOf<double>& s) {
+  return function_solid("surface", [R = s.major_radius, r = s.minor_radius](const Vec3& p) {
+    return std::hypot(std::hypot(p.x(), p.y()) - R, p.z()) - r;
+  });
+}
+
+SolidPointer make_solid(const SuperellipsoidOf<double>& s) {
+  return function_solid("surface", [q = s](const Vec3& p) {
+    return superellipsoid_distance(p, q.a1, q.a2, q.a3, q.e1, q.e2, q.taper_x, q.taper_y);
+  });
+}
+
+SolidPointer make_solid(const SupertoroidOf<double>& s) {
+  return function_solid("surface", [q = s](const Vec3& p) {
+    return supertoroid_distance(p, q.major_radius, q.minor_radius, q.half_height, q.e1, q.e2);
+  });
+}
+
+SolidPointer make_solid(const ExtrudeOf<double>& s) { return std::make_unique<Swept>(s.sketch, false, s.height); }
+
+SolidPointer make_solid(const FilletOf<double>& s) { return make_solid(lowered(s)); }
+
+SolidPointer make_solid(const RevolveOf<double>& s) { return std::make_unique<Swept>(s.sketch, true, 0); }
+
+SolidPointer make_solid(const HalfSpacesOf<double>& s) {
+  std::vector<Plane3> planes;
+  std::vector<std::string> names;
+  for (const auto& p : s.planes) {
+    const Vec3 n(p.normal_x, p.normal_y, p.normal_z);
+    planes.push_back({n.normalized(), p.offset});
+    names.push_back(p.name.empty() ? "face " + print_number(double(planes.size())) : p.name);
   }
-  if (const auto* s = std::get_if<CylinderOf<double>>(&shape))
-    return std::make_unique<Swept>(
-        profile(
-            {{{0, 0}, "bottom"}, {{s->radius, 0}, "side"}, {{s->radius, s->height}, "top"}, {{0, s->height}, "axis"}}),
-        true, 0);
-  if (const auto* s = std::get_if<ConeOf<double>>(&shape)) {
-    std::vector<std::pair<Vec2, std::string>> corners = {{{0, 0}, "bottom"}};
-    if (s->bottom_radius > 0)
-      corners.push_back({{s->bottom_radius, 0}, "side"});
-    else
-      corners.back().second = "side";
-    if (s->top_radius > 0) corners.push_back({{s->top_radius, s->height}, "top"});
-    corners.push_back({{0, s->height}, "axis"});
-    return std::make_unique<Swept>(profile(corners), true, 0);
-  }
-  if (const auto* s = std::get_if<SphereOf<double>>(&shape))
-    return function_solid("surface", [r = s->radius](const Vec3& p) { return p.norm() - r; });
-  if (const auto* s = std::get_if<EllipsoidOf<double>>(&shape))
-    return function_solid("surface", [r = Vec3(s->radius_x, s->radius_y, s->radius_z)](const Vec3& p) {
-      return ellipsoid_distance(p, r);
-    });
-  if (const auto* s = std::get_if<TorusOf<double>>(&shape))
-    return function_solid("surface", [R = s->major_radius, r = s->minor_radius](const Vec3& p) {
-      return std::hypot(std::hypot(p.x(), p.y()) - R, p.z()) - r;
-    });
-  if (const auto* s = std::get_if<SuperellipsoidOf<double>>(&shape))
-    return function_solid("surface", [q = *s](const Vec3& p) {
-      return superellipsoid_distance(p, q.a1, q.a2, q.a3, q.e1, q.e2, q.taper_x, q.taper_y);
-    });
-  if (const auto* s = std::get_if<SupertoroidOf<double>>(&shape))
-    return function_solid("surface", [q = *s](const Vec3& p) {
-      return supertoroid_distance(p, q.major_radius, q.minor_radius, q.half_height, q.e1, q.e2);
-    });
-  if (const auto* s = std::get_if<FilletOf<double>>(&shape)) {
-    const auto extrusion = lowered(*s);
-    return std::make_unique<Swept>(extrusion.sketch, false, extrusion.height);
-  }
-  if (const auto* s = std::get_if<HalfSpacesOf<double>>(&shape)) {
-    std::vector<Plane3> planes;
-    std::vector<std::string> names;
-    for (const auto& p : s->planes) {
-      const Vec3 n(p.normal_x, p.normal_y, p.normal_z);
-      planes.push_back({n.normalized(), p.offset});
-      names.push_back(p.name.empty() ? "face " + print_number(double(planes.size())) : p.name);
-    }
-    return std::make_unique<ConvexSolid>(planes, names);
-  }
-  if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape))
-    return std::make_unique<Swept>(s->sketch, false, s->height);
-  if (const auto* s = std::get_if<RevolveOf<double>>(&shape)) return std::make_unique<Swept>(s->sketch, true, 0);
-  if (const auto* s = std::get_if<TriSurfaceOf<double>>(&shape)) {
-    TriangleMesh mesh;
-    for (const auto& v : s->vertices) mesh.vertices.emplace_back(v[0], v[1], v[2]);
-    mesh.triangles = s->triangles;
-    return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>{}, std::vector<std::string>{"surface"},
-                                       s->closed);
-  }
-  return nullptr;  // a combination of earlier objects
+  return std::make_unique<ConvexSolid>(planes, names);
+}
+
+SolidPointer make_solid(const TriSurfaceOf<double>& s) {
+  TriangleMesh mesh;
+  for (const auto& v : s.vertices) mesh.vertices.emplace_back(v[0], v[1], v[2]);
+  mesh.triangles = s.triangles;
+  return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>{}, std::vector<std::string>{"surface"},
+                                     s.closed);
 }
 
 }  // namespace
@@ -249,27 +265,23 @@ ModelDistance::ModelDistance(const Model& model, const Values& values) {
     auto node = std::make_shared<Node>();
     const EvaluatedShape shape = evaluate(object.shape, values);
     node->object_from_part = evaluate(object.frame, values).inverse();
-    auto combine = [&](Node::Op op, const std::vector<std::string>& names) {
+    const auto combine = [&](Node::Op op, const std::vector<std::string>& names) {
       node->op = op;
       for (const auto& name : names) node->operands.push_back(nodes.at(name));
     };
-    if (const auto* u = std::get_if<UnionOf<double>>(&shape))
-      combine(Node::Op::join, u->objects);
-    else if (const auto* d = std::get_if<DifferenceOf<double>>(&shape))
-      combine(Node::Op::cut, d->objects);
-    else if (const auto* n = std::get_if<IntersectionOf<double>>(&shape))
-      combine(Node::Op::common, n->objects);
-    else {
-      auto solid = solid_of(shape);
-      for (const auto& name : solid->faces) {
+    std::visit(Overloaded{[&](const UnionOf<double>& s) { combine(Node::Op::join, s.objects); },
+                          [&](const DifferenceOf<double>& s) { combine(Node::Op::cut, s.objects); },
+                          [&](const IntersectionOf<double>& s) { combine(Node::Op::common, s.objects); },
+                          [&](const auto& s) { node->solid = make_solid(s); }},
+               shape);
+    if (node->solid)
+      for (const auto& name : node->solid->faces) {
         const std::string base = single ? name : object.name + " " + name;
         std::string full = base;
         for (int k = 2; !taken.insert(full).second; ++k) full = base + " " + print_number(k);
         node->face_ids.push_back(static_cast<int>(faces_.size()));
         faces_.push_back({full, object.name});
       }
-      node->solid = std::move(solid);
-    }
     nodes[object.name] = node;
   }
   root_ = std::make_unique<Node>(*nodes.at(model.objects.back().name));

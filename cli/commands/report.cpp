@@ -8,6 +8,7 @@
 #include "cli/names.h"
 #include "cli/report/report_page.h"
 #include "cli/verdict_file.h"
+#include "verify/evaluate/evaluate.h"
 
 namespace partscribe {
 namespace {
@@ -99,8 +100,7 @@ Result<Material> verified_material(const std::vector<Path>& files, Session& sess
   for (const auto& file : files) {
     if (!std::filesystem::is_regular_file(file))
       return bad_input(file.string() + ": expected an artifact, a scan or a folder to report on, found no such file");
-    (has_suffix(file, {".scad", ".scl", ".igs", ".iges", ".step", ".stp"}) ? material.artifacts : scans)
-        .push_back(file);
+    (is_cad_file(file) ? material.artifacts : scans).push_back(file);
   }
   if (material.artifacts.empty() && scans.size() > 1) {
     material.artifacts.push_back(scans.front());

@@ -13,8 +13,6 @@ namespace partscribe {
 namespace {
 
 constexpr const char* stem = "part";
-/// Files that stand beside a script.
-const std::vector<std::string> companions = {"prelude.scl", "partscribe.scad"};
 
 std::string file_of(const std::string& backend) {
   for (const auto& b : backends())
@@ -75,7 +73,8 @@ Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>&
 std::vector<std::string> artifact_names() {
   std::vector<std::string> names;
   for (const auto& backend : backends()) names.push_back(stem + backend.suffix);
-  names.insert(names.end(), companions.begin(), companions.end());
+  for (const auto& backend : backends())
+    names.insert(names.end(), backend.companions.begin(), backend.companions.end());
   return names;
 }
 

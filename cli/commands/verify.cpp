@@ -8,6 +8,7 @@
 #include "cli/commands/stages.h"
 #include "cli/inputs.h"
 #include "core/number.h"
+#include "verify/evaluate/evaluate.h"
 
 namespace partscribe {
 namespace {
@@ -37,21 +38,13 @@ struct Options {
   bool second_opinion = false;
 };
 
-bool is_cad(const Path& file) {
-  std::string suffix = file.extension().string();
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c | 0x20) : c; });
-  const std::vector<std::string> suffixes = {".scad", ".scl", ".igs", ".iges", ".step", ".stp"};
-  return std::find(suffixes.begin(), suffixes.end(), suffix) != suffixes.end();
-}
-
 struct Operands {
   std::vector<Path> artifacts, scans;
 };
 
 Result<Operands> told_apart(const std::vector<Path>& files) {
   Operands operands;
-  for (const auto& file : files) (is_cad(file) ? operands.artifacts : operands.scans).push_back(file);
+  for (const auto& file : files) (is_cad_file(file) ? operands.artifacts : operands.scans).push_back(file);
   if (operands.artifacts.empty()) {
     operands.artifacts.push_back(operands.scans.front());
     operands.scans.erase(operands.scans.begin());

@@ -1,41 +1,31 @@
 #include "cli/report/report_code.h"
 
 #include <algorithm>
-#include <array>
 
 #include "cli/report/report_html.h"
 
 namespace partscribe {
 namespace {
 
-constexpr std::array<std::string_view, 15> openscad_keywords = {"assert", "each",     "echo",  "else",    "false",
-                                                                "for",    "function", "if",    "include", "let",
-                                                                "module", "true",     "undef", "use",     "children"};
-constexpr std::array<std::string_view, 21> scl_keywords = {
-    "and",   "const", "else", "false",     "for",    "forcollect", "foreach", "function", "if",   "include", "let",
-    "local", "not",   "or",   "procedure", "return", "step",       "then",    "to",       "true", "while"};
-
 bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '$'; }
 bool digit(char c) { return c >= '0' && c <= '9'; }
 
-bool keyword(std::string_view word, CodeLanguage language) {
-  auto in = [&](const auto& list) { return std::find(list.begin(), list.end(), word) != list.end(); };
-  return language == CodeLanguage::openscad ? in(openscad_keywords) : in(scl_keywords);
+bool keyword(std::string_view word, const Language& language) {
+  return std::ranges::find(language.keywords, word) != language.keywords.end();
 }
 
 /// Where the comment that begins at `at` ends; `at` itself if none does.
-std::size_t comment_end(std::string_view code, std::size_t at, CodeLanguage language) {
-  const auto line_end = std::min(code.find('\n', at), code.size());
-  if (language == CodeLanguage::scl) return code[at] == '#' ? line_end : at;
-  if (code.substr(at, 2) == "//") return line_end;
-  if (code.substr(at, 2) != "/*") return at;
-  const auto end = code.find("*/", at + 2);
-  return end == std::string_view::npos ? code.size() : end + 2;
+std::size_t comment_end(std::string_view code, std::size_t at, const Language& language) {
+  const auto begins = [&](std::string_view mark) { return !mark.empty() && code.substr(at, mark.size()) == mark; };
+  if (begins(language.line_comment)) return std::min(code.find('\n', at), code.size());
+  if (!begins(language.comment_begin)) return at;
+  const auto end = code.find(language.comment_end, at + language.comment_begin.size());
+  return end == std::string_view::npos ? code.size() : end + language.comment_end.size();
 }
 
 }  // namespace
 
-std::string highlighted(std::string_view code, CodeLanguage language) {
+std::string highlighted(std::string_view code, const Language& language) {
   std::string html;
   html.reserve(code.size() * 2);
   auto span = [&](char kind, std::size_t from, std::size_t to) {

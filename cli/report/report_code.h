@@ -4,11 +4,11 @@
 #include <string>
 #include <string_view>
 
+#include "codegen/backend.h"
+
 namespace partscribe {
 
-enum class CodeLanguage { openscad, scl };
-
 /// Spans of class c (comment), s (string), n (number), k (keyword) and f (a name before a bracket) around escaped text.
-std::string highlighted(std::string_view code, CodeLanguage language);
+std::string highlighted(std::string_view code, const Language& language);
 
 }  // namespace partscribe

@@ -8,6 +8,7 @@
 #include "cli/report/report_html.h"
 #include "cli/report/report_words.h"
 #include "codegen/describe.h"
+#include "codegen/emit.h"
 #include "core/number.h"
 
 namespace partscribe {
@@ -62,12 +63,19 @@ void dimension_row(HtmlTable& table, const FeatureVerdict& feature, std::size_t 
                  d.within ? "" : " class=\"fault\"");
 }
 
+/// Of a script that the report shows; null of any other file.
+const Language* language_of(const Path& file) {
+  for (const auto& backend : backends())
+    if (file.extension() == backend.suffix && !backend.language.keywords.empty()) return &backend.language;
+  return nullptr;
+}
+
 }  // namespace
 
 std::vector<ReportScript> read_scripts(const std::vector<Path>& files) {
   std::vector<ReportScript> scripts;
   for (const auto& file : files)
-    if (file.extension() == ".scad" || file.extension() == ".scl")
+    if (language_of(file))
       if (auto text = read_file(file)) scripts.push_back({file.filename().string(), std::move(*text)});
   return scripts;
 }
@@ -285,14 +293,14 @@ std::string scripts_section(const std::vector<ReportScript>& scripts) {
       at = end + 1;
     }
     const std::string id = "script-" + std::to_string(k + 1);
-    const auto language = script.name.ends_with(".scl") ? CodeLanguage::scl : CodeLanguage::openscad;
+    const Language* language = language_of(script.name);
     inputs += "<input type=\"radio\" name=\"script\" id=\"" + id + "\"" + (k == 0 ? " checked" : "") +
               "><label for=\"" + id + "\">" + escaped(script.name) + "</label>\n";
     panels += "<div class=\"panel\"><h3>" + escaped(script.name) + "</h3>\n";
     if (lines < total) panels += "<p>The first " + grouped(lines) + " of " + grouped(total) + " lines.</p>\n";
     panels += "<div class=\"code\" tabindex=\"0\" role=\"region\" aria-label=\"Text of " + escaped(script.name) +
               "\"><pre class=\"gutter\" aria-hidden=\"true\">" + gutter + "</pre><pre><code>" +
-              highlighted(shown, language) + "</code></pre></div></div>\n";
+              (language ? highlighted(shown, *language) : escaped(shown)) + "</code></pre></div></div>\n";
   }
   if (scripts.empty()) return {};
   return "<div class=\"tabs\">\n" + inputs + panels + "</div>\n";

@@ -419,4 +419,18 @@ Result<Artifact> emit_alpha1(const CheckedModel& model, const EmitOptions& optio
   return Artifact{"alpha1", {{options.stem + ".scl", std::move(*part)}, {prelude_name, std::move(*prelude)}}};
 }
 
+Backend alpha1_backend() {
+  return {
+      "alpha1",
+      ".scl",
+      {"prelude.scl"},
+      "Alpha_1 procedural model in SCL",
+      {{"and",   "const", "else", "false",     "for",    "forcollect", "foreach", "function", "if",   "include", "let",
+        "local", "not",   "or",   "procedure", "return", "step",       "then",    "to",       "true", "while"},
+       "#",
+       "",
+       ""},
+      emit_alpha1};
+}
+
 }  // namespace partscribe

@@ -130,4 +130,8 @@ Result<Artifact> emit_iges(const CheckedModel& checked, const EmitOptions& optio
   }
 }
 
+Backend iges_backend() {
+  return {"iges", ".igs", {}, "IGES 5.3: exact solid and, where possible, its CSG tree", {}, emit_iges};
+}
+
 }  // namespace partscribe

@@ -90,4 +90,8 @@ Result<Artifact> emit_step(const CheckedModel& checked, const EmitOptions& optio
   }
 }
 
+Backend step_backend() {
+  return {"step", ".step", {}, "STEP AP214: exact solid with names and colours", {}, emit_step};
+}
+
 }  // namespace partscribe

@@ -352,4 +352,17 @@ Result<Artifact> emit_openscad(const CheckedModel& model, const EmitOptions& opt
   return artifact;
 }
 
+Backend openscad_backend() {
+  return {"openscad",
+          ".scad",
+          {"partscribe.scad"},
+          "OpenSCAD script with named parameters (2021.01 or later)",
+          {{"assert", "each", "echo", "else", "false", "for", "function", "if", "include", "let", "module", "true",
+            "undef", "use", "children"},
+           "//",
+           "/*",
+           "*/"},
+          emit_openscad};
+}
+
 }  // namespace partscribe

@@ -8,6 +8,7 @@
 #include "cli/report/report_page.h"
 #include "cli/report/report_words.h"
 #include "cli/verdict_file.h"
+#include "codegen/emit.h"
 #include "core/files.h"
 
 namespace partscribe {
@@ -281,7 +282,7 @@ TEST_CASE("report: a share that is not nothing never reads as nothing") {
 
 TEST_CASE("report: highlighting changes no character of the script") {
   const std::string scad = "// a < b\nr = 1.5e-3; /* two\nlines */ module m(x) { cube(\"q\\\"\", 3); }\n";
-  const std::string html = highlighted(scad, CodeLanguage::openscad);
+  const std::string html = highlighted(scad, backends()[0].language);
   std::string text;
   for (std::size_t i = 0; i < html.size(); ++i) {
     if (html[i] == '<')
@@ -294,7 +295,7 @@ TEST_CASE("report: highlighting changes no character of the script") {
   CHECK(html.find("<span class=\"n\">1.5e-3</span>") != std::string::npos);
   CHECK(html.find("<span class=\"k\">module</span>") != std::string::npos);
   CHECK(html.find("<span class=\"f\">cube</span>") != std::string::npos);
-  CHECK(highlighted("# n\nA : 1;", CodeLanguage::scl).find("<span class=\"c\"># n</span>") == 0);
+  CHECK(highlighted("# n\nA : 1;", backends()[1].language).find("<span class=\"c\"># n</span>") == 0);
 }
 
 TEST_CASE("report: deviations belong to kept points, strays have none, and a wrong number of them is not drawn") {

@@ -45,27 +45,40 @@ Result<Evaluation> evaluate_mesh_file(const Path& path, const EvaluateOptions&, 
 
 struct Runner {
   std::string_view suffix;
+  bool cad;
   Result<Evaluation> (*evaluate)(const Path&, const EvaluateOptions&, Context&);
 };
 
 constexpr std::array runners = {
-    Runner{".scad", evaluate_openscad}, Runner{".scl", evaluate_alpha1},    Runner{".igs", evaluate_iges},
-    Runner{".iges", evaluate_iges},     Runner{".step", evaluate_step},     Runner{".stp", evaluate_step},
-    Runner{".stl", evaluate_mesh_file}, Runner{".off", evaluate_mesh_file}, Runner{".obj", evaluate_mesh_file},
-    Runner{".3mf", evaluate_mesh_file}, Runner{".ply", evaluate_mesh_file},
+    Runner{".scad", true, evaluate_openscad},  Runner{".scl", true, evaluate_alpha1},
+    Runner{".igs", true, evaluate_iges},       Runner{".iges", true, evaluate_iges},
+    Runner{".step", true, evaluate_step},      Runner{".stp", true, evaluate_step},
+    Runner{".stl", false, evaluate_mesh_file}, Runner{".off", false, evaluate_mesh_file},
+    Runner{".obj", false, evaluate_mesh_file}, Runner{".3mf", false, evaluate_mesh_file},
+    Runner{".ply", false, evaluate_mesh_file},
 };
 
-}  // namespace
-
-Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& options, Context& context) {
+/// Null if no program evaluates such files.
+const Runner* runner_of(const Path& path) {
   std::string suffix = path.extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  for (const auto& runner : runners) {
-    if (runner.suffix != suffix) continue;
+  const auto found = std::ranges::find(runners, suffix, &Runner::suffix);
+  return found == runners.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+bool is_cad_file(const Path& path) {
+  const Runner* runner = runner_of(path);
+  return runner && runner->cad;
+}
+
+Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& options, Context& context) {
+  if (const Runner* runner = runner_of(path)) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return bad_input("artifact '" + path.string() + "' is no file");
-    return runner.evaluate(path, options, context);
+    return runner->evaluate(path, options, context);
   }
   std::string known;
   for (const auto& runner : runners) known += (known.empty() ? "" : " ") + std::string(runner.suffix);

@@ -48,6 +48,10 @@ struct Evaluation {
   std::vector<std::string> complaints;  ///< what it said, one line each
 };
 
+/// Whether a file of this suffix is an artifact and no scan: what CAD programs read, meshes left out. Case is of no
+/// matter.
+bool is_cad_file(const Path& path);
+
 /// By suffix: .scad .scl .igs .iges .step .stp and mesh files (.stl .off .obj .3mf .ply). Errors: missing_program,
 /// bad_input, stopped. A program that ran and complained is no error but `failed`.
 Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& options, Context& context);
