@@ -164,10 +164,10 @@ struct Trials {
 };
 
 /// A procedure and the tolerance at which this very build would verify it, where nothing is verified now or all that is
-/// is a triangulation. `scan`: as it was read.
-Result<std::optional<Wider>> wider_procedure(const Trials& trials, const Model& model, const Scan& scan,
+/// is a triangulation. `as_read`: the scan's points as they were before the fit.
+Result<std::optional<Wider>> wider_procedure(const Trials& trials, const Model& model, const PointCloud& as_read,
                                              const std::string& name, const FitArguments& fit, Session& session) {
-  const double reach = useful_reach(scan.cloud.bounds().diagonal());
+  const double reach = useful_reach(as_read.bounds().diagonal());
   std::vector<Wider> proposals;
   if (const Rival* nearest = nearest_procedure(model))
     proposals.push_back({procedure_word(nearest->procedure), tolerance_that_lets(nearest->deviation)});
@@ -176,7 +176,8 @@ Result<std::optional<Wider>> wider_procedure(const Trials& trials, const Model& 
   return first_verified(std::move(proposals), reach, [&](const Wider& wider) -> Result<std::optional<Verdict>> {
     FitArguments only = fit;
     only.procedure = wider.procedure;
-    Scan again = scan;
+    Scan again = trials.scan;
+    again.cloud = as_read;
     const auto aside = TemporaryDirectory::make();
     if (!aside) return aside.error();
     Trials alone{again, trials.backends, trials.templates, aside->path(), wider.tolerance, session, {}};
@@ -214,7 +215,7 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   if (!aside) return aside.error();
   Trials trials{*scan, backends, arguments.templates, aside->path(), tolerance.tolerance, session, {}};
   const bool any_other = arguments.fit.procedure.empty();
-  const Scan as_read = *scan;
+  const PointCloud as_read = scan->cloud;
   const auto model =
       fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session,
                 any_other ? Refusal([&](const CheckedModel& m) { return trials.refusal(m); }) : Refusal());

@@ -59,7 +59,6 @@ class PlainView {
     });
     std::vector<std::uint32_t> result;
     if (patches_.empty()) return result;
-    look_around();
     for (const auto& p : patches_)
       if (shown_by_views(p) || shown_by_directions(p)) result.insert(result.end(), p.samples.begin(), p.samples.end());
     std::sort(result.begin(), result.end());
@@ -204,8 +203,9 @@ class PlainView {
     return views >= least_views;
   }
 
-  /// What of the part is seen from where.
+  /// What of the part is seen from where, asked for once.
   void look_around() {
+    if (!directions_.empty()) return;
     directions_ = even_directions(direction_count);
     const std::size_t stride = field_.samples.size() / scene_count + 1;
     for (std::uint32_t i = 0; i < field_.samples.size(); i += static_cast<std::uint32_t>(stride)) scene_.push_back(i);
@@ -223,7 +223,8 @@ class PlainView {
         4);
   }
 
-  bool shown_by_directions(const Patch& patch) const {
+  bool shown_by_directions(const Patch& patch) {
+    look_around();
     const auto some = some_of(patch.samples);
     std::vector<char> shows(directions_.size(), 0);
     parallel_for(
