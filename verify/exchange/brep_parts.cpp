@@ -1,5 +1,3 @@
-#include "verify/exchange/brep_parts.h"
-
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepLib.hxx>
@@ -48,6 +46,10 @@
 #include <gp_Torus.hxx>
 
 #include "core/number.h"
+// Its types are made of OpenCASCADE's: it stands below these.
+// clang-format off
+#include "verify/exchange/brep_parts.h"
+// clang-format on
 
 namespace partscribe {
 namespace {
