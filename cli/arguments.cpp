@@ -9,7 +9,7 @@
 #include "cli/suggest.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* program_help =
@@ -318,4 +318,4 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
   return fail(usage_error("expected a command, found none: see 'partscribe --help'"));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

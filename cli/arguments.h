@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// Options and operands of one command; each declaration binds a variable that must outlive the parsing. Numbers are
 /// read by parse_number and must lie in the stated range.
@@ -49,4 +49,4 @@ class Arguments {
   CLI::App& app_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -9,7 +9,7 @@
 #include "cli/session.h"
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// A word after `partscribe`, its help and what it does.
 struct Command {
@@ -34,4 +34,4 @@ Command views_command();
 /// `partscribe: ...` on standard error for an error.
 int run_program(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -7,7 +7,7 @@
 #include "codegen/describe.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 /// Shapes as people call them.
@@ -205,4 +205,4 @@ std::string hypothesis_line(const Model& model) {
          " mm); suggests: " + (h.suggests.empty() ? "none" : h.suggests);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -6,7 +6,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// "a surface of revolution", "4 steps: ...", "a triangulation of 724 triangles, because no procedure met 0.1 mm".
 std::string procedure_text(const Model& model);
@@ -56,4 +56,4 @@ std::string no_procedure_line(const Model& model, const std::string& asked);
 /// The superellipsoid that was recovered first, in one line; empty if the model has none.
 std::string hypothesis_line(const Model& model);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -11,7 +11,7 @@
 #include "model/json.h"
 #include "scan/read/read.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 /// Its folder is that of the other stages as well.
@@ -117,4 +117,4 @@ ChosenTolerance tolerance_for(const Scan& scan, Session& session) {
   return chosen;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -11,7 +11,7 @@
 #include "model/check.h"
 #include "scan/read/read.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder, named
 /// after the second file.
@@ -47,4 +47,4 @@ struct ChosenTolerance {
 /// aside), rounded up. Five, because a fit judged at twice the local noise is still an honest verdict.
 ChosenTolerance tolerance_for(const Scan& scan, Session& session);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

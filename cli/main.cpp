@@ -3,7 +3,7 @@
 #include "verify/evaluate/run_occt.h"
 
 int main(int argc, char** argv) {
-  using namespace partscribe;
+  using namespace partscribe::cli;
   if (const auto code = serve_as_reader(argc, argv)) return *code;  // STEP and IGES are read in a process of their own
   const std::vector<Command> commands = {
       build_command(),  scan_command(),    fit_command(),      emit_command(),  verify_command(),

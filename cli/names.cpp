@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 const std::set<std::string> names_without_meaning = {"cloud", "scan", "merged", "model", "part"};
@@ -142,4 +142,4 @@ std::string part_name(const Path& input) {
 
 std::string folder_name(const Path& input) { return as_folder(telling_name(input)); }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -5,7 +5,7 @@
 
 #include "core/files.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// A part's name inside models and scripts, where only lower-case letters, digits and _ may stand: "Pump cover (2).ply"
 /// is pump_cover_2, "Größe_Ø10.stl" is groesse_o10, "零件.stl" is u96f6_u4ef6 after its characters' numbers. Files
@@ -19,4 +19,4 @@ std::string folder_name(const Path& input);
 /// What the folders that are named after a part end with.
 inline constexpr const char* folder_ending = "-partscribe";
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

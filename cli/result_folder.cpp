@@ -6,7 +6,7 @@
 #include "cli/inputs.h"
 #include "core/json_text.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* mark_name = "unfinished.json";
@@ -95,4 +95,4 @@ Result<int> ResultFolder::close(Result<int> outcome) const {
   return Error{outcome.error().message + rest, outcome.error().kind};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -9,7 +9,7 @@
 #include "core/files.h"
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// From the first file of a run to its last a file `unfinished.json` says whose the others are. The next run of the
 /// same command on the same inputs replaces them, but none that was changed since.
@@ -42,4 +42,4 @@ class ResultFolder {
   bool begun_ = false;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -13,7 +13,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 /// What the signal handler may touch: lock-free values of the one running session.
@@ -216,4 +216,4 @@ void Session::log_line(const std::string& line) {
   if (log_) log_ << in_tenths(seconds_since(begin_)) << " s  " << line << std::endl;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -15,7 +15,7 @@
 #include "core/files.h"
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// Shared by every command.
 struct SharedOptions {
@@ -75,4 +75,4 @@ class Session {
   std::thread watch_;   ///< over Ctrl-C
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 std::string plain(std::string word) {
@@ -44,4 +44,4 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return best ? "; did you mean " + *best + "?" : "";
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -4,7 +4,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 using Json = nlohmann::json;
@@ -148,4 +148,4 @@ Result<Verdict> read_verdict_json(const std::string& bytes, const std::string& w
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

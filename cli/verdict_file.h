@@ -6,9 +6,9 @@
 #include "core/result.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// What verdict.json says; meshes and deviations of points are not in it. Errors name `where`.
 Result<Verdict> read_verdict_json(const std::string& text, const std::string& where);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -11,7 +11,7 @@
 #include "model/artifact.h"
 #include "model/check.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 struct EmitOptions {
   Path templates;             ///< a folder of packs that replaces the built-in ones; empty: built in
@@ -34,4 +34,4 @@ struct Backend {
   Result<Artifact> (*emit)(const CheckedModel& model, const EmitOptions& options, Context& context);
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

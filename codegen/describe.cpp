@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 /// What is shown of a fitted value: no more digits than its uncertainty and the tolerance deserve.
@@ -174,4 +174,4 @@ TemplateList parameter_rows(const ParameterGroup& group, const std::vector<std::
   return rows;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

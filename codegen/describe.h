@@ -8,7 +8,7 @@
 #include "codegen/template.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// "4,120".
 std::string with_thousands(std::size_t count);
@@ -48,4 +48,4 @@ std::vector<ParameterGroup> grouped_parameters(const Model& model);
 /// followed by the latter are padded to one width.
 TemplateList parameter_rows(const ParameterGroup& group, const std::vector<std::string>& statements, double tolerance);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -5,7 +5,7 @@
 #include "codegen/exchange/step.h"
 #include "codegen/openscad/openscad.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 const std::vector<Backend>& backends() {
   static const std::vector<Backend> all = {openscad_backend(), alpha1_backend(), iges_backend(), step_backend()};
@@ -23,4 +23,4 @@ Result<Artifact> emit(const CheckedModel& model, const std::string& backend, con
   return usage_error("expected a backend (" + known + "), found '" + backend + "'");
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -6,7 +6,7 @@
 
 #include "codegen/backend.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// All backends in order: openscad, alpha1, iges, step.
 const std::vector<Backend>& backends();
@@ -15,4 +15,4 @@ const std::vector<Backend>& backends();
 Result<Artifact> emit(const CheckedModel& model, const std::string& backend, const EmitOptions& options,
                       Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

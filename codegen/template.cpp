@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 bool blank(std::string_view text) { return text.find_first_not_of(" \t") == std::string_view::npos; }
@@ -270,4 +270,4 @@ Result<TemplatePack> load_template_pack(const std::string& name, const Path& fol
   return pack;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -20,7 +20,7 @@
 #include "core/files.h"
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 struct TemplateValue;
 using TemplateRecord = std::map<std::string, TemplateValue, std::less<>>;
@@ -65,4 +65,4 @@ struct EmbeddedTemplate {
 };
 const std::vector<EmbeddedTemplate>& embedded_templates();
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -6,7 +6,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 /// Does a triangle of the back turn by more than 80 degrees against its front?
@@ -86,4 +86,4 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> sheet_rim(
   return rim;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

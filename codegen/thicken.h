@@ -8,7 +8,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// Per vertex the direction by which all adjoining triangles move outward by about 1 when the vertex moves by it
 /// (the miter of their planes; at sharp corners no longer than 2). A sheet too rough for that, whose back would fold at
@@ -21,4 +21,4 @@ std::vector<Vec3> sheet_normals(const std::vector<std::array<double, 3>>& vertic
 std::vector<std::pair<std::uint32_t, std::uint32_t>> sheet_rim(
     const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

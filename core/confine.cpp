@@ -4,7 +4,7 @@
 
 #include "core/process.h"
 
-namespace partscribe {
+namespace partscribe::core {
 namespace {
 
 /// Programs, libraries, fonts, and what is needed to find these. What does not exist is left out.
@@ -103,4 +103,4 @@ Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, co
   return with_room(run_process(command, limits, context), arguments[0], confinement);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

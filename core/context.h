@@ -5,7 +5,9 @@
 #include <functional>
 #include <string>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::core {
 
 /// Passed by reference down every call; holds no results.
 struct Context {
@@ -22,4 +24,4 @@ struct Context {
   }
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::core {
 
 class DisjointSets {
  public:
@@ -45,4 +47,4 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_, size_;  // the size counts at roots
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace partscribe {
+namespace partscribe::core {
 
 void ensure_failed(const char* message, const char* file, int line) {
   std::fprintf(stderr, "partscribe: internal error: %s (%s:%d)\n", message, file, line);
   std::abort();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <system_error>
 
-namespace partscribe {
+namespace partscribe::core {
 namespace {
 
 std::string reason() { return std::strerror(errno); }
@@ -144,4 +144,4 @@ TemporaryDirectory::~TemporaryDirectory() {
   if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::core {
 
 using Path = std::filesystem::path;
 
@@ -38,4 +38,4 @@ class TemporaryDirectory {
   Path path_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -5,7 +5,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::core {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -58,4 +58,4 @@ std::string json_text(const Json& value) {
   return out;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

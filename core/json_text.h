@@ -4,9 +4,11 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::core {
 
 /// Lists of plain values stay on one line; everything ends with a newline. Infinite numbers become null.
 std::string json_text(const nlohmann::ordered_json& value);
 
-}  // namespace partscribe
+}  // namespace partscribe::core

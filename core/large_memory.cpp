@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace partscribe {
+namespace partscribe::core {
 
 void* take_large_memory(std::size_t bytes) {
   constexpr std::size_t line = 64, page = std::size_t(1) << 21;
@@ -29,4 +29,4 @@ void* take_large_memory(std::size_t bytes) {
 
 void give_back_large_memory(void* memory) { std::free(memory); }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

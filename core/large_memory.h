@@ -5,7 +5,9 @@
 #include <new>
 #include <vector>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::core {
 
 /// Aligned to at least a line of the cache.
 void* take_large_memory(std::size_t bytes);
@@ -31,4 +33,4 @@ struct LargeAllocator {
 template <class T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;
 
-}  // namespace partscribe
+}  // namespace partscribe::core

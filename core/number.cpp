@@ -5,7 +5,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::core {
 
 std::string print_number(double value) {
   ensure(std::isfinite(value), "only finite numbers can be printed");
@@ -59,4 +59,4 @@ std::optional<double> parse_number(std::string_view text) {
 double degrees(double angle) { return angle * (180.0 / pi); }
 double radians(double angle) { return angle * (pi / 180.0); }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::core {
 
 inline constexpr double pi = 3.14159265358979323846;
 
@@ -31,4 +33,4 @@ std::optional<double> parse_number(std::string_view text);
 double degrees(double radians);
 double radians(double degrees);
 
-}  // namespace partscribe
+}  // namespace partscribe::core

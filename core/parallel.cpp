@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace partscribe {
+namespace partscribe::core {
 
 void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t, std::size_t)>& body,
                   std::size_t block) {
@@ -38,4 +38,4 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

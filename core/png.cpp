@@ -7,7 +7,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::core {
 namespace {
 
 void append_bytes(png_structp png, png_bytep bytes, std::size_t count) {
@@ -50,4 +50,4 @@ std::string write_png_grey16(int width, int height, std::span<const std::uint16_
                     reinterpret_cast<const png_byte*>(values.data()));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

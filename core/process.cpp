@@ -19,7 +19,7 @@
 #include <sstream>
 #include <string_view>
 
-namespace partscribe {
+namespace partscribe::core {
 namespace {
 
 constexpr std::size_t kept_output = 1 << 20;
@@ -169,4 +169,4 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -8,7 +8,7 @@
 #include "core/files.h"
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::core {
 
 struct ProcessLimits {
   double seconds = 600;      ///< wall time; the whole process group is killed after it
@@ -49,4 +49,4 @@ const std::string& no_confinement();
 Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, const ProcessLimits& limits,
                                    const Confinement& confinement, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::core

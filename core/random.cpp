@@ -5,7 +5,7 @@
 #include "core/ensure.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::core {
 
 std::uint64_t Random::next() {
   std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ull);
@@ -38,4 +38,4 @@ double Random::normal() {
   return radius * std::cos(angle);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

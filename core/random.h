@@ -3,7 +3,9 @@
 
 #include <cstdint>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::core {
 
 /// SplitMix64 with distributions of our own (the standard library's differ between vendors).
 class Random {
@@ -21,4 +23,4 @@ class Random {
   bool has_spare_ = false;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::core

@@ -8,7 +8,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::core {
 
 /// What kind of bad news an Error carries; the number is the program's exit code.
 enum class ErrorKind : int {
@@ -65,4 +65,4 @@ struct Done {};
 inline Error bad_input(std::string message) { return {std::move(message), ErrorKind::bad_input}; }
 inline Error usage_error(std::string message) { return {std::move(message), ErrorKind::usage}; }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

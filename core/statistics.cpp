@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::core {
 namespace {
 
 double at_rank(std::span<double> values, std::size_t rank) {
@@ -35,4 +35,4 @@ RobustMean robust_mean(std::span<const double> values) {
   return {count > 0 ? sum / count : 0, spread};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::core

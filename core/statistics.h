@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::core {
 
 /// The middle value, of an even number of values the upper one of the two; 0 if there are none.
 double median(std::vector<double> values);
@@ -24,4 +26,4 @@ struct RobustMean {
 /// All zero if there are no values.
 RobustMean robust_mean(std::span<const double> values);
 
-}  // namespace partscribe
+}  // namespace partscribe::core

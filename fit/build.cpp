@@ -12,7 +12,7 @@
 #include "fit/surface/fallback.h"
 #include "geometry/points/keep_points.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOptions& options) {
@@ -254,4 +254,4 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   return offers.answer();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 #include "geometry/points/point_cloud.h"
 #include "model/check.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct BuildOptions {
   double tolerance = 0.1;     ///< mm; the model must lie within this of the data everywhere
@@ -28,4 +28,4 @@ struct BuildOptions {
 /// the first one is the answer.
 Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

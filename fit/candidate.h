@@ -12,7 +12,7 @@
 #include "geometry/points/point_cloud.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Of every point of a cloud those that show the same place of the surface, nearest first. The same for all candidates.
 struct Surroundings {
@@ -66,4 +66,4 @@ struct Candidate {
   std::string unseen;  ///< what makes the shape what it is and was hardly seen: a rival then, never the model
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -6,7 +6,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// What a procedure is called in full, where that differs from its word.
@@ -38,4 +38,4 @@ bool asked_for(const std::string& name, const Candidate& candidate) {
   return name.empty() || name == candidate.procedure || name == kind_of(candidate.shape);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct Candidate;
 
@@ -24,4 +24,4 @@ std::string procedure_word(const std::string& name);
 /// Whether the candidate is what was asked for; an empty name asks for the best of all.
 bool asked_for(const std::string& name, const Candidate& candidate);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

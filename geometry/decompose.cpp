@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 using Eigen::Dynamic;
 using Eigen::Matrix;
@@ -44,4 +44,4 @@ Eigensystem<Dynamic> generalized_eigensystem(const Eigen::MatrixXd& a, const Eig
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

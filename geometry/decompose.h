@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::geometry {
 
 /// x of a x = b by a pivoted Cholesky decomposition (LDLT), of which `a` is the lower half. What is declared but not
 /// instantiated in decompose.cpp is found missing by the linker: add it there.
@@ -28,4 +30,4 @@ Eigen::VectorXd eigenvalues_of(const Eigen::MatrixXd& a);
 /// a v = lambda b v with positive definite `b`, v' b v = 1.
 Eigensystem<Eigen::Dynamic> generalized_eigensystem(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -1,6 +1,6 @@
 #include "geometry/instructions.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 Instructions supported() {
@@ -22,4 +22,4 @@ Instructions widest_instructions() {
   return widest;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -1,6 +1,8 @@
 /// Which vector instructions the kernels of this folder are compiled for, and which of them this machine runs.
 #pragma once
 
+#include "core/layers.h"
+
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define PARTSCRIBE_VECTOR_VERSIONS 1
 #else
@@ -15,7 +17,7 @@
 #define PARTSCRIBE_EACH_VERSION(of) of(baseline), of(baseline), of(baseline)
 #endif
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// avx2: with bmi; avx512: f, vl, dq, and popcnt. Kernels answer the same to the bit, whichever runs.
 enum class Instructions { baseline, avx2, avx512 };
@@ -23,4 +25,4 @@ enum class Instructions { baseline, avx2, avx512 };
 /// The widest that this machine runs.
 Instructions widest_instructions();
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 Mat3 rotation_of(const Vec3& v) {
   const double angle = v.norm();
@@ -46,4 +46,4 @@ Mat3 rotation_onto_axis(const Vec3& axis) {
   return r;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

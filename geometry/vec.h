@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <limits>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::geometry {
 
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
@@ -44,4 +46,4 @@ Vec3 euler_from_rotation(const Mat3& rotation);
 /// A rotation that takes the z axis onto the unit vector `axis`, the same for the same axis always.
 Mat3 rotation_onto_axis(const Vec3& axis);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

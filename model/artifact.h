@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::model {
 
 struct ArtifactFile {
   std::string name;  ///< "part.scad"
@@ -17,4 +19,4 @@ struct Artifact {
   std::vector<ArtifactFile> files;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -10,7 +10,7 @@
 #include "model/overloaded.h"
 #include "model/sketch.h"
 
-namespace partscribe {
+namespace partscribe::model {
 namespace {
 
 bool is_identifier(const std::string& name) {
@@ -323,4 +323,4 @@ Result<CheckedModel> checked(Model model, const std::string& where) {
   return bad_input(text);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -7,7 +7,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 /// A model that passed check(): names unique and known, references backward, values in their domains, sketches
 /// closed and simple, meshes consistent.
@@ -33,4 +33,4 @@ std::variant<CheckedModel, Complaints> check(Model model);
 /// As check(), for callers whose model must be right; a complaint becomes one bad_input error.
 Result<CheckedModel> checked(Model model, const std::string& where);
 
-}  // namespace partscribe
+}  // namespace partscribe::model

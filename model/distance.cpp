@@ -14,7 +14,7 @@
 #include "model/overloaded.h"
 #include "model/sketch.h"
 
-namespace partscribe {
+namespace partscribe::model {
 namespace {
 
 /// The nearest place of one shape in its own frame; `face` counts the shape's own faces.
@@ -295,4 +295,4 @@ ModelDistance::ModelDistance(ModelDistance&&) noexcept = default;
 ModelHit ModelDistance::operator()(const Vec3& point) const { return root_->hit(part_from_scan_ * point); }
 const std::vector<ModelFace>& ModelDistance::faces() const { return faces_; }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -7,7 +7,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 /// The nearest place on the model's surface.
 struct ModelHit {
@@ -42,4 +42,4 @@ class ModelDistance {
   std::vector<ModelFace> faces_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::model {
 
 using Kind = Expr::Kind;
 
@@ -150,4 +150,4 @@ void substitute(Expr& e, std::string_view from, const Expr& to) {
   for (auto& a : e.arguments) substitute(a, from, to);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -9,7 +9,7 @@
 
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 /// Values of parameters by name.
 using Values = std::map<std::string, double, std::less<>>;
@@ -53,4 +53,4 @@ void visit_parameters(const Expr& expr, const std::function<void(const std::stri
 /// Replaces parameter `from` by `to` everywhere.
 void substitute(Expr& expr, std::string_view from, const Expr& to);
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -5,7 +5,7 @@
 #include "core/json_text.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::model {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -479,4 +479,4 @@ Result<Model> read_model_json(std::string_view text, const std::string& where) {
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

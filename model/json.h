@@ -7,7 +7,7 @@
 #include "core/result.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 inline constexpr int model_format = 1;
 
@@ -17,4 +17,4 @@ std::string write_model_json(const Model& model);
 /// Reads any format up to the present one. Errors name `where` and the path inside the document.
 Result<Model> read_model_json(std::string_view text, const std::string& where);
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -6,7 +6,7 @@
 #include "core/number.h"
 #include "model/shapes.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 /// A fillet as an extrusion: its concave side is an arc where both legs are equal, a quarter of an ellipse otherwise.
 template <class N>
@@ -26,4 +26,4 @@ ExtrudeOf<N> lowered(const FilletOf<N>& s) {
   return {{{loop}}, s.length};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

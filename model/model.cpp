@@ -1,6 +1,6 @@
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 bool Frame::identity() const { return *this == Frame{}; }
 
@@ -15,4 +15,4 @@ Pose evaluate(const Frame& f, const Values& values) {
           {evaluate(f.x, values), evaluate(f.y, values), evaluate(f.z, values)}};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

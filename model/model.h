@@ -8,7 +8,7 @@
 #include "geometry/vec.h"
 #include "model/shapes.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 enum class Quantity { length, angle, count, ratio };
 
@@ -123,4 +123,4 @@ Values values_of(const Model& model);
 /// The frame as a rigid motion.
 Pose evaluate(const Frame& frame, const Values& values);
 
-}  // namespace partscribe
+}  // namespace partscribe::model

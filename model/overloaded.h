@@ -1,7 +1,9 @@
 /// Functions for each alternative of a variant, as one visitor: a missing one fails to compile.
 #pragma once
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::model {
 
 template <class... Functions>
 struct Overloaded : Functions... {
@@ -10,4 +12,4 @@ struct Overloaded : Functions... {
 template <class... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-}  // namespace partscribe
+}  // namespace partscribe::model

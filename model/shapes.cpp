@@ -2,7 +2,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::model {
 namespace {
 
 // ---- evaluation: the same walk over the source and over the result --------------------------------------------
@@ -138,4 +138,4 @@ void visit_expressions(const Shape& shape, const std::function<void(const Expr&,
   std::visit([&](const auto& s) { walk(s, visit); }, shape);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

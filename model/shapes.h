@@ -16,7 +16,7 @@
 #include "geometry/vec.h"
 #include "model/expr.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 /// What a number measures and which values make sense.
 enum class Domain {
@@ -415,4 +415,4 @@ EvaluatedShape evaluate(const Shape& shape, const Values& values);
 void visit_expressions(Shape& shape, const std::function<void(Expr&, Domain)>& visit);
 void visit_expressions(const Shape& shape, const std::function<void(const Expr&, Domain)>& visit);
 
-}  // namespace partscribe
+}  // namespace partscribe::model

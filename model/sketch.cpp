@@ -2,7 +2,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::model {
 namespace {
 
 Curve2 curve_of(const SketchArcOf<double>& a) { return Arc2{{a.center_x, a.center_y}, a.radius, a.from, a.to}; }
@@ -55,4 +55,4 @@ Outline2 outline_of(const EvaluatedSketch& sketch) {
   return outline;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::model

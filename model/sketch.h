@@ -4,7 +4,7 @@
 #include "geometry/surfaces/curve2.h"
 #include "model/shapes.h"
 
-namespace partscribe {
+namespace partscribe::model {
 
 /// Ends nearer than this (mm) are one point.
 inline constexpr double sketch_join = 1e-6;
@@ -13,4 +13,4 @@ inline constexpr double sketch_join = 1e-6;
 /// where there is none.
 Outline2 outline_of(const EvaluatedSketch& sketch);
 
-}  // namespace partscribe
+}  // namespace partscribe::model

@@ -9,7 +9,9 @@
 #include "core/random.h"
 #include "geometry/vec.h"
 
-namespace partscribe::test {
+namespace partscribe::testing {
+
+using namespace geometry;
 
 /// About the origin; the holes run along z.
 struct DrilledBlock {
@@ -44,4 +46,4 @@ struct DrilledBlock {
   }
 };
 
-}  // namespace partscribe::test
+}  // namespace partscribe::testing

@@ -10,7 +10,10 @@
 #include "core/ensure.h"
 #include "core/files.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace core;
+
 namespace {
 
 using Json = nlohmann::json;
@@ -101,4 +104,4 @@ std::string JsonSchema::fault_by(const std::string& keyword, const Json& argumen
   return "";
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-namespace partscribe {
+namespace partscribe::testing {
 
 class JsonSchema {
  public:
@@ -30,4 +30,4 @@ class JsonSchema {
                        const std::string& at) const;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

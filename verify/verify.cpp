@@ -15,7 +15,7 @@
 #include "verify/evaluate/solid.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t fewest_points = 30;
@@ -175,8 +175,8 @@ int exit_code_of(Outcome outcome) {
   return 4;
 }
 
-Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, const std::optional<Model>& model,
-                       const VerifyOptions& options, Context& context) {
+Result<Verdict> verify_artifacts(const std::vector<Path>& artifacts, const Scan& scan,
+                                 const std::optional<Model>& model, const VerifyOptions& options, Context& context) {
   if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
     return usage_error("the tolerance must be a positive number of mm");
   if (artifacts.empty()) return usage_error("no artifact was given to verify");
@@ -284,4 +284,4 @@ Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, con
   return verdict;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

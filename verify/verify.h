@@ -14,7 +14,7 @@
 #include "verify/evaluate/evaluate.h"
 #include "verify/evaluate/second_opinion.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 enum class Outcome { verified, out_of_tolerance, cannot_decide, not_run };
 const char* name_of(Outcome outcome);  ///< "verified", ...
@@ -138,8 +138,8 @@ struct Verdict {
 
 /// Evaluates and judges every artifact. With a model its named faces get rows of their own; without one the faces
 /// of the artifact do. A missing program is an outcome (not_run), a file that cannot be read an error.
-Result<Verdict> verify(const std::vector<Path>& artifacts, const Scan& scan, const std::optional<Model>& model,
-                       const VerifyOptions& options, Context& context);
+Result<Verdict> verify_artifacts(const std::vector<Path>& artifacts, const Scan& scan,
+                                 const std::optional<Model>& model, const VerifyOptions& options, Context& context);
 
 std::string write_verdict_json(const Verdict& verdict);
 std::string write_verdict_csv(const Verdict& verdict);
@@ -147,4 +147,4 @@ std::string write_verdict_junit(const Verdict& verdict);
 /// A table for a terminal, 100 columns.
 std::string verdict_table(const Verdict& verdict);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -10,7 +10,8 @@
 
 #include "tests/mutation/suite.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
+using namespace partscribe::testing;
 
 namespace {
 

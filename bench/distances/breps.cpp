@@ -35,7 +35,7 @@
 #include "measure.h"
 #include "verify/exchange/brep_distance.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 
 namespace bench {
 namespace {

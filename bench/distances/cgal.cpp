@@ -19,15 +19,15 @@ class Cgal : public Peer {
   using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
  public:
-  explicit Cgal(const partscribe::TriangleMesh& mesh) {
-    auto point = [](const partscribe::Vec3& v) { return Kernel::Point_3(v.x(), v.y(), v.z()); };
+  explicit Cgal(const partscribe::geometry::TriangleMesh& mesh) {
+    auto point = [](const partscribe::geometry::Vec3& v) { return Kernel::Point_3(v.x(), v.y(), v.z()); };
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       triangles_.emplace_back(point(mesh.corner(t, 0)), point(mesh.corner(t, 1)), point(mesh.corner(t, 2)));
     tree_ = std::make_unique<Tree>(triangles_.cbegin(), triangles_.cend());
     tree_->build();
     tree_->accelerate_distance_queries();
   }
-  void distances(const std::vector<partscribe::Vec3>& queries, std::size_t begin, std::size_t end, bool warm,
+  void distances(const std::vector<partscribe::geometry::Vec3>& queries, std::size_t begin, std::size_t end, bool warm,
                  double* out) const override {
     Kernel::Point_3 hint;
     for (std::size_t i = begin; i < end; ++i) {
@@ -45,11 +45,11 @@ class Cgal : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> cgal(const partscribe::TriangleMesh& mesh) { return std::make_unique<Cgal>(mesh); }
+std::unique_ptr<Peer> cgal(const partscribe::geometry::TriangleMesh& mesh) { return std::make_unique<Cgal>(mesh); }
 
 }  // namespace peers
 #else
 namespace peers {
-std::unique_ptr<Peer> cgal(const partscribe::TriangleMesh&) { return nullptr; }
+std::unique_ptr<Peer> cgal(const partscribe::geometry::TriangleMesh&) { return nullptr; }
 }  // namespace peers
 #endif

@@ -11,7 +11,7 @@
 namespace peers {
 namespace {
 
-using partscribe::Vec3;
+using partscribe::geometry::Vec3;
 
 // Ericson, Real-Time Collision Detection, 5.1.5: the usual way, with its early exits.
 inline double sq_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -42,7 +42,7 @@ bool count_bytes(void*, ssize_t bytes, bool) {
 }
 
 struct Search {
-  const partscribe::TriangleMesh* mesh;
+  const partscribe::geometry::TriangleMesh* mesh;
   Vec3 query;
   double sq = std::numeric_limits<double>::infinity();
   unsigned triangle = 0;
@@ -68,7 +68,7 @@ bool visit(RTCPointQueryFunctionArguments* args) {
 
 class Embree : public Peer {
  public:
-  explicit Embree(const partscribe::TriangleMesh& mesh) : mesh_(mesh) {
+  explicit Embree(const partscribe::geometry::TriangleMesh& mesh) : mesh_(mesh) {
     device_ = rtcNewDevice("threads=1");
     rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, nullptr);
     held = 0;
@@ -118,7 +118,7 @@ class Embree : public Peer {
   std::size_t bytes() const override { return bytes_; }
 
  private:
-  const partscribe::TriangleMesh& mesh_;
+  const partscribe::geometry::TriangleMesh& mesh_;
   RTCDevice device_;
   RTCScene scene_;
   std::size_t bytes_ = 0;
@@ -127,11 +127,11 @@ class Embree : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> embree(const partscribe::TriangleMesh& mesh) { return std::make_unique<Embree>(mesh); }
+std::unique_ptr<Peer> embree(const partscribe::geometry::TriangleMesh& mesh) { return std::make_unique<Embree>(mesh); }
 
 }  // namespace peers
 #else
 namespace peers {
-std::unique_ptr<Peer> embree(const partscribe::TriangleMesh&) { return nullptr; }
+std::unique_ptr<Peer> embree(const partscribe::geometry::TriangleMesh&) { return nullptr; }
 }  // namespace peers
 #endif

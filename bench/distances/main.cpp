@@ -10,7 +10,7 @@
 #include "geometry/mesh/triangle_mesh.h"
 
 namespace bench {
-void meshes(const std::vector<std::pair<std::string, partscribe::TriangleMesh>>& given, int repetitions,
+void meshes(const std::vector<std::pair<std::string, partscribe::geometry::TriangleMesh>>& given, int repetitions,
             std::size_t largest);
 void breps(std::size_t count, std::size_t refereed);
 }  // namespace bench
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   std::size_t largest = 1000000, queries = 20000, refereed = 1000;
   int repetitions = 5;
   bool meshes = true, breps = true;
-  std::vector<std::pair<std::string, partscribe::TriangleMesh>> given;
+  std::vector<std::pair<std::string, partscribe::geometry::TriangleMesh>> given;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     auto number = [&](const char* name, auto& value) {
@@ -36,8 +36,8 @@ int main(int argc, char** argv) {
              number("--refereed", refereed))
       continue;
     else {
-      partscribe::Context context;
-      auto read = partscribe::read_geometry(word, context);
+      partscribe::core::Context context;
+      auto read = partscribe::geometry::read_geometry(word, context);
       if (!read.ok()) {
         std::fprintf(stderr, "%s\n", read.error().message.c_str());
         return 2;

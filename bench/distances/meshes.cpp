@@ -16,7 +16,7 @@
 #include "measure.h"
 #include "peers.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace bench {
 namespace {

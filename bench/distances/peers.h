@@ -14,13 +14,13 @@ class Peer {
  public:
   virtual ~Peer() = default;
   /// Unsigned distances of queries[begin, end). `warm`: each search starts from the answer of the one before.
-  virtual void distances(const std::vector<partscribe::Vec3>& queries, std::size_t begin, std::size_t end, bool warm,
-                         double* out) const = 0;
+  virtual void distances(const std::vector<partscribe::geometry::Vec3>& queries, std::size_t begin, std::size_t end,
+                         bool warm, double* out) const = 0;
   virtual std::size_t bytes() const = 0;  ///< held for searching, without the mesh itself; 0: not known
 };
 
 /// Null where the library is not installed.
-std::unique_ptr<Peer> embree(const partscribe::TriangleMesh& mesh);
-std::unique_ptr<Peer> cgal(const partscribe::TriangleMesh& mesh);
+std::unique_ptr<Peer> embree(const partscribe::geometry::TriangleMesh& mesh);
+std::unique_ptr<Peer> cgal(const partscribe::geometry::TriangleMesh& mesh);
 
 }  // namespace peers

@@ -13,7 +13,7 @@
 #include "scan/register/register.h"
 #include "scan/simulate/simulate.h"
 
-using namespace partscribe;
+using namespace partscribe::cli;
 
 namespace {
 

@@ -14,7 +14,7 @@
 #include "geometry/images/region_growing.h"
 #include "geometry/images/rlts_filter.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 using namespace partscribe::filter_bench;
 
 namespace {

@@ -9,6 +9,8 @@
 
 namespace partscribe::filter_bench {
 
+using namespace scan;
+
 struct Truth {
   double depth = 0;   ///< mm along the optical axis; NaN: nothing there
   double sigma = 0;   ///< mm along the optical axis

@@ -14,7 +14,7 @@
 #include "scan/merge/merge.h"
 #include "scan/simulate/simulate.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

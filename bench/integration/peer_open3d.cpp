@@ -15,7 +15,7 @@
 
 namespace peers {
 
-using partscribe::Vec3;
+using partscribe::geometry::Vec3;
 namespace o3d = open3d::pipelines::integration;
 
 bool has_open3d() { return true; }
@@ -43,7 +43,7 @@ std::vector<Vec3> open3d_distance_field(const std::vector<DepthView>& views, dou
     image.depth_.Prepare(view.width, view.height, 1, 4);
     std::memcpy(image.depth_.data_.data(), view.depth.data(), view.depth.size() * 4);
     image.color_.Prepare(view.width, view.height, 3, 1);
-    const partscribe::Pose view_from_world = view.world_from_view.inverse();
+    const partscribe::geometry::Pose view_from_world = view.world_from_view.inverse();
     Eigen::Matrix4d extrinsic = Eigen::Matrix4d::Identity();
     extrinsic.topLeftCorner<3, 3>() = view_from_world.rotation,
                                extrinsic.topRightCorner<3, 1>() = view_from_world.translation;
@@ -75,9 +75,11 @@ std::vector<Vec3> open3d_poisson(const std::vector<Vec3>& points, const std::vec
 namespace peers {
 
 bool has_open3d() { return false; }
-std::vector<partscribe::Vec3> open3d_distance_field(const std::vector<DepthView>&, double, bool) { return {}; }
-std::vector<partscribe::Vec3> open3d_poisson(const std::vector<partscribe::Vec3>&, const std::vector<partscribe::Vec3>&,
-                                             int) {
+std::vector<partscribe::geometry::Vec3> open3d_distance_field(const std::vector<DepthView>&, double, bool) {
+  return {};
+}
+std::vector<partscribe::geometry::Vec3> open3d_poisson(const std::vector<partscribe::geometry::Vec3>&,
+                                                       const std::vector<partscribe::geometry::Vec3>&, int) {
   return {};
 }
 

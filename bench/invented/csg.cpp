@@ -11,7 +11,7 @@
 #include "core/number.h"
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 using Mesh = CGAL::Surface_mesh<CGAL::Exact_predicates_inexact_constructions_kernel::Point_3>;
@@ -92,4 +92,4 @@ TriangleMesh rod(const Vec3& foot, const Vec3& axis, double length, double radiu
   return mesh;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -5,7 +5,9 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace geometry;
 
 /// Nothing where rounding spoils an intersection.
 std::optional<TriangleMesh> united_if_possible(const TriangleMesh& a, const TriangleMesh& b);
@@ -17,4 +19,4 @@ TriangleMesh block(const Vec3& size, const Pose& world_from_block);
 /// From `foot` along the unit vector `axis`.
 TriangleMesh rod(const Vec3& foot, const Vec3& axis, double length, double radius, int sectors = 48);
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

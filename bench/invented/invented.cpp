@@ -20,7 +20,8 @@
 #include "verify/compare/samples.h"
 #include "verify/evaluate/solid.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {

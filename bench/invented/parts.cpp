@@ -6,12 +6,12 @@
 #include "core/number.h"
 #include "tests/verify/shapes.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
 
-TriangleMesh box(const Vec3& low, const Vec3& high) { return testing::box(low, high); }
+TriangleMesh box(const Vec3& low, const Vec3& high) { return box(low, high); }
 
 TriangleMesh bracket() {
   TriangleMesh m = united(box({0, 0, 0}, {60, 40, 6}), box({0, 0.01, 0.01}, {6.01, 39.99, 50}));
@@ -49,14 +49,14 @@ TriangleMesh crossed() {
 }
 
 TriangleMesh flange() {
-  TriangleMesh m = testing::turned({{0, 0}, {40, 0}, {40, 10}, {20, 10}, {20, 30}, {0, 30}}, 96);
+  TriangleMesh m = turned({{0, 0}, {40, 0}, {40, 10}, {20, 10}, {20, 30}, {0, 30}}, 96);
   m = without(m, rod({0, 0, -1}, z, 32, 6, 64));
   for (int k = 0; k < 6; ++k) m = without(m, rod({30 * std::cos(k * pi / 3), 30 * std::sin(k * pi / 3), -1}, z, 12, 3));
   return without(m, rod({21, 0, 20}, -x, 17, 1.5));
 }
 
 TriangleMesh shaft() {
-  TriangleMesh m = testing::turned({{0, 0}, {10, 0}, {10, 30}, {15, 30}, {15, 60}, {7, 60}, {7, 100}, {0, 100}}, 96);
+  TriangleMesh m = turned({{0, 0}, {10, 0}, {10, 30}, {15, 30}, {15, 60}, {7, 60}, {7, 100}, {0, 100}}, 96);
   m = without(m, rod({0, 0, -1}, z, 41, 2.5));
   m = without(m, rod({0, 0, 75}, z, 26, 1.65));
   return without(m, box({-2.5, 8, 5}, {2.5, 16, 25}));
@@ -104,7 +104,7 @@ TriangleMesh knob() {
     const double a = -0.9 + (0.5 * pi + 0.9) * k / 40;
     profile.emplace_back(k == 40 ? 0 : 20 * std::cos(a), 28 + 20 * std::sin(a));
   }
-  TriangleMesh m = testing::turned(profile, 96);
+  TriangleMesh m = turned(profile, 96);
   m = without(m, rod({0, 0, -1}, z, 26, 3));
   return without(m, rod({-25, 0, 28}, x, 20, 1.5));
 }
@@ -117,4 +117,4 @@ std::vector<NamedPart> parts_with_bores() {
           {"tray", tray()},       {"wedge", wedge()},     {"knob", knob()}};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

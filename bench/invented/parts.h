@@ -6,7 +6,9 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace geometry;
 
 struct NamedPart {
   std::string name;
@@ -15,4 +17,4 @@ struct NamedPart {
 
 std::vector<NamedPart> parts_with_bores();
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

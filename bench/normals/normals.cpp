@@ -26,7 +26,7 @@
 #include "model/json.h"
 #include "scan/simulate/simulate.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 namespace peers {
 
-using partscribe::Vec3;
+using partscribe::geometry::Vec3;
 
 /// Normals by planes through the `count` nearest points, the point itself among them; of either sign, one thread.
 struct CloudMethod {

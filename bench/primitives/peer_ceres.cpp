@@ -10,9 +10,9 @@
 namespace peers {
 namespace {
 
-using partscribe::Primitive;
-using partscribe::PrimitiveKind;
-using partscribe::Vec3;
+using partscribe::geometry::Primitive;
+using partscribe::geometry::PrimitiveKind;
+using partscribe::geometry::Vec3;
 
 struct Distance {
   PrimitiveKind kind;

@@ -9,9 +9,9 @@ namespace peers {
 namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
-using partscribe::Primitive;
-using partscribe::PrimitiveKind;
-using partscribe::Vec3;
+using partscribe::geometry::Primitive;
+using partscribe::geometry::PrimitiveKind;
+using partscribe::geometry::Vec3;
 
 Fit prepare(const Question& question) {
   const PrimitiveKind kind = question.kind;

@@ -14,9 +14,9 @@
 namespace peers {
 namespace {
 
-using partscribe::Primitive;
-using partscribe::PrimitiveKind;
-using partscribe::Vec3;
+using partscribe::geometry::Primitive;
+using partscribe::geometry::PrimitiveKind;
+using partscribe::geometry::Vec3;
 using Vector = gte::Vector3<double>;
 
 Vec3 vec(const Vector& v) { return {v[0], v[1], v[2]}; }

@@ -15,9 +15,9 @@
 namespace peers {
 namespace {
 
-using partscribe::Primitive;
-using partscribe::PrimitiveKind;
-using partscribe::Vec3;
+using partscribe::geometry::Primitive;
+using partscribe::geometry::PrimitiveKind;
+using partscribe::geometry::Vec3;
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using Model = pcl::SampleConsensusModel<pcl::PointXYZ>;
 

@@ -9,13 +9,13 @@
 
 namespace peers {
 
-using Fit = std::function<std::optional<partscribe::Primitive>()>;
+using Fit = std::function<std::optional<partscribe::geometry::Primitive>()>;
 
 /// One question to all contestants.
 struct Question {
-  partscribe::PrimitiveKind kind;
-  const std::vector<partscribe::Vec3>& points;
-  partscribe::Primitive start;
+  partscribe::geometry::PrimitiveKind kind;
+  const std::vector<partscribe::geometry::Vec3>& points;
+  partscribe::geometry::Primitive start;
 };
 
 /// Prepares a question in a program's own structures; calling the answer fits. Empty: the program has no such fit.

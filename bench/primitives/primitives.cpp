@@ -12,7 +12,7 @@
 
 namespace {
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 using scenes::kinds;
 
 double seconds() {

@@ -9,7 +9,7 @@
 
 namespace scenes {
 
-using partscribe::pi;
+using partscribe::core::pi;
 
 namespace {
 
@@ -59,7 +59,7 @@ Primitive example(PrimitiveKind kind, double offset, Random& random) {
 }
 
 Scan scan(const Primitive& p, std::size_t count, double arc, double sigma, Random& random) {
-  const partscribe::Mat3 turn = partscribe::rotation_onto_axis(p.axis);
+  const partscribe::geometry::Mat3 turn = partscribe::geometry::rotation_onto_axis(p.axis);
   Scan scan;
   for (std::size_t i = 0; i < count; ++i) {
     const double a = random.uniform(-arc / 2, arc / 2);
@@ -108,7 +108,7 @@ Scan scan(const Primitive& p, std::size_t count, double arc, double sigma, Rando
 
 Primitive start(const Primitive& truth, double angle, double share, Random& random) {
   Primitive p = truth;
-  p.axis = partscribe::rotation_of(angle * direction(random).cross(truth.axis).normalized()) * truth.axis;
+  p.axis = partscribe::geometry::rotation_of(angle * direction(random).cross(truth.axis).normalized()) * truth.axis;
   const auto scaled = [&](double value) { return value * (random.uniform() < 0.5 ? 1 - share : 1 + share); };
   p.radius = scaled(p.radius), p.tube = scaled(p.tube), p.half_angle = scaled(p.half_angle);
   p.point += share * std::max(truth.radius, 10.0) * direction(random);
@@ -132,7 +132,7 @@ double number(const Primitive& p, const Primitive& truth) {
   }
 }
 
-double number_sigma(const partscribe::PrimitiveFit& fit) {
+double number_sigma(const partscribe::geometry::PrimitiveFit& fit) {
   switch (fit.primitive.kind) {
     case PrimitiveKind::plane:
     case PrimitiveKind::line:

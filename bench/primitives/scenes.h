@@ -6,10 +6,10 @@
 
 namespace scenes {
 
-using partscribe::Primitive;
-using partscribe::PrimitiveKind;
-using partscribe::Random;
-using partscribe::Vec3;
+using partscribe::core::Random;
+using partscribe::geometry::Primitive;
+using partscribe::geometry::PrimitiveKind;
+using partscribe::geometry::Vec3;
 
 inline constexpr PrimitiveKind kinds[] = {PrimitiveKind::plane,  PrimitiveKind::line,     PrimitiveKind::circle,
                                           PrimitiveKind::sphere, PrimitiveKind::cylinder, PrimitiveKind::cone,
@@ -33,7 +33,7 @@ Primitive start(const Primitive& truth, double angle, double share, Random& rand
 
 /// The number that is judged: offset of planes and lines, half angle of cones, tube of tori, else the radius.
 double number(const Primitive& primitive, const Primitive& truth);
-double number_sigma(const partscribe::PrimitiveFit& fit);
+double number_sigma(const partscribe::geometry::PrimitiveFit& fit);
 
 /// 1 sigma of the Cramer-Rao bound of that number, from derivatives of the distance by differences.
 double bound(const Primitive& truth, const std::vector<Vec3>& exact_points, double sigma);

@@ -14,6 +14,9 @@
 #include "scan/read/read.h"
 
 namespace partscribe::recovery {
+
+using namespace scan;
+
 namespace {
 
 constexpr double steepest = 1.36;  // rad from the normal; beyond, nothing returns

@@ -10,6 +10,8 @@
 
 namespace partscribe::recovery {
 
+using namespace model;
+
 /// What the scanner and the place did to the data.
 struct Conditions {
   double least_noise = 0.001, most_noise = 0.01;      ///< sigma along the ray, share of the part's longest side

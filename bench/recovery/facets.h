@@ -6,6 +6,8 @@
 
 namespace partscribe::recovery {
 
+using namespace model;
+
 /// Closed, in the part's own frame, all corners on the true surface: `around` facets to the full turn of whatever is
 /// round, two triangles to a flat rectangle.
 TriangleMesh coarse_mesh(const Model& truth, int around);

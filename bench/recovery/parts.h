@@ -10,6 +10,8 @@
 
 namespace partscribe::recovery {
 
+using namespace model;
+
 struct Part {
   Model model;     ///< in its own frame
   Box3 bounds;     ///< exact

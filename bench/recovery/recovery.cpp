@@ -16,7 +16,8 @@
 #include "core/statistics.h"
 #include "verify/verify.h"
 
-using namespace partscribe;
+using namespace partscribe::codegen;
+using namespace partscribe::verify;
 using namespace partscribe::recovery;
 
 namespace {
@@ -77,7 +78,8 @@ Outcome verdict_on(const Score& score, const Case& c, Context& context) {
   scan.cloud.rejected = score.rejected;
   VerifyOptions options;
   options.tolerance = c.tolerance;
-  const auto verdict = verify({folder.path() / artifact->files[0].name}, scan, **score.model, options, context);
+  const auto verdict =
+      verify_artifacts({folder.path() / artifact->files[0].name}, scan, **score.model, options, context);
   return verdict ? verdict->verdict : Outcome::not_run;
 }
 

@@ -13,6 +13,9 @@
 #include "model/sketch.h"
 
 namespace partscribe::recovery {
+
+using namespace fit;
+
 namespace {
 
 double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }

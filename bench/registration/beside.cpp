@@ -14,7 +14,7 @@
 #include "pairs.h"
 #include "peers.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -219,4 +219,4 @@ void beside(const Path& folder, const std::vector<std::string>& names) {
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

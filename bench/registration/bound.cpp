@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 constexpr double same_normal = 0.966;  // 15 degrees
@@ -95,4 +95,4 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(sum / double(std::max<std::size_t>(values.size(), 1)));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -6,7 +6,9 @@
 
 #include "scan/register/register_surface.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace scan;
 
 /// Covariance of all poses that no unbiased estimate from what was measured of the surface beats (Cramer & Rao), at the
 /// true poses `world_from_view`. Of each view rotation vector times `size` (mm) and shift at `center`, in the world;
@@ -22,4 +24,4 @@ Eigen::MatrixXd pose_bound(const std::vector<ViewSurface>& surfaces, const std::
 /// 0 of none.
 double root_mean_square(const std::vector<double>& values);
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -12,7 +12,7 @@
 #include "scan/read/read.h"
 #include "scan/register/register_pair.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 
 namespace {
 
@@ -165,4 +165,4 @@ bool is_right(const PairCase& pair, const PairError& error) {
 
 int degrees_off(const PairCase& pair) { return static_cast<int>(std::lround(pair.start * 180 / pi)); }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

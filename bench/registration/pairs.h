@@ -7,7 +7,9 @@
 #include "core/files.h"
 #include "scan/register/register.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace scan;
 
 /// Two views of one part, their true poses, and a start for the second; `world_from_view` of the first is true.
 struct PairCase {
@@ -47,4 +49,4 @@ bool is_right(const PairCase& pair, const PairError& error);
 /// Degrees from the truth to the start, rounded.
 int degrees_off(const PairCase& pair);
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

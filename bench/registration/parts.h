@@ -7,6 +7,8 @@
 
 namespace partscribe::registration_cases {
 
+using namespace scan;
+
 /// Half spaces n.p <= d; a ray meets a convex part where it enters the last of them.
 struct Side {
   Vec3 normal;

@@ -13,8 +13,8 @@ namespace {
 
 namespace o3d = open3d::pipelines::registration;
 using open3d::geometry::KDTreeSearchParamKNN;
-using partscribe::Pose;
-using partscribe::Vec3;
+using partscribe::geometry::Pose;
+using partscribe::geometry::Vec3;
 
 std::shared_ptr<open3d::geometry::PointCloud> prepare(const std::vector<Vec3>& points, double voxel) {
   auto cloud = open3d::geometry::PointCloud(points).VoxelDownSample(voxel);

@@ -20,8 +20,8 @@
 namespace peers {
 namespace {
 
-using partscribe::Pose;
-using partscribe::Vec3;
+using partscribe::geometry::Pose;
+using partscribe::geometry::Vec3;
 using Point = pcl::PointXYZ;
 using Cloud = pcl::PointCloud<Point>;
 using WithNormals = pcl::PointCloud<pcl::PointNormal>;
@@ -72,8 +72,9 @@ struct Frame {
   Pose end(const Eigen::Matrix4f& m) const {
     Pose p;
     // The nearest rotation: floats do not keep it exactly one.
-    p.rotation =
-        Eigen::Quaterniond(partscribe::Mat3(m.topLeftCorner<3, 3>().cast<double>())).normalized().toRotationMatrix();
+    p.rotation = Eigen::Quaterniond(partscribe::geometry::Mat3(m.topLeftCorner<3, 3>().cast<double>()))
+                     .normalized()
+                     .toRotationMatrix();
     p.translation = m.topRightCorner<3, 1>().cast<double>() + target - p.rotation * source;
     return p;
   }

@@ -19,8 +19,8 @@
 namespace peers {
 namespace {
 
-using partscribe::Pose;
-using partscribe::Vec3;
+using partscribe::geometry::Pose;
+using partscribe::geometry::Vec3;
 using Tree = small_gicp::KdTree<small_gicp::PointCloud>;
 
 struct Prepared {

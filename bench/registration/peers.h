@@ -13,8 +13,9 @@ namespace peers {
 struct Method {
   std::string name;
   double gate = 0;  ///< largest distance of partners, share of the part's radius
-  partscribe::Pose (*align)(const std::vector<partscribe::Vec3>& first, const std::vector<partscribe::Vec3>& second,
-                            const partscribe::Pose& guess, double spacing, double gate);
+  partscribe::geometry::Pose (*align)(const std::vector<partscribe::geometry::Vec3>& first,
+                                      const std::vector<partscribe::geometry::Vec3>& second,
+                                      const partscribe::geometry::Pose& guess, double spacing, double gate);
 };
 
 /// Empty when the benchmark was built without the peer.

@@ -33,7 +33,8 @@
 #include "scan/register/register_surface.h"
 #include "sides.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -76,7 +77,7 @@ struct ViewMotion {
 /// What is left when all views move alike and every declared motion is followed, as far as it goes, to where that is
 /// least, and views that were said to fit on either side of a part are taken on the better one.
 PoseErrors errors_of(const std::vector<Pose>& truth, const Registration& registration, double size) {
-  const std::vector<Pose> sides = registration_cases::best_sides(truth, registration, size);
+  const std::vector<Pose> sides = partscribe::registration_cases::best_sides(truth, registration, size);
   std::vector<Pose> found, there;
   std::vector<ViewMotion> motions;
   for (std::size_t v = 0; v < truth.size(); ++v) {
@@ -285,11 +286,11 @@ struct ScanOutcomes {
 /// degree and 2 % of the radius.
 void blocks(const std::vector<std::string>& seeds) {
   const std::pair<const char*, Surface> parts[] = {
-      {"plain block", registration_cases::plain_block()},
-      {"cut block", registration_cases::cut_block()},
-      {"balls", registration_cases::balls()},
-      {"block alike from two sides", registration_cases::block_alike_from_two_sides(2)},
-      {"prism alike from three sides", registration_cases::prism_alike_from_sides(3, 2)}};
+      {"plain block", partscribe::registration_cases::plain_block()},
+      {"cut block", partscribe::registration_cases::cut_block()},
+      {"balls", partscribe::registration_cases::balls()},
+      {"block alike from two sides", partscribe::registration_cases::block_alike_from_two_sides(2)},
+      {"prism alike from three sides", partscribe::registration_cases::prism_alike_from_sides(3, 2)}};
   std::printf("| part | whole | partly | refused | wrong |\n|---|---|---|---|---|\n");
   for (const auto& [name, part] : parts) {
     ScanOutcomes of_part;

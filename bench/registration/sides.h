@@ -7,6 +7,8 @@
 
 namespace partscribe::registration_cases {
 
+using namespace scan;
+
 /// The pose of every view, of those that were said to fit in several places (Registration::alike) the one with which
 /// all together, moved alike, come nearest to the truth. `size`, mm: what a radian weighs. Refused views stay where
 /// they are.

@@ -16,7 +16,7 @@
 #include "fit/build.h"
 #include "model/model.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

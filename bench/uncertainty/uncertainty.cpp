@@ -6,11 +6,12 @@
 
 #include "tests/fit/trials.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 int main(int argc, char** argv) {
   const int runs = argc > 1 ? std::atoi(argv[1]) : 200;
-  const auto parts = test::trial_parts();
+  const auto parts = trial_parts();
   std::set<std::string> rows_asked, parts_asked;
   bool numbers = false;
   for (int k = 2; k < argc; ++k) {
@@ -23,12 +24,12 @@ int main(int argc, char** argv) {
   }
   struct Row {
     const char* name;
-    test::Trouble trouble;
-    test::TrialOptions options;
+    Trouble trouble;
+    TrialOptions options;
     int share = 1;  ///< of the runs
   };
   // Filters work on pixels far smaller than what they must not flatten, so these scenes have finer ones.
-  test::TrialOptions usual, fine, few, many, dense, unknown, wide, sharp, blunt;
+  TrialOptions usual, fine, few, many, dense, unknown, wide, sharp, blunt;
   fine.views = 5, fine.resolution = 64;
   wide = sharp = blunt = fine;
   wide.filter = 2, wide.resolution = 128;
@@ -36,20 +37,20 @@ int main(int argc, char** argv) {
   few.views = 6, many.views = 14, many.resolution = 32;
   dense.views = 10, dense.resolution = 150;
   unknown.rays = false;
-  const std::vector<Row> rows = {{"ideal", test::Trouble::none, usual},
-                                 {"ideal, 50,000 points", test::Trouble::none, dense, 5},
-                                 {"uneven noise", test::Trouble::uneven, usual},
-                                 {"10 % outliers", test::Trouble::outliers, usual},
-                                 {"correlated noise", test::Trouble::correlated, fine},
-                                 {"disturbed poses", test::Trouble::poses, usual},
-                                 {"disturbed poses, 6 views", test::Trouble::poses, few},
-                                 {"disturbed poses, 14 views", test::Trouble::poses, many},
-                                 {"disturbed poses, views unknown", test::Trouble::poses, unknown},
-                                 {"facets", test::Trouble::facets, usual},
-                                 {"filtered", test::Trouble::filtered, fine},
-                                 {"filtered, 5 x 5 of finer", test::Trouble::filtered, wide, 4},
-                                 {"filtered, small steps kept", test::Trouble::filtered, sharp, 4},
-                                 {"filtered, no steps kept", test::Trouble::filtered, blunt, 4}};
+  const std::vector<Row> rows = {{"ideal", Trouble::none, usual},
+                                 {"ideal, 50,000 points", Trouble::none, dense, 5},
+                                 {"uneven noise", Trouble::uneven, usual},
+                                 {"10 % outliers", Trouble::outliers, usual},
+                                 {"correlated noise", Trouble::correlated, fine},
+                                 {"disturbed poses", Trouble::poses, usual},
+                                 {"disturbed poses, 6 views", Trouble::poses, few},
+                                 {"disturbed poses, 14 views", Trouble::poses, many},
+                                 {"disturbed poses, views unknown", Trouble::poses, unknown},
+                                 {"facets", Trouble::facets, usual},
+                                 {"filtered", Trouble::filtered, fine},
+                                 {"filtered, 5 x 5 of finer", Trouble::filtered, wide, 4},
+                                 {"filtered, small steps kept", Trouble::filtered, sharp, 4},
+                                 {"filtered, no steps kept", Trouble::filtered, blunt, 4}};
   Context context;
   context.threads = 2;
   std::printf("%d runs each\n\n", runs);
@@ -61,10 +62,9 @@ int main(int argc, char** argv) {
   };
   for (const auto& part : parts) {
     for (const auto& row : rows) {
-      if (row.trouble == test::Trouble::facets && part.name == "block") continue;  // flat faces have none
+      if (row.trouble == Trouble::facets && part.name == "block") continue;  // flat faces have none
       if (!asked(rows_asked, row.name) || !asked(parts_asked, part.name)) continue;
-      const auto s =
-          test::trials(test::scene_of(part, row.options), row.trouble, std::max(runs / row.share, 1), {}, context);
+      const auto s = trials(scene_of(part, row.options), row.trouble, std::max(runs / row.share, 1), {}, context);
       std::printf("| %s | %s | %.2f (%.2f) | %.0f %% | %.1f %% | %.2f | %.1f %% (%.1f) | %.2f (%.2f) |\n",
                   part.name.c_str(), row.name, s.efficiency, s.worst_efficiency, 100 * s.effective_share,
                   100 * s.noise_coverage, s.noise_ratio, 100 * s.total_coverage, 100 * s.worst_coverage, s.total_ratio,

@@ -16,7 +16,8 @@
 #include "tests/verify/shapes.h"
 #include "verify/compare/source.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {

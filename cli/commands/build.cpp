@@ -19,7 +19,7 @@
 #include "model/json.h"
 #include "scan/filter/background.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -141,7 +141,7 @@ struct Trials {
       VerifyOptions options;
       options.tolerance = tolerance;
       options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*model));
-      auto judged = verify(*scripts, scan, *model, options, session.context);
+      auto judged = verify_artifacts(*scripts, scan, *model, options, session.context);
       if (!judged) return judged.error();
       verdict = std::move(*judged);
     }
@@ -310,4 +310,4 @@ Command build_command() {
           [arguments](Session& session) { return run(*arguments, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -7,7 +7,7 @@
 #include "fit/procedures.h"
 #include "model/json.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 std::string procedure_of(const Model& model) {
   const auto& shape = model.objects.back().shape;
@@ -33,4 +33,4 @@ std::string build_json(const Model& model, const std::string& asked, const std::
   return json_text(json);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

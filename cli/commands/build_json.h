@@ -9,7 +9,7 @@
 #include "core/files.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// The word for a model's procedure, as --procedure takes it.
 std::string procedure_of(const Model& model);
@@ -20,4 +20,4 @@ std::string build_json(const Model& model, const std::string& asked, const std::
                        const std::string& verdict_json, const std::vector<Path>& files,
                        const std::vector<std::string>& warnings);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -7,7 +7,7 @@
 #include "cli/commands/stages.h"
 #include "cli/inputs.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -64,4 +64,4 @@ Command emit_command() {
           [options](Session& session) { return run(*options, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

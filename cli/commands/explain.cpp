@@ -7,7 +7,7 @@
 #include "core/number.h"
 #include "model/json.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -72,4 +72,4 @@ Command explain_command() {
           [file](Session& session) { return run(*file, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -9,7 +9,7 @@
 #include "geometry/io/read_geometry.h"
 #include "model/json.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -66,4 +66,4 @@ Command fit_command() {
           [options](Session& session) { return run(*options, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

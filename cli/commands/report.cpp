@@ -10,7 +10,7 @@
 #include "cli/verdict_file.h"
 #include "verify/evaluate/evaluate.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -53,7 +53,7 @@ Result<Done> evaluate_for_pictures(Material& material, Session& session) {
     VerifyOptions options;
     options.tolerance = material.verdict.tolerance;
     if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
-    auto again = verify({file}, material.scan, material.model, options, session.context);
+    auto again = verify_artifacts({file}, material.scan, material.model, options, session.context);
     if (!again) return again.error();
     ArtifactVerdict& fresh = again->artifacts.front();
     if (fresh.mesh.empty()) continue;
@@ -127,7 +127,7 @@ Result<Material> verified_material(const std::vector<Path>& files, Session& sess
   }
   if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
   if (auto ok = session.stage("verify"); !ok) return ok.error();
-  auto verdict = verify(material.artifacts, material.scan, material.model, options, session.context);
+  auto verdict = verify_artifacts(material.artifacts, material.scan, material.model, options, session.context);
   if (!verdict) return verdict.error();
   material.verdict = std::move(*verdict);
   return material;
@@ -189,4 +189,4 @@ Command report_command() {
           [options](Session& session) { return run(*options, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

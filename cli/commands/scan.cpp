@@ -13,7 +13,7 @@
 #include "scan/filter/background.h"
 #include "scan/merge/merge.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -135,4 +135,4 @@ Command scan_command() {
           [arguments](Session& session) { return run(*arguments, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -12,7 +12,7 @@
 #include "core/number.h"
 #include "verify/evaluate/evaluate.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -132,4 +132,4 @@ Command simulate_command() {
           [given](Session& session) { return run(*given, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -9,7 +9,7 @@
 #include "fit/build.h"
 #include "fit/procedures.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* stem = "part";
@@ -136,4 +136,4 @@ std::string summary_json(const std::string& command, const std::vector<Path>& fi
   return json_text(json);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

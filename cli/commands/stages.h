@@ -15,7 +15,7 @@
 #include "model/check.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// What the user may say about the fit.
 struct FitArguments {
@@ -73,4 +73,4 @@ std::string seconds_line(const Session& session);
 std::string summary_json(const std::string& command, const std::vector<Path>& files,
                          const std::vector<std::string>& warnings);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -10,7 +10,7 @@
 #include "core/number.h"
 #include "verify/evaluate/evaluate.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -131,7 +131,7 @@ Result<int> run(const Options& given, Session& session) {
   options.seconds = given.seconds;
   options.second_opinion = given.second_opinion;
   if (auto ok = session.stage("verify"); !ok) return ok.error();
-  const auto verdict = verify(operands->artifacts, *scan, *model, options, session.context);
+  const auto verdict = verify_artifacts(operands->artifacts, *scan, *model, options, session.context);
   if (!verdict) return verdict.error();
   session.finish_stage();
 
@@ -179,4 +179,4 @@ Command verify_command() {
           [options](Session& session) { return run(*options, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

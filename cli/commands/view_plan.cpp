@@ -11,7 +11,7 @@
 #include "scan/simulate/simulate.h"
 #include "scan/views/next_views.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr const char* help =
@@ -105,4 +105,4 @@ Command views_command() {
           [given](Session& session) { return run(*given, session); }};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

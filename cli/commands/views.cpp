@@ -9,7 +9,7 @@
 #include "core/json_text.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -190,4 +190,4 @@ std::string poses_json(const PlacedViews& placed, const std::string& cloud_sha25
   return json_text(json);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

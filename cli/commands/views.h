@@ -12,7 +12,7 @@
 #include "scan/filter/filter.h"
 #include "scan/register/register.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// What the user says of the poses of the views.
 struct PoseArguments {
@@ -41,4 +41,4 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
 /// poses.json: where each view stood and how sure that is. `cloud_sha256`: of the cloud.ply that holds their points.
 std::string poses_json(const PlacedViews& views, const std::string& cloud_sha256);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -5,7 +5,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 double tolerance_that_lets(double deviation) {
   const double enough = 1.02 * deviation, step = power_of_ten_below(enough) / 10;
@@ -48,4 +48,4 @@ Result<std::optional<Wider>> first_verified(std::vector<Wider> proposals, double
   return std::optional<Wider>();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -11,7 +11,7 @@
 #include "model/model.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// A procedure (one of procedure_words()) and a tolerance in mm.
 struct Wider {
@@ -37,4 +37,4 @@ using WiderTrial = std::function<Result<std::optional<Verdict>>(const Wider&)>;
 /// says, three trials at most. `reach` (mm): nothing wider is of use to anyone.
 Result<std::optional<Wider>> first_verified(std::vector<Wider> proposals, double reach, const WiderTrial& trial);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

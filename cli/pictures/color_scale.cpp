@@ -6,7 +6,7 @@
 #include "cli/pictures/raster_text.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 std::string hex(Color c) {
@@ -98,4 +98,4 @@ void draw_scale(Raster& raster, int left, int top, int height, double tolerance)
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

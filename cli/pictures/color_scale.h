@@ -7,7 +7,7 @@
 
 #include "cli/pictures/raster.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// The scale ends at twice the tolerance. Lightness alone tells within from beyond, so that print without colours and
 /// eyes that confuse hues still see it. Undefined deviations are mid grey.
@@ -26,4 +26,4 @@ std::string scale_svg(const std::vector<float>& deviations, double tolerance);
 /// The scale in a picture, `height` pixels high, its upper left corner at (left, top).
 void draw_scale(Raster& raster, int left, int top, int height, double tolerance);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

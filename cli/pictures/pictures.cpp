@@ -14,7 +14,7 @@
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr int fine = 3;  // pixels are drawn three times finer, then averaged
@@ -260,4 +260,4 @@ std::vector<ReportPicture> draw_report(const ReportScene& scene, Context& contex
   return pictures;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

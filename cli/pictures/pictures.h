@@ -7,7 +7,7 @@
 #include "cli/pictures/raster.h"
 #include "cli/report/report_scene.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 struct ReportPicture {
   std::string name;         ///< of the file: "deviation.png", "front.png", "finding-1.png"
@@ -23,4 +23,4 @@ inline constexpr std::size_t most_finding_pictures = 6;
 /// Overview, scan, model, six sides, findings. Left out: what needs the geometry of an artifact, if none ran.
 std::vector<ReportPicture> draw_report(const ReportScene& scene, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

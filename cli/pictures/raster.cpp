@@ -8,7 +8,7 @@
 #include "core/ensure.h"
 #include "core/png.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 void put(Raster& raster, int column, int row, double depth, Color color) {
@@ -171,4 +171,4 @@ std::string write_png(const Raster& raster) {
   return write_png_rgb(raster.width, raster.height, bytes);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -9,7 +9,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 struct Color {
   std::uint8_t red = 255, green = 255, blue = 255;
@@ -66,4 +66,4 @@ Raster reduced(const Raster& raster, int factor);
 /// A complete PNG file, the same bytes for the same picture.
 std::string write_png(const Raster& raster);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 /// Strokes on a grid: x 0 to 4, y 0 (top of capitals) over 2 (top of small letters) and 6 (baseline) to 8. A word of
@@ -197,4 +197,4 @@ void fill_box(Raster& raster, int left, int top, int width, int height, Color co
       raster.pixels[static_cast<std::size_t>(row) * raster.width + column] = color;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

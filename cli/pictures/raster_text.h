@@ -5,7 +5,7 @@
 
 #include "cli/pictures/raster.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 enum class TextAlign { left, middle, right };
 
@@ -23,4 +23,4 @@ void draw_stroke(Raster& raster, const Vec2& from, const Vec2& to, double width_
 /// A filled rectangle, depth ignored.
 void fill_box(Raster& raster, int left, int top, int width, int height, Color color);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

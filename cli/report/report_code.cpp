@@ -4,7 +4,7 @@
 
 #include "cli/report/report_html.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '$'; }
@@ -64,4 +64,4 @@ std::string highlighted(std::string_view code, const Language& language) {
   return html;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -6,9 +6,9 @@
 
 #include "codegen/backend.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// Spans of class c (comment), s (string), n (number), k (keyword) and f (a name before a bracket) around escaped text.
 std::string highlighted(std::string_view code, const Language& language);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -5,7 +5,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 std::string escaped(std::string_view text) {
   std::string result;
@@ -107,4 +107,4 @@ std::string html_list(const std::vector<std::string>& lines) {
   return text + "</ul>\n";
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// `text` with the characters that HTML reserves replaced.
 std::string escaped(std::string_view text);
@@ -41,4 +41,4 @@ class HtmlTable {
 
 std::string html_list(const std::vector<std::string>& lines);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

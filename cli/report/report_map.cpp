@@ -11,7 +11,7 @@
 #include "core/number.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -150,4 +150,4 @@ MapData map_data(const ReportScene& scene, const MapOptions& options) {
   return map;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -5,7 +5,7 @@
 
 #include "cli/report/report_scene.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 struct MapOptions {
   std::size_t most_points = 45000;  ///< times the scene's detail; more show finer detail and make the page larger
@@ -21,4 +21,4 @@ struct MapData {
 
 MapData map_data(const ReportScene& scene, const MapOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

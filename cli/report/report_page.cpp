@@ -9,7 +9,7 @@
 #include "codegen/template.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 /// SHA-256 as Content-Security-Policy wants it.
@@ -143,4 +143,4 @@ std::string report_page(const ReportInput& input) {
   return *page;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -10,7 +10,7 @@
 #include "cli/report/report_scene.h"
 #include "cli/report/report_sections.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 struct ReportInput {
   std::string name;                   ///< of the part
@@ -27,4 +27,4 @@ struct ReportInput {
 /// Needs no network, prints well, stays readable without pictures and scripts. The same input gives the same bytes.
 std::string report_page(const ReportInput& input);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

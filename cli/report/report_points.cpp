@@ -5,7 +5,7 @@
 #include <cmath>
 #include <queue>
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 constexpr int levels = 20;
@@ -105,4 +105,4 @@ ShownPoints shown_points(const std::vector<Vec3>& points, const std::vector<floa
   return shown;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

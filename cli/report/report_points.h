@@ -7,7 +7,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 struct ShownPoints {
   std::vector<std::uint32_t> index;  ///< of the points shown, ascending
@@ -22,4 +22,4 @@ struct ShownPoints {
 ShownPoints shown_points(const std::vector<Vec3>& points, const std::vector<float>& values, double scale,
                          std::size_t most);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -8,7 +8,7 @@
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 /// The mean of the normals: long for a surface that was seen from one side only.
@@ -114,4 +114,4 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
   return scene;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -8,7 +8,7 @@
 #include "cli/report/report_surface.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// A direction to look from, in the scan's frame.
 struct ReportView {
@@ -43,4 +43,4 @@ const ArtifactVerdict* drawn_artifact(const Verdict& verdict);
 /// by the verifier; empty if nothing was judged.
 std::vector<float> deviations_of(const PointCloud& cloud, const ArtifactVerdict* artifact);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

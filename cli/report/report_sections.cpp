@@ -11,7 +11,7 @@
 #include "codegen/emit.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 std::string chip(bool good, const std::string& words) {
@@ -331,4 +331,4 @@ std::string provenance_section(const Verdict& verdict, const std::optional<Model
          (warnings.empty() ? std::string() : "<h3>Warnings of the reader</h3>\n" + html_list(warnings));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

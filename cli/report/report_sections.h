@@ -10,7 +10,7 @@
 #include "model/model.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// A file of the procedure as it was written.
 struct ReportScript {
@@ -35,4 +35,4 @@ std::string provenance_section(const Verdict& verdict, const std::optional<Model
 /// A picture with its caption.
 std::string figure_of(const ReportPicture& picture, const std::string& css_class = {});
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -11,7 +11,7 @@
 #include "geometry/points/kd_tree.h"
 #include "verify/compare/samples.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -301,4 +301,4 @@ DeviationSurface deviation_surface(const ArtifactVerdict& artifact, const PointC
   return surface;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -9,7 +9,7 @@
 #include "geometry/points/point_cloud.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// A mesh whose vertices are doubled along creases and between features, so that each has one normal and one feature.
 struct DeviationSurface {
@@ -39,4 +39,4 @@ DeviationSurface deviation_surface(const ArtifactVerdict& artifact, const PointC
 /// Per point of the cloud the feature it belongs to; -1 for points that were set aside or belong to none.
 std::vector<std::int32_t> features_of(const PointCloud& cloud, const ArtifactVerdict& artifact);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

@@ -6,7 +6,7 @@
 #include "cli/report/report_html.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 std::string title_of(Outcome outcome) {
   switch (outcome) {
@@ -108,4 +108,4 @@ std::string honesty_sentences(const Verdict& verdict) {
          readable(verdict.tolerance / honest) + " times that.";
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

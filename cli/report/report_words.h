@@ -6,7 +6,7 @@
 #include "model/model.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::cli {
 
 /// "Verified", "Out of tolerance", "Cannot decide", "Not run".
 std::string title_of(Outcome outcome);
@@ -26,4 +26,4 @@ std::string title_of(Finding::Kind kind);
 /// The artifact that decides: of those with the verdict of the whole the one that deviates most; null if there is none.
 const ArtifactVerdict* deciding_artifact(const Verdict& verdict);
 
-}  // namespace partscribe
+}  // namespace partscribe::cli

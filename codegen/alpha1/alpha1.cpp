@@ -11,7 +11,7 @@
 #include "model/lower.h"
 #include "model/sketch.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 constexpr const char* prelude_name = "prelude.scl";
@@ -433,4 +433,4 @@ Backend alpha1_backend() {
       emit_alpha1};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -3,7 +3,7 @@
 
 #include "codegen/backend.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// Files: the procedure (stem.scl) and prelude.scl. The procedure uses constructs that the Alpha_1 manual documents and
 /// procedures of the prelude; docs/alpha1.md says which is which.
@@ -11,4 +11,4 @@ Result<Artifact> emit_alpha1(const CheckedModel& model, const EmitOptions& optio
 
 Backend alpha1_backend();
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

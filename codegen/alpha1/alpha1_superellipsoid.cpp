@@ -7,7 +7,7 @@
 #include "core/number.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 /// A point of the unit superellipse |x|^(2/e) + |y|^(2/e) = 1 in direction `angle`.
@@ -274,4 +274,4 @@ SupertoroidNet supertoroid_net(const SupertoroidOf<double>& s, double deviation)
   return best;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -5,7 +5,7 @@
 
 #include "model/shapes.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// The net is a product: its corner (i, j) is
 ///   ( a1 C_j (R_i + taper_x Q_i),  a2 S_j (R_i + taper_y Q_i),  a3 Z_i )
@@ -35,4 +35,4 @@ struct SupertoroidNet {
 
 SupertoroidNet supertoroid_net(const SupertoroidOf<double>& shape, double deviation);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

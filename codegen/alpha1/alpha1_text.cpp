@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 // Words that mean something to SCL, to its manual or to our prelude; names of functions do not heed case.
@@ -208,4 +208,4 @@ Alpha1Text::Piece Alpha1Text::piece(const Expr& e, bool as_angle, bool spelled_o
   return {};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -8,7 +8,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// Spells names as labels and expressions as SCL. SCL's mathematical functions are not documented, so sqrt, sin and
 /// their like come out as numbers; what such a number stands for is remembered in notes().
@@ -51,4 +51,4 @@ class Alpha1Text {
 Expr cos_of(const Expr& angle);
 Expr sin_of(const Expr& angle);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

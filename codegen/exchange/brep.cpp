@@ -29,7 +29,7 @@
 #include "core/number.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 // More faces than this are a mesh, whose facets nobody wants to name.
@@ -275,4 +275,4 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -12,7 +12,7 @@
 
 class TopoDS_Shape;
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// A face with the name a person gave it.
 struct WrittenFace {
@@ -32,4 +32,4 @@ struct Brep {
 /// that agrees with its own tessellation. Errors name the object that could not be built.
 Result<Brep> build_brep(const CheckedModel& model, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -16,7 +16,7 @@
 #include "codegen/exchange/brep_shapes.h"
 #include "core/disjoint_sets.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 using Polygon = std::vector<std::uint32_t>;
@@ -139,4 +139,4 @@ TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices, const std::vect
   return count == 1 ? last : TopoDS_Shape(all);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -37,7 +37,7 @@
 #include "model/lower.h"
 #include "model/sketch.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 /// The plane in which a sketch is drawn.
@@ -203,4 +203,4 @@ TopoDS_Shape brep_of(const TriSurfaceOf<double>& s) {
   return brep_of_polygons(vertices, polygons, s.closed);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

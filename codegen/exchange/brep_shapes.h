@@ -9,7 +9,7 @@
 
 class TopoDS_Shape;
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// The shape, or a null shape where OpenCASCADE gives up. Booleans have no shape of their own.
 TopoDS_Shape brep_of(const BoxOf<double>& shape);
@@ -35,4 +35,4 @@ TopoDS_Shape brep_of(const SupertoroidOf<double>& shape, double tolerance, doubl
 TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices,
                               const std::vector<std::vector<std::uint32_t>>& polygons, bool closed);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -19,7 +19,7 @@
 // the unit superellipse of exponent e2, (C, S) on that of e1. Each curve is replaced by C1 cubics in the angle of the
 // ray (regular for all exponents below 2), refined where they deviate; the product of two splines is a spline surface.
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 /// A curve point and its derivative.
@@ -204,4 +204,4 @@ TopoDS_Shape brep_of(const SupertoroidOf<double>& s, double tolerance, double& e
   return solid_of(poles, u, v);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

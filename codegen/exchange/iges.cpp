@@ -24,7 +24,7 @@
 #include "codegen/exchange/iges_tree.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 using Entity = Handle(IGESData_IGESEntity);
@@ -134,4 +134,4 @@ Backend iges_backend() {
   return {"iges", ".igs", {}, "IGES 5.3: exact solid and, where possible, its CSG tree", {}, emit_iges};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -3,7 +3,7 @@
 
 #include "codegen/backend.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// A solid travels as a 186 with named and coloured faces, an open sheet as trimmed faces. The boolean tree (or the
 /// one primitive) of entities 150-184 stands beside it in the same frame.
@@ -11,4 +11,4 @@ Result<Artifact> emit_iges(const CheckedModel& model, const EmitOptions& options
 
 Backend iges_backend();
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -32,7 +32,7 @@
 #include "model/lower.h"
 #include "model/sketch.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 using Entity = Handle(IGESData_IGESEntity);
@@ -296,4 +296,4 @@ class TreeBuilder {
 
 std::vector<IgesTreeNode> iges_tree(const Model& model) { return TreeBuilder(model).build(); }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -9,7 +9,7 @@
 
 class IGESData_IGESEntity;
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// One object of the tree, to be named after the model's object.
 struct IgesTreeNode {
@@ -21,4 +21,4 @@ struct IgesTreeNode {
 /// primitive (superellipsoids, half-spaces, triangulations). Placed as the artifacts are.
 std::vector<IgesTreeNode> iges_tree(const Model& model);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

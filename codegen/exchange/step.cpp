@@ -24,7 +24,7 @@
 #include "codegen/describe.h"
 #include "codegen/exchange/brep.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 Handle(TCollection_HAsciiString) step_text(const std::string& s) { return new TCollection_HAsciiString(s.c_str()); }
@@ -94,4 +94,4 @@ Backend step_backend() {
   return {"step", ".step", {}, "STEP AP214: exact solid with names and colours", {}, emit_step};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

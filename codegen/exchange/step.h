@@ -3,10 +3,10 @@
 
 #include "codegen/backend.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 Result<Artifact> emit_step(const CheckedModel& model, const EmitOptions& options, Context& context);
 
 Backend step_backend();
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -12,7 +12,7 @@
 #include "core/number.h"
 #include "model/lower.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 /// Rows of a long table, several entries to a line of at most 100 columns.
@@ -365,4 +365,4 @@ Backend openscad_backend() {
           emit_openscad};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -3,10 +3,10 @@
 
 #include "codegen/backend.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 Result<Artifact> emit_openscad(const CheckedModel& model, const EmitOptions& options, Context& context);
 
 Backend openscad_backend();
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

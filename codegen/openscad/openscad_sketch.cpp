@@ -8,7 +8,7 @@
 #include "codegen/describe.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 using Text = OpenscadText;
@@ -227,4 +227,4 @@ Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& 
   return OpenscadSketch{std::move(module).value(), largest_radius(sketch.loops.front(), text, names)};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

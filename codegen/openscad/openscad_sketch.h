@@ -6,7 +6,7 @@
 #include "codegen/openscad/openscad_text.h"
 #include "codegen/template.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// What a script's text calls for: helper functions and the library beside it.
 struct OpenscadNeeds {
@@ -23,4 +23,4 @@ struct OpenscadSketch {
 Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis,
                                        const OpenscadText& text, const TemplatePack& pack, OpenscadNeeds& needs);
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

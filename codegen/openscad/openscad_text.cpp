@@ -4,7 +4,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 namespace {
 
 // Words that a module of ours must not be called, because it would hide what other modules call.
@@ -193,4 +193,4 @@ OpenscadText::Piece OpenscadText::piece(const Expr& e, bool as_angle) const {
   return {};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -6,7 +6,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::codegen {
 
 /// How a model's names are spelled in a script: as they are, unless OpenSCAD or our helpers use the word.
 struct OpenscadNames {
@@ -42,4 +42,4 @@ class OpenscadText {
   std::map<std::string, Quantity> quantity_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::codegen

@@ -11,7 +11,7 @@
 #include "geometry/points/kd_tree.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context& context) {
   constexpr std::size_t samples = 6000;
@@ -78,4 +78,4 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
   return all > 0 ? Coverage{good / all, bad / all, good > 0 ? slim / good : 0} : Coverage{};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

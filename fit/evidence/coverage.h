@@ -3,7 +3,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct Coverage {
   double covered = 0;       ///< share of places on the surface with data nearby
@@ -14,4 +14,4 @@ struct Coverage {
 /// Random places in the bounding box are drawn onto the surface along the distance gradient.
 Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

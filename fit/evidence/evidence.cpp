@@ -13,7 +13,7 @@
 #include "model/distance.h"
 #include "model/sketch.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t local_points = 25;
@@ -195,4 +195,4 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

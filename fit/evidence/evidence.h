@@ -8,7 +8,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Signed deviations of the input's points from a candidate, and the sums that decide.
 struct CandidateEvidence {
@@ -63,4 +63,4 @@ double description_length(const Candidate& candidate, std::size_t points);
 /// Local robust mean: median over the surroundings, then the mean of those within 2.5 median absolute deviations.
 CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 #include "geometry/points/kd_tree.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t neighbours = 10;
@@ -164,4 +164,4 @@ double face_ends_told(const Candidate& a, const Candidate& b, const FitInput& in
   return value_of(of_a) - value_of(of_b);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -3,7 +3,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Nats by which `a` explains where scanned plane faces end better than `b` does. Where a body goes on and the points
 /// of its face do not, there is a shadow, whose outline could run anywhere: it has to be told place by place, once for
@@ -12,4 +12,4 @@ namespace partscribe {
 /// the ends of extrusions; 0 where most of the ends in question were not seen.
 double face_ends_told(const Candidate& a, const Candidate& b, const FitInput& input);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

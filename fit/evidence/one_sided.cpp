@@ -7,7 +7,7 @@
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 std::vector<double> one_sided_mean(const AllPoints& all, double variance, int threads) {
   constexpr double reach = 1.5;         // as in smoothing_effect: a mean over 3 x 3 pixels
@@ -75,4 +75,4 @@ std::vector<double> one_sided_mean(const AllPoints& all, double variance, int th
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -3,7 +3,7 @@
 
 #include "fit/refine/all_points.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Per node, mm along the normal: how far a mean over the neighbours of the same view and face lies off the surface,
 /// whose pixels have that `variance` per axis, mm^2, as a view sees it. Beside a step or a silhouette, which the part
@@ -11,4 +11,4 @@ namespace partscribe {
 /// where neighbours are all around.
 std::vector<double> one_sided_mean(const AllPoints& all, double variance, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

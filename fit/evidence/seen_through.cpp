@@ -7,7 +7,7 @@
 #include "fit/refine/refine.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 double share_seen_through(const Candidate& candidate, const FitInput& input, Context& context) {
   const auto& cloud = input.cloud;
@@ -33,4 +33,4 @@ double share_seen_through(const Candidate& candidate, const FitInput& input, Con
   return all > 0 ? double(std::count(point.begin(), point.end(), through)) / all : 0;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -3,7 +3,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Share of the points on its surface (within three sigmas, or half of the tolerance) that the sensor could have seen
 /// only through the body: on the way to them, within twenty sigmas before the point, their viewing rays are deeper in
@@ -11,4 +11,4 @@ namespace partscribe {
 /// on it. 0 where no rays are known, or no point lies on it.
 double share_seen_through(const Candidate& candidate, const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "fit/refine/refine.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr double looks_away = -0.5;    // cosine between the normals of the two sides of a wall
@@ -148,4 +148,4 @@ void drop_pairs(AllPoints& all) {
   all.pairs.clear(), all.say.clear();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

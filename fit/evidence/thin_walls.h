@@ -5,7 +5,7 @@
 #include "fit/refine/all_points.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// What lies beside a place of a surface within reach of noise.
 enum class Beside {
@@ -36,4 +36,4 @@ double pair_loss(const AllPoints& all, std::size_t pair, const std::vector<doubl
 /// Drops the second entries; their points are left out.
 void drop_pairs(AllPoints& all);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

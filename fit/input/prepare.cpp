@@ -10,7 +10,7 @@
 #include "geometry/mesh/mesh_facets.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Of what is curved, weighted by area: so far a fit to facets may stay away from any of them.
@@ -118,4 +118,4 @@ Result<FitInput> prepare(Scan& scan, double tolerance, Context& context) {
   return input;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -4,7 +4,7 @@
 #include "core/result.h"
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Fills what the scan's cloud lacks (normals, sigma, rejected). Fails if fewer than 50 points are left.
 Result<FitInput> prepare(Scan& scan, double tolerance, Context& context);
@@ -12,4 +12,4 @@ Result<FitInput> prepare(Scan& scan, double tolerance, Context& context);
 /// Some `wanted` points of a prepared scan, for judgements that need more of them than fitting does.
 FitInput selection(const Scan& scan, const SamplingSummary& sampling, double tolerance, std::size_t wanted);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

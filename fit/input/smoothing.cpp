@@ -13,7 +13,7 @@
 #include "core/statistics.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// How far the surface lies below a place of a face's tangent plane, and whether that face goes on so far.
@@ -178,4 +178,4 @@ double chance_by_incidence(const SmoothingModel& model, const Solution& solution
   return 1 / (1 + std::exp(-logarithm));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

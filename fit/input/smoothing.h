@@ -7,7 +7,7 @@
 #include "fit/uncertainty/group_sums.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A deviation of the data along the normal, mm, one number per node.
 using Deviation = std::vector<double>;
@@ -61,4 +61,4 @@ std::vector<double> left_over(const AllPoints& all, const SmoothingModel& model,
 /// surface faces the sensor. By the ratio of the marginal likelihoods with and without them.
 double chance_by_incidence(const SmoothingModel& model, const Solution& solution, double noise);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

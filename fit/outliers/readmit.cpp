@@ -8,7 +8,7 @@
 #include "geometry/points/keep_points.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 // A narrower band cuts off noise at a slant. Where the last steps weigh a point by the odds that it is a stray
@@ -84,4 +84,4 @@ RefineReport refine_with_strays_near(Candidate& candidate, const FitInput& input
   return refine(candidate, all, options, context);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -4,7 +4,7 @@
 #include "fit/candidate.h"
 #include "fit/refine/refine.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Its half axes are told apart by how its slopes fall off; a narrow kernel cuts off noise at a slant.
 bool hangs_on_slopes(const Shape& shape);
@@ -19,4 +19,4 @@ bool hangs_on_slopes(const Shape& shape);
 RefineReport refine_with_strays_near(Candidate& candidate, const FitInput& input, const RefineOptions& options,
                                      Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

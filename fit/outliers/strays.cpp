@@ -13,7 +13,7 @@
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t least_neighbours = 20, most_neighbours = 90;
@@ -285,4 +285,4 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

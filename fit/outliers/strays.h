@@ -7,7 +7,7 @@
 #include "core/context.h"
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// What the neighbourhoods of a cloud say of its points.
 struct SurfacePoints {
@@ -30,4 +30,4 @@ struct SurfacePoints {
 SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double sigma,
                                 Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

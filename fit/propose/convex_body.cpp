@@ -13,7 +13,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 double convex_distance(const std::vector<ConvexFace>& faces, const Vec3& p, std::size_t* face, double* second) {
   double d = -1e300, next = -1e300;
@@ -532,4 +532,4 @@ std::vector<ConvexFace> closed_body(std::vector<ConvexFace> faces, const FitInpu
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

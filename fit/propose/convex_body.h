@@ -6,7 +6,7 @@
 #include "fit/candidate.h"
 #include "geometry/mesh/convex.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A plane face of a convex body.
 struct ConvexFace {
@@ -51,4 +51,4 @@ std::vector<ConvexFace> with_a_face_more(std::vector<ConvexFace> scanned, const 
 /// smallest.
 std::vector<ConvexFace> closed_body(std::vector<ConvexFace> faces, const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -21,7 +21,7 @@
 #include "model/check.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr double end_cosine = 0.98, side_sine = 0.2;  // of 11.5 degrees
@@ -658,4 +658,4 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
   return each_once(std::move(candidates));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

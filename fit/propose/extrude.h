@@ -5,10 +5,10 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Candidates of increasing detail: box and wedge where the outline is one of theirs, Extrude otherwise.
 std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
                                         Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -11,7 +11,7 @@
 #include "fit/refine/refine.h"
 #include "fit/sketch/length_parameter.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t most_points = 600;
@@ -358,4 +358,4 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -5,9 +5,9 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// At most two candidates, the round one (equal legs) first, if a start lies near the data.
 std::vector<Candidate> propose_fillets(const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

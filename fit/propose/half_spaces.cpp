@@ -17,7 +17,7 @@
 #include "fit/propose/wedges.h"
 #include "fit/search/equal_choices.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 namespace {
 
@@ -348,4 +348,4 @@ std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -5,7 +5,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Box, Wedge and HalfSpaces, the simplest first, as far as the faces of the body allow; empty for other parts.
 /// A face that was not scanned is put where the data end: opposite or square to scanned ones if the data reach the
@@ -13,4 +13,4 @@ namespace partscribe {
 /// lean: then wedges in the frames of the scanned faces are proposed as well.
 std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -15,7 +15,7 @@
 #include "geometry/decompose.h"
 #include "geometry/surfaces/quadric_distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 namespace {
 
@@ -316,4 +316,4 @@ std::vector<Candidate> propose_superellipsoids(const FitInput& input, const Supe
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

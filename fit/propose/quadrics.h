@@ -6,7 +6,7 @@
 #include "fit/candidate.h"
 #include "fit/propose/superellipsoid.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Each is proposed only if the median distance of its start says that a refinement could meet the tolerance.
 /// Sphere before ellipsoid: fewer numbers first.
@@ -15,4 +15,4 @@ std::vector<Candidate> propose_quadrics(const FitInput& input, const Superellips
 /// The hypothesis as a description, under the same condition.
 std::vector<Candidate> propose_superellipsoids(const FitInput& input, const SuperellipsoidFit& hypothesis);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -16,7 +16,7 @@
 #include "geometry/decompose.h"
 #include "geometry/points/nearby_in_plane.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -651,4 +651,4 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
   return candidates;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

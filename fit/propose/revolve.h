@@ -5,7 +5,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A line in space about which most normals turn.
 struct Axis {
@@ -23,4 +23,4 @@ std::vector<Axis> revolution_axes(const FitInput& input, const std::vector<Vec3>
 std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector<Vec3>& start_directions,
                                         Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

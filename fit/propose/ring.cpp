@@ -6,7 +6,7 @@
 
 #include "fit/propose/supertoroid.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 Parameter parameter(const char* name, Quantity quantity, double value, const char* note) {
@@ -56,4 +56,4 @@ std::vector<Candidate> propose_rings(const FitInput& input, const std::vector<Ve
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

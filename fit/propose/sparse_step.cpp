@@ -5,7 +5,7 @@
 
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 std::optional<SparseStep> step_beyond(const std::vector<Vec2>& places, double from, double sign, double noise,
                                       std::size_t least) {
@@ -48,4 +48,4 @@ std::optional<SparseStep> step_beyond(const std::vector<Vec2>& places, double fr
   return best;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

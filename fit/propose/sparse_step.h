@@ -7,7 +7,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A straight wall about the axis that starts where the rest of the part ends.
 struct SparseStep {
@@ -22,4 +22,4 @@ struct SparseStep {
 std::optional<SparseStep> step_beyond(const std::vector<Vec2>& places, double from, double sign, double noise,
                                       std::size_t least);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -19,7 +19,7 @@
 #include "fit/propose/superquadric_mixture.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 namespace {
 
@@ -443,4 +443,4 @@ std::string suggested_procedure(const SuperellipsoidOf<double>& s, double gof_mm
   return "none";
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -3,7 +3,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A recovered superellipsoid and where it stands.
 struct SuperellipsoidFit {
@@ -23,4 +23,4 @@ SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& points, Contex
 /// "sphere", "ellipsoid", "box", "cylinder", "frustum", "wedge", "surface of revolution" or "none".
 std::string suggested_procedure(const SuperellipsoidOf<double>& shape, double gof_mm, double size);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

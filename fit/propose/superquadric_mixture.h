@@ -11,7 +11,7 @@
 #include "core/number.h"
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// (x^p + y^p)^(1/p) of x, y >= 0 and its derivatives by x, y and p.
 struct SuperellipseGauge {
@@ -118,4 +118,4 @@ double start_sigma(const State& s, const std::vector<Vec3>& points, std::size_t 
   return std::max(1e-3, 1.5 * d[count * 2 / 3]);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

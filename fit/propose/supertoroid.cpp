@@ -11,7 +11,7 @@
 #include "core/statistics.h"
 #include "fit/propose/superquadric_mixture.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t most_points = 800, screen_points = 300;
@@ -183,4 +183,4 @@ SupertoroidFit recover_supertoroid(const std::vector<Vec3>& all, const std::vect
   return fit;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -6,7 +6,7 @@
 #include "fit/candidate.h"
 #include "fit/propose/revolve.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A recovered supertoroid and where it stands.
 struct SupertoroidFit {
@@ -20,4 +20,4 @@ struct SupertoroidFit {
 /// anywhere. No fit (an infinite miss) where every start has closed its hole. Uses at most some 800 points.
 SupertoroidFit recover_supertoroid(const std::vector<Vec3>& points, const std::vector<Axis>& axes, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -6,7 +6,7 @@
 #include "fit/sketch/length_parameter.h"
 #include "geometry/surfaces/primitive_fit.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 Candidate torus_candidate(double major_radius, double minor_radius, const Pose& scan_from_part) {
   Candidate ring;
@@ -41,4 +41,4 @@ std::vector<Candidate> propose_torus_piece(const FitInput& input) {
   return {torus_candidate(torus.radius, torus.tube, {rotation_onto_axis(torus.axis), torus.point})};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

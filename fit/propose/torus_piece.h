@@ -5,7 +5,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A torus about the z axis of its own frame; lengths in mm.
 Candidate torus_candidate(double major_radius, double minor_radius, const Pose& scan_from_part);
@@ -14,4 +14,4 @@ Candidate torus_candidate(double major_radius, double minor_radius, const Pose& 
 /// points that leave the ring or its tube open, or of which less than two thirds lie near it.
 std::vector<Candidate> propose_torus_piece(const FitInput& input);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

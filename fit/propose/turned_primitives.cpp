@@ -9,7 +9,7 @@
 #include "fit/sketch/length_parameter.h"
 #include "fit/sketch/plane_chain.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr int draws = 300;
@@ -185,4 +185,4 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 #include "fit/refine/refine.h"
 #include "fit/sketch/length_parameter.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t most_points = 600;
@@ -205,4 +205,4 @@ std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, co
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

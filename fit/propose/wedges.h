@@ -6,7 +6,7 @@
 #include "fit/candidate.h"
 #include "fit/propose/convex_body.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// The wedges in the frames of scanned plane faces that explain most points, refined on a few: one with a top and one
 /// without. Where the leaning side was not seen they say what a block may be as well. `ends` are sides that were put
@@ -14,4 +14,4 @@ namespace partscribe {
 std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, const std::vector<ConvexFace>& ends,
                                       const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -11,7 +11,7 @@
 #include "fit/refine/refine.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr int most_groups = 24;    // views beyond are pooled
@@ -328,4 +328,4 @@ double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, do
   return improvement;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -6,7 +6,7 @@
 #include "fit/refine/unknowns.h"
 #include "fit/uncertainty/noise_model.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Points in an order that their coordinates alone decide, in runs that share one row of the Jacobian.
 struct AllPoints {
@@ -66,4 +66,4 @@ double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, do
 /// Sigma of every point, from the residuals of those that are `told` (empty: all), at least `least_sigma`.
 void learn_noise(AllPoints& all, const std::vector<double>& residuals, std::vector<char> told, double least_sigma);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 #include "geometry/mesh/mesh_distance.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// mm, of what is not zero.
@@ -109,4 +109,4 @@ void correct_for_chords(Candidate& candidate, AllPoints& all, const FitInput& in
   learn_noise(all, all.at.value, {}, least_sigma);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -5,7 +5,7 @@
 
 #include "fit/refine/all_points.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// The points are strewn over the facets of a mesh that are too large for its vertices to stand for its surface.
 bool on_facets(const FitInput& input);
@@ -32,4 +32,4 @@ std::vector<double> mean_of_nodes(const AllPoints& all, const std::vector<double
 void correct_for_chords(Candidate& candidate, AllPoints& all, const FitInput& input, const Unknowns& unknowns,
                         double least_sigma, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

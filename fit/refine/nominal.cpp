@@ -7,7 +7,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr double inch = 25.4;
@@ -315,4 +315,4 @@ std::vector<std::optional<NominalEvidence>> nominal_values(const std::vector<Par
   return answers;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

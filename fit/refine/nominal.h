@@ -6,7 +6,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// One answer per parameter, nothing where no series comes near: the candidate, its z, its series, its probability, and
 /// whether it is kept.
@@ -22,4 +22,4 @@ namespace partscribe {
 std::vector<std::optional<NominalEvidence>> nominal_values(const std::vector<Parameter>& parameters, double tolerance,
                                                            double size);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

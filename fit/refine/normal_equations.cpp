@@ -7,7 +7,7 @@
 #include "core/statistics.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 NormalEquations normal_equations(const Matrix& rows, const std::vector<double>& weight, const std::vector<double>& pull,
                                  int threads) {
@@ -75,4 +75,4 @@ double robust_scale(std::vector<double> values) {
   return scale;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

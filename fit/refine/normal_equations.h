@@ -5,7 +5,7 @@
 
 #include "fit/refine/unknowns.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct NormalEquations {
   Matrix h;  ///< sum of weight * row row^T
@@ -39,4 +39,4 @@ struct Welsch {
 /// Standard deviation of the Gaussian in the middle of `values` (about zero), whatever their tails.
 double robust_scale(std::vector<double> values);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

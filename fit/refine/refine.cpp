@@ -12,7 +12,7 @@
 #include "fit/uncertainty/open_ends.h"
 #include "fit/uncertainty/uncertainty.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// An even selection, by stride.
@@ -251,4 +251,4 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   return report;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

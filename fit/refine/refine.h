@@ -5,7 +5,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct RefineOptions {
   std::size_t points = 20000;  ///< of the search, at most; the last steps take all points of the scan
@@ -43,4 +43,4 @@ Model bare_model(const Candidate& candidate);
 /// What its parameters are worth now.
 Values values_of(const Candidate& candidate);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 #include "core/number.h"
 #include "fit/refine/nominal.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// A unit normal without components that move nothing by a tenth of the tolerance.
@@ -107,4 +107,4 @@ Model model_of(const Candidate& candidate, const FitInput& input) {
   return model;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

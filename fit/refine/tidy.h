@@ -3,7 +3,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct TidyOptions {
   double tolerance = 0.1;  ///< mm
@@ -19,4 +19,4 @@ void snap_parameters(Candidate& candidate, const TidyOptions& options);
 /// does not feel are left out.
 Model model_of(const Candidate& candidate, const FitInput& input);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -10,7 +10,7 @@
 #include "fit/refine/refine.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t asked_per_face = 64;
@@ -239,4 +239,4 @@ bool Unknowns::sensible(const Candidate& c) const {
   return all;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -75,4 +75,4 @@ class Unknowns {
 /// The six columns of a rigid motion in a point's row: a shift and a turn about `center` times `size`.
 Eigen::Matrix<double, 6, 1> motion_row(const Vec3& point, const Vec3& gradient, const Vec3& center, double size);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace partscribe {
+namespace partscribe::fit {
 
 std::size_t nearest_to_scan(const std::vector<Vec3>& directions, const std::array<int, 3>& order) {
   // Of the cosine: hundreds of times what noise does to a direction, and small beside what sets the axes of a part
@@ -50,4 +50,4 @@ std::vector<std::size_t> by_size(const std::vector<double>& sizes, const std::ve
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Of directions that serve as well as each other, the index of the one nearest to the scan's axis `order[0]`; of those
 /// that are about as near, the one nearest to the next.
@@ -22,4 +22,4 @@ std::vector<std::size_t> in_order(const std::vector<Vec2>& places, double slack)
 /// each other as `order` has them.
 std::vector<std::size_t> by_size(const std::vector<double>& sizes, const std::vector<std::size_t>& order, double slack);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -13,7 +13,7 @@
 #include "geometry/decompose.h"
 #include "model/sketch.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr double undecided = 2, certain = 3;  // sigmas
@@ -291,4 +291,4 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
          "them too";
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -7,7 +7,7 @@
 #include "fit/candidate.h"
 #include "fit/evidence/evidence.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A sentence such as "the data cannot tell it from a cone: half angle 0.4 +- 0.6 degrees", if the number by which the
 /// rival differs from the winner is zero within two sigmas; empty otherwise. Knows cylinder and cone, sphere and
@@ -63,4 +63,4 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input);
 /// but for what strays may have done (far_more_likely): any body with such faces may be the truth.
 std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

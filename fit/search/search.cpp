@@ -22,7 +22,7 @@
 #include "fit/search/rivals.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Its exact distance takes microseconds.
@@ -556,4 +556,4 @@ void choose_another(ProcedureSearch& search, const std::string& reason, const Fi
   choose(search, input, options, context);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -12,7 +12,7 @@
 #include "fit/propose/superellipsoid.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A candidate after a first refinement, with what speaks for and against it.
 struct Judged {
@@ -52,4 +52,4 @@ bool is_rough(const ProcedureSearch& search, const FitInput& input);
 /// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
 std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 #include "core/number.h"
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t least_points = 20, most_points = 700;
@@ -317,4 +317,4 @@ std::vector<CommonOutline> common_outlines(const OutlineData& data) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -6,7 +6,7 @@
 
 #include "fit/sketch/outline_cells.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Rectangle; rectangle with four equal rounds; slot, whose two ends are half circles; slot with equal holes about the
 /// centres of its ends; L.
@@ -34,4 +34,4 @@ struct CommonOutline {
 /// that end faces do not fill costs a little, which draws in a side of which no wall was seen.
 std::vector<CommonOutline> common_outlines(const OutlineData& data);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

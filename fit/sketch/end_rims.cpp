@@ -6,7 +6,7 @@
 #include "core/number.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 std::vector<PlanePoint> rim_of(const std::vector<Vec2>& face) {
   constexpr std::size_t neighbours = 20;
@@ -41,4 +41,4 @@ std::vector<PlanePoint> rim_of(const std::vector<Vec2>& face) {
   return rim;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -5,7 +5,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 inline Parameter length_parameter(const std::string& name, double value, const std::string& note) {
   Parameter p;
@@ -13,4 +13,4 @@ inline Parameter length_parameter(const std::string& name, double value, const s
   return p;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -14,7 +14,7 @@
 #include "fit/sketch/plane_circle.h"
 #include "geometry/points/nearby_in_plane.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t most_primitives = 30;
@@ -616,4 +616,4 @@ std::vector<LoopPieces> outline_by_cells(const OutlineData& data) {
   return {};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

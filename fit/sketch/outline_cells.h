@@ -7,7 +7,7 @@
 #include "fit/sketch/plane_chain.h"
 #include "fit/sketch/sketch_builder.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// What is seen along the direction of a sweep, mm.
 struct OutlineData {
@@ -27,4 +27,4 @@ struct OutlineData {
 /// touch meet in one point.
 std::vector<LoopPieces> outline_by_cells(const OutlineData& data);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

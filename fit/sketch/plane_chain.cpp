@@ -8,7 +8,7 @@
 #include "core/disjoint_sets.h"
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 struct Cell {
@@ -304,4 +304,4 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
   return chains;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

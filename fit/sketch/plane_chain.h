@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A point of a plane figure's boundary.
 struct PlanePoint {
@@ -55,4 +55,4 @@ double length_of(const Chain& chain);
 /// that the others have, are left out. Corners stay: the two sides of one face different ways.
 std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach, double alone = 0.05);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -4,7 +4,7 @@
 
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 PlaneCircle polished(PlaneCircle c, const std::vector<Vec2>& on) {
   for (int round = 0; round < 10; ++round) {
@@ -24,4 +24,4 @@ PlaneCircle polished(PlaneCircle c, const std::vector<Vec2>& on) {
   return c;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -5,7 +5,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct PlaneCircle {
   Vec2 center = Vec2::Zero();
@@ -15,4 +15,4 @@ struct PlaneCircle {
 /// Orthogonal least squares by Gauss-Newton from `start`.
 PlaneCircle polished(PlaneCircle start, const std::vector<Vec2>& on);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -9,7 +9,7 @@
 #include "core/number.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Weighted moments of a run of nodes about a common origin.
@@ -362,4 +362,4 @@ std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions
   return o.spline > 0 ? with_splines(segments, behind, nodes, o.spline, o.size) : segments;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

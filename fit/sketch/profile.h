@@ -6,7 +6,7 @@
 #include "fit/sketch/plane_chain.h"
 #include "geometry/surfaces/curve2.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// One piece of a profile, in the direction of the chain: a line, an arc or a spline.
 struct ProfileSegment {
@@ -37,4 +37,4 @@ struct ProfileOptions {
 /// an orthogonal refit of each piece without its outermost nodes. A closed chain is rotated to a break first.
 std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -7,7 +7,7 @@
 #include "core/number.h"
 #include "core/random.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Sectors of 10 degrees that hold points.
@@ -193,4 +193,4 @@ std::vector<PlaneCircle> holes_about(const std::vector<Vec2>& centres, double mo
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

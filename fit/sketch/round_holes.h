@@ -7,7 +7,7 @@
 #include "fit/sketch/plane_chain.h"
 #include "fit/sketch/plane_circle.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Of which at least 70 degrees of wall were seen, in one piece or several: circles on which the normals of two walls
 /// meet, those with most points first. End faces must lie around them, and not in them.
@@ -25,4 +25,4 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
 std::vector<PlaneCircle> holes_about(const std::vector<Vec2>& centres, double most, const std::vector<Vec2>& between,
                                      const std::vector<Vec2>& ends, double band);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -10,7 +10,7 @@
 #include "fit/sketch/sketch_names.h"
 #include "fit/sketch/sketch_pieces.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 using Piece = SketchPiece;
@@ -566,4 +566,4 @@ BuiltSketch build_sketch(std::vector<LoopPieces> loops, const SketchOptions& opt
   return Builder(std::move(loops), options).build();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

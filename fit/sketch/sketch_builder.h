@@ -7,7 +7,7 @@
 #include "fit/sketch/profile.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct SketchOptions {
   double tolerance = 0.1;  ///< mm; relations may move an edge by a quarter of it
@@ -31,4 +31,4 @@ struct BuiltSketch {
 /// tangent to such edges or to the axis get their centre from them (fillets keep just a radius).
 BuiltSketch build_sketch(std::vector<LoopPieces> loops, const SketchOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// The lowest and the highest level of a loop along an axis, and how many it has.
@@ -147,4 +147,4 @@ void place_by_sizes(SketchNumbers& numbers, std::vector<SketchLevel>& levels,
     place_straight_hole(numbers, sizes, {span_of(loops[l], levels, 0), span_of(loops[l], levels, 1)});
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

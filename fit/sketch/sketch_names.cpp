@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Roles that depend on all levels together.
@@ -114,4 +114,4 @@ void name_parameters(BuiltSketch& built, std::vector<SketchSlot> slots, const st
   built.sketch = std::move(std::get<Extrude>(shape).sketch);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

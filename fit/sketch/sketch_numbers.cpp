@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 std::optional<Expr> found(const SketchNumbers::Shared& list, double v, double same) {
@@ -49,4 +49,4 @@ void SketchNumbers::know(int axis, double v, const Expr& e) {
   if (!knows(axis, v)) coordinates_[axis].emplace_back(v, e);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

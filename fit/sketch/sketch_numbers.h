@@ -8,7 +8,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// What a parameter of a sketch is, before it has its name.
 struct SketchSlot {
@@ -44,4 +44,4 @@ class SketchNumbers {
   Shared coordinates_[2];
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

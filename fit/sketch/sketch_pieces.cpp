@@ -6,7 +6,7 @@
 #include "core/number.h"
 #include "fit/search/equal_choices.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 double relation_slack(const SketchOptions& options) { return options.tolerance / 3; }
 
@@ -206,4 +206,4 @@ bool is_chamfer(const std::vector<SketchPiece>& pieces, std::size_t i, bool axis
   return p.s.length() < before->s.length() + after->s.length();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -8,7 +8,7 @@
 
 #include "fit/sketch/sketch_builder.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 enum class Way { horizontal, vertical, oblique };
 
@@ -82,4 +82,4 @@ double turned_near(double angle, double near);
 
 double cross(const Vec2& a, const Vec2& b);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

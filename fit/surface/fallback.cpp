@@ -6,7 +6,7 @@
 #include "fit/input/prepare.h"
 #include "fit/surface/triangulate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 Result<Fallback> fallback_of(const FitInput& input, Context& context) {
   const double tolerance = input.tolerance;
@@ -36,4 +36,4 @@ Result<Fallback> fallback_of(const FitInput& input, Context& context) {
   return std::move(*best);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

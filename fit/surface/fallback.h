@@ -4,7 +4,7 @@
 #include "core/result.h"
 #include "fit/evidence/evidence.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct Fallback {
   Candidate mesh;
@@ -16,4 +16,4 @@ struct Fallback {
 /// that they follow. `input` is of a scan.
 Result<Fallback> fallback_of(const FitInput& input, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

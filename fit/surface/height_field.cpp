@@ -18,7 +18,7 @@
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -607,4 +607,4 @@ std::optional<HeightField> triangulated_height_field(const PointCloud& cloud, co
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -8,7 +8,7 @@
 #include "geometry/normals/normals.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct HeightFieldOptions {
   double max_error = 0.15;      ///< mm along the normal, between the surface and the averaged points
@@ -33,4 +33,4 @@ std::optional<HeightField> triangulated_height_field(const PointCloud& cloud, co
                                                      const SamplingSummary& sampling, const HeightFieldOptions& options,
                                                      Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -8,7 +8,7 @@
 
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 Projection parallel_along(const Vec3& away) {
@@ -145,4 +145,4 @@ std::optional<Projection> find_projection(const Samples& s, const std::vector<Vi
   return *best;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

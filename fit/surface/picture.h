@@ -6,7 +6,7 @@
 
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// How places in space become places in the picture. z is depth, away from the sensor; straight lines stay straight.
 struct Projection {
@@ -37,4 +37,4 @@ struct Samples {
 std::optional<Projection> find_projection(const Samples& s, const std::vector<View>& views, double spacing,
                                           double max_hidden, bool oriented);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

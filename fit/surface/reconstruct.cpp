@@ -16,7 +16,7 @@
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::uint32_t none = ~0u;
@@ -653,4 +653,4 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

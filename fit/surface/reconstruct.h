@@ -6,7 +6,7 @@
 #include "geometry/normals/normals.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct ReconstructOptions {
   double cell = 0;  ///< mm, edge of the grid's cells; 0: from the sampling, the noise, the size and thin walls
@@ -31,4 +31,4 @@ struct Reconstruction {
 Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampling, const ReconstructOptions& options,
                            Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

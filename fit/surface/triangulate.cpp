@@ -15,7 +15,7 @@
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Coordinates on the decimal grid `resolution`; false where that would unite vertices or flatten a triangle.
@@ -196,4 +196,4 @@ std::optional<Candidate> Triangulator::unsimplified() const {
   return candidate_of(*surface_, input_.tolerance);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -7,7 +7,7 @@
 #include "fit/candidate.h"
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// The surface of one scan, found once and simplified to any tolerance.
 class Triangulator {
@@ -34,4 +34,4 @@ class Triangulator {
   std::optional<TriangleMesh> surface_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -10,7 +10,7 @@
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr std::size_t centres = 20000, neighbours = 200, least_points = 400;
@@ -124,4 +124,4 @@ Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<do
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

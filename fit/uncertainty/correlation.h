@@ -5,7 +5,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 struct Correlation {
   double points_per_independent = 1;  ///< 1 for white noise
@@ -21,4 +21,4 @@ struct Correlation {
 Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<double>& residuals,
                            const std::vector<int>& group, int group_count, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

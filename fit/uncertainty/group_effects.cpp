@@ -8,7 +8,7 @@
 
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Student's quantile over the Gaussian's for 95 % intervals (Abramowitz & Stegun 26.7.5).
@@ -136,4 +136,4 @@ Matrix covariance_of(const GroupEffects& effects, const GroupSums& groups, const
   return shifts * shifts.transpose() + turns * turns.transpose();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -3,7 +3,7 @@
 
 #include "fit/refine/normal_equations.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Weighted sums over all points, by group. A row's six motion columns v say how its distance answers to a shift and a
 /// turn of its group; six rows and columns per group. A point that belongs to several groups by shares has v times its
@@ -34,4 +34,4 @@ GroupEffects group_effects(const GroupSums& groups, const Matrix& h_inverse, dou
 /// Of the unknowns, mm^2: what such motions do to a fit whose inverse normal matrix is `h_inverse`.
 Matrix covariance_of(const GroupEffects& effects, const GroupSums& groups, const Matrix& h_inverse);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

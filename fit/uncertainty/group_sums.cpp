@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<double>& share, const Unknowns& unknowns,
                   const Welsch& kernel, double slope, int threads) {
@@ -86,4 +86,4 @@ GroupSums sums_of_imagined_views(const AllPoints& all, const Matrix& rows, const
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -4,7 +4,7 @@
 #include "fit/refine/all_points.h"
 #include "fit/uncertainty/group_effects.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// By node and by group, as if the kernel were least squares: a residual is psi(u) sigma / E psi', a weight 1 /
 /// sigma^2.
@@ -24,4 +24,4 @@ PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<do
 GroupSums sums_of_imagined_views(const AllPoints& all, const Matrix& rows, const PointSums& sums,
                                  const Unknowns& unknowns);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -5,7 +5,7 @@
 
 #include "fit/refine/normal_equations.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr int incidence_bins = 8;
@@ -86,4 +86,4 @@ std::vector<double> noise_of_points(const std::vector<double>& residuals, const 
   return sigma;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

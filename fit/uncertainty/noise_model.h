@@ -5,7 +5,7 @@
 
 #include "fit/candidate.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// What may make one point noisier than another. Columns are empty or one per point.
 struct NoiseTraits {
@@ -22,4 +22,4 @@ struct NoiseTraits {
 /// overall scale, never below `least`.
 std::vector<double> noise_of_points(const std::vector<double>& residuals, const NoiseTraits& traits, double least);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

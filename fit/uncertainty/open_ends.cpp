@@ -8,7 +8,7 @@
 #include "fit/refine/refine.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 constexpr double objection = 2;  // nats: two sigmas
@@ -134,4 +134,4 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

@@ -5,7 +5,7 @@
 #include "fit/refine/all_points.h"
 #include "fit/refine/unknowns.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A length that may grow, alone or together with other numbers and the place, without a residual that changes.
 struct OpenEnd {
@@ -26,4 +26,4 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
                                       const std::vector<Vec3>& points, const FitInput& input, double noise,
                                       Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

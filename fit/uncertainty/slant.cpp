@@ -5,7 +5,7 @@
 
 #include "core/parallel.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 Deviation slant_deviation(const Candidate& candidate, const AllPoints& all, const ModelDistance& distance,
                           int threads) {
@@ -40,4 +40,4 @@ Deviation slant_deviation(const Candidate& candidate, const AllPoints& all, cons
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

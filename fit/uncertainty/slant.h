@@ -5,7 +5,7 @@
 #include "fit/refine/all_points.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// A range sensor's noise moves a point of a slanted surface sideways as well, by sigma tan(incidence), and off a
 /// curved one by half the square of that times its curvature. Where rays are known the residuals run along them
@@ -14,4 +14,4 @@ namespace partscribe {
 /// points lie all around.
 Deviation slant_deviation(const Candidate& candidate, const AllPoints& all, const ModelDistance& distance, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

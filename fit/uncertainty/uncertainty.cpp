@@ -15,7 +15,7 @@
 #include "fit/uncertainty/slant.h"
 #include "model/distance.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 namespace {
 
 /// Of the noise of one point: what is left of it in an instrument's own scale and straightness.
@@ -290,4 +290,4 @@ Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const Fit
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

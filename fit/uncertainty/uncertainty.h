@@ -3,7 +3,7 @@
 
 #include "fit/refine/all_points.h"
 
-namespace partscribe {
+namespace partscribe::fit {
 
 /// Standard deviations of the free parameters, in their own units, by cause.
 struct Uncertainty {
@@ -26,4 +26,4 @@ struct Uncertainty {
 Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const FitInput& input, const Unknowns& unknowns,
                            double least_sigma, const Welsch& kernel, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::fit

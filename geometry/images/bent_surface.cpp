@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 /// A bend in the frame of a tilt: along it, across it, and mixed.
@@ -67,4 +67,4 @@ float BentSurface::mean() const {
 
 float BentSurface::steepening() const { return cubic_ * (mean_4 / mean_2); }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

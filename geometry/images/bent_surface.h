@@ -3,7 +3,9 @@
 
 #include <array>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::geometry {
 
 /// The slope of a surface against the ray through a pixel.
 struct Tilt {
@@ -54,4 +56,4 @@ class BentSurface {
   float cubic_ = 0, quartic_ = 0, along_ = 0;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

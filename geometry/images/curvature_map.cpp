@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Grid = PaddedGrid<float>;
@@ -103,4 +103,4 @@ KnownBend CurvatureMap::at(int row, int column, const Tilt& tilt) const {
   return {BentSurface(bend, tilt, unit), 8 / (70 * windows) + shared, crease, steepening > like};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 #include "geometry/images/padded_grid.h"
 #include "geometry/images/range_heights.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Curvatures found in 5x5 windows, in heights per pixel^2, or sums of them over neighbours.
 struct CurvatureGrids {
@@ -53,4 +53,4 @@ class CurvatureMap {
   std::vector<CurvatureGrids> scales_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

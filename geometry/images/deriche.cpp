@@ -7,7 +7,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -231,4 +231,4 @@ std::vector<RangeEdge> range_edges(const RangeImage& image, const FilteredImage&
   return edges;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/images/rlts_filter.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Derivatives along rows (x) and columns (y), per pixel, row by row; NaN where there is no value.
 struct Gradient {
@@ -29,4 +29,4 @@ struct EdgeOptions {
 /// Single rejected pixels are bridged, missing ones end everything: the border of the part is no edge here.
 std::vector<RangeEdge> range_edges(const RangeImage& image, const FilteredImage& filtered, const EdgeOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

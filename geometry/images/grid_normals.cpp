@@ -12,7 +12,7 @@
 #include "geometry/images/range_noise.h"
 #include "geometry/images/window_kernels.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr int strip = 24;  // rows that are worked on together, so that their planes stay in the cache
@@ -202,4 +202,4 @@ LargeVector<Eigen::Vector3f> grid_normals(const RangeImage& image, const GridNor
   return normals;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -4,7 +4,7 @@
 #include "core/large_memory.h"
 #include "geometry/images/range_image.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct GridNormalOptions {
   double sigma = 0;          ///< mm of noise along the optical axis; 0: measured in the image
@@ -21,4 +21,4 @@ struct GridNormalOptions {
 /// time.
 LargeVector<Eigen::Vector3f> grid_normals(const RangeImage& image, const GridNormalOptions& options, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "core/large_memory.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 template <class T>
 class PaddedGrid {
@@ -25,4 +25,4 @@ class PaddedGrid {
   LargeVector<T> cells_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -5,7 +5,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr int most_half = 4;          // of a window: beyond, a tree is faster
@@ -156,4 +156,4 @@ bool PixelGrid::nearest(const Vec3& query, std::size_t count, std::vector<Neighb
   return false;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// The camera of an image that looks along z from the origin: column = fx x / z + cx (orthographic: without z), row
 /// alike.
@@ -65,4 +65,4 @@ class PixelGrid {
   const std::vector<Vec3>* points_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

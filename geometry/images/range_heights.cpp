@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 RangeHeights::RangeHeights(const RangeImage& image)
     : pinhole(image.projection == Projection::pinhole),
@@ -92,4 +92,4 @@ Vec3 RangeHeights::normal(int row, int column, double h, double slope_x, double 
   return gradient(row, column, h, slope_x, slope_y).normalized();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

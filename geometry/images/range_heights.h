@@ -5,7 +5,7 @@
 #include "geometry/images/padded_grid.h"
 #include "geometry/images/range_image.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Orthographic: the codes themselves. Pinhole: inverse depth, which is linear in the pixel on a plane (1 / z = A X +
 /// B Y + C), turned and scaled to steps of about one code. Missing: NaN.
@@ -37,4 +37,4 @@ struct RangeHeights {
   double z0_, q_, reference_, fx_, fy_, cx_, cy_, pitch_x_, pitch_y_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

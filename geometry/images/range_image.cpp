@@ -1,6 +1,6 @@
 #include "geometry/images/range_image.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 std::optional<Vec3> view_point(const RangeImage& image, int row, int column) {
   const auto code = image.codes[static_cast<std::size_t>(row) * image.width + column];
@@ -11,4 +11,4 @@ std::optional<Vec3> view_point(const RangeImage& image, int row, int column) {
   return Vec3(image.x0 + column * image.pitch_x, image.y0 + row * image.pitch_y, z);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 enum class Projection { orthographic, pinhole };
 
@@ -28,4 +28,4 @@ struct RangeImage {
 /// The point of a pixel in the sensor's frame; nothing where there was no return.
 std::optional<Vec3> view_point(const RangeImage& image, int row, int column);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

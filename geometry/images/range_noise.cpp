@@ -6,7 +6,7 @@
 
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr double third_difference_norm = 4.47213595499958;  // root of 1 + 9 + 9 + 1
@@ -102,4 +102,4 @@ RangeNoise sloped_noise(const RangeHeights& heights, const PaddedGrid<float>& ke
   return {level, growth};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

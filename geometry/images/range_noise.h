@@ -5,7 +5,7 @@
 #include "geometry/images/range_heights.h"
 #include "geometry/images/rlts_filter.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Returns that are asked, about: their scale is known within a hundredth.
 constexpr int noise_samples = 5000;
@@ -17,4 +17,4 @@ RangeNoise even_noise(const RangeHeights& heights, int samples = noise_samples);
 /// Level and growth with 1 / cos^2 of the incidence, from kept samples only.
 RangeNoise sloped_noise(const RangeHeights& heights, const PaddedGrid<float>& kept, const PaddedGrid<float>& incidence);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

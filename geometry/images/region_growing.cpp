@@ -9,7 +9,7 @@
 #include "core/ensure.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -213,4 +213,4 @@ PatchCounts most_patches(const std::vector<int>& label, int width, int height, i
   return most;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

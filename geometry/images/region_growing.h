@@ -6,7 +6,7 @@
 #include "core/context.h"
 #include "geometry/normals/characterize.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// z = x0 + x1 u + x2 v (+ x3 u^2 + x4 uv + x5 v^2) in a frame of its own.
 struct SurfacePatch {
@@ -42,4 +42,4 @@ struct PatchCounts {
 };
 PatchCounts most_patches(const std::vector<int>& label, int width, int height, int least_run = 6);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -15,7 +15,7 @@
 #include "geometry/images/window_facet.h"
 #include "geometry/images/window_kernels.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Grid = PaddedGrid<float>;
@@ -534,4 +534,4 @@ double detectable_share(int bit, double q, double sigma) {
   return 1 - (below(limit - off) - below(-limit - off));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

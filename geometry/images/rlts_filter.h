@@ -11,7 +11,7 @@
 #include "core/context.h"
 #include "geometry/images/range_image.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 enum class RltsForm {
   combined,  ///< trimmed lines in four directions reject; planes, quadrics and sides of edges give the value
@@ -57,4 +57,4 @@ FilteredImage rlts_filter(const RangeImage& image, const RltsOptions& options, C
 /// The share of flips of one bit that lie outside the acceptance limits of noise `sigma` (mm), for codes of `q` mm.
 double detectable_share(int bit, double q, double sigma);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

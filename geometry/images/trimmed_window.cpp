@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 // Small-sample factors, from 20,000 windows of Gaussian noise.
@@ -76,4 +76,4 @@ TrimmedWindow trimmed_window(const Window& heights, const Window& weights, bool 
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -3,7 +3,7 @@
 
 #include "geometry/images/window_fit.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct TrimmedWindow {
   WindowFacet facet;    ///< least squares over the accepted samples; model raw: too few samples
@@ -15,4 +15,4 @@ struct TrimmedWindow {
 /// 2.5 deviations. Units as in WindowFacet.
 TrimmedWindow trimmed_window(const Window& heights, const Window& weights, bool quadric);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

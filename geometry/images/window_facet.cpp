@@ -6,7 +6,7 @@
 #include "geometry/images/bent_surface.h"
 #include "geometry/images/window_kernels.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr float choice_of_side = 6.4F;  // 2 ln 24
@@ -147,4 +147,4 @@ WindowFacet window_facet(const Window& heights, const Window& weights, bool firm
   return best;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 /// The middle's residual against the prediction of the others; a fit that hangs on the middle predicts nothing.
@@ -86,4 +86,4 @@ WindowFit quadric_fit(const Window& heights, const Window& weights) {
   return fit;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

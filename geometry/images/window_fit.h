@@ -5,7 +5,7 @@
 
 #include "geometry/images/rlts_filter.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Heights above the middle sample, or weights (0 or 1), row by row.
 using Window = std::array<float, 25>;
@@ -30,4 +30,4 @@ struct WindowFit {
 WindowFit plane_fit(const Window& heights, const Window& weights);
 WindowFit quadric_fit(const Window& heights, const Window& weights);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

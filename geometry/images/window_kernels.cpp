@@ -12,7 +12,7 @@
 #define PARTSCRIBE_INLINE inline
 #endif
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 #ifdef PARTSCRIBE_AVX2
@@ -382,4 +382,4 @@ void split_window(const std::array<float, 25>& heights, const std::array<float, 
   split_body(heights, weights, masks, out);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,9 @@
 
 #include <array>
 
-namespace partscribe {
+#include "core/layers.h"
+
+namespace partscribe::geometry {
 
 /// Where the results of `trimmed_lines` go: one entry per window.
 struct LineRow {
@@ -65,4 +67,4 @@ struct Sides {
 /// it.
 void split_window(const std::array<float, 25>& heights, const std::array<float, 25>& weights, Sides& out);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -10,7 +10,7 @@
 #include "geometry/io/read_formats.h"
 #include "geometry/io/read_zip.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 using Affine = Eigen::Matrix<double, 3, 4>;
@@ -245,4 +245,4 @@ Result<RawGeometry> parse_3mf(std::string_view bytes, const std::string& name) {
   return raw;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

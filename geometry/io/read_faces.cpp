@@ -5,7 +5,7 @@
 
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 constexpr std::size_t most_ears =
@@ -112,4 +112,4 @@ std::optional<Error> cut_faces(const Faces& faces, const std::string& name, RawG
   return {};
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

@@ -11,7 +11,7 @@
 #include "core/result.h"
 #include "geometry/io/read_geometry.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 
 /// Walks a text line by line; knows \n, \r\n and \r.
 struct LineReader {
@@ -93,4 +93,4 @@ Result<RawGeometry> parse_3mf(std::string_view bytes, const std::string& name);
 /// True for bytes whose length is exactly that of a binary STL file.
 bool is_binary_stl(std::string_view bytes);
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

@@ -8,7 +8,7 @@
 #include "geometry/points/keep_points.h"
 #include "geometry/points/repeated_places.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using namespace formats;
@@ -187,4 +187,4 @@ Result<RawGeometry> read_geometry(const Path& path, Context& context) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// What one file holds, in the file's own units and frame, nothing lost: coordinates are read as double.
 struct RawGeometry {
@@ -41,4 +41,4 @@ std::string write_cloud_ply(const PointCloud& cloud);
 /// Binary PLY mesh with double coordinates.
 std::string write_mesh_ply(const TriangleMesh& mesh);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -1,7 +1,7 @@
 /// OBJ: vertices, normals and polygons; materials, textures and curves are passed over.
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 /// The vertex index in "7", "7/1", "7//3", "-2/..."; 0-based.
@@ -68,4 +68,4 @@ Result<RawGeometry> parse_obj(std::string_view bytes, const std::string& name) {
   return raw;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

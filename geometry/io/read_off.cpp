@@ -1,7 +1,7 @@
 /// OFF, with the normals, colours and texture coordinates of its relatives passed over or read.
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 
 Result<RawGeometry> parse_off(std::string_view bytes, const std::string& name) {
   RawGeometry raw;
@@ -74,4 +74,4 @@ Result<RawGeometry> parse_off(std::string_view bytes, const std::string& name) {
   return raw;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

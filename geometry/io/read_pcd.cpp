@@ -3,7 +3,7 @@
 
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 struct Field {
@@ -179,4 +179,4 @@ Result<RawGeometry> parse_pcd(std::string_view bytes, const std::string& name) {
   return raw;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

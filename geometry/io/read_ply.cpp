@@ -6,7 +6,7 @@
 
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 struct Property {
@@ -363,4 +363,4 @@ Result<RawGeometry> parse_ply(std::string_view bytes, const std::string& name) {
   return raw;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

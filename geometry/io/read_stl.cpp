@@ -1,7 +1,7 @@
 /// STL: ascii (several solids, polygons tolerated) and binary; equal vertices are united.
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 constexpr std::size_t header_size = 84, facet_size = 50;
@@ -155,4 +155,4 @@ Result<RawGeometry> parse_stl(std::string_view bytes, const std::string& name) {
   return text ? parse_ascii(bytes, name) : parse_binary(bytes, name);
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

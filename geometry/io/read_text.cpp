@@ -6,7 +6,7 @@
 #include "core/ensure.h"
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -165,4 +165,4 @@ std::int64_t load_integer(const char* from, NumberType type, bool swapped) {
   return std::abs(value) < 4e18 && value == std::floor(value) ? static_cast<std::int64_t>(value) : -1;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

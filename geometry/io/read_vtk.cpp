@@ -4,7 +4,7 @@
 
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 std::optional<NumberType> number_type(const std::string& word) {
@@ -284,4 +284,4 @@ Result<RawGeometry> parse_vtk(std::string_view bytes, const std::string& name) {
   return raw;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

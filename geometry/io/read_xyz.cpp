@@ -5,7 +5,7 @@
 
 #include "geometry/io/read_formats.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 /// How the columns of a file are parted and what they mean; -1: not there.
@@ -200,4 +200,4 @@ Result<RawGeometry> parse_xyz(std::string_view bytes, const std::string& name) {
   return raw;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

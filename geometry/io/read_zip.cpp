@@ -7,7 +7,7 @@
 #include <cstring>
 #include <memory>
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 namespace {
 
 /// What minizip takes for a file.
@@ -98,4 +98,4 @@ Result<std::vector<ZippedFile>> unzip(std::string_view bytes, const std::string&
   return files;
 }
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 
-namespace partscribe::formats {
+namespace partscribe::geometry::formats {
 
 struct ZippedFile {
   std::string name;
@@ -19,4 +19,4 @@ struct ZippedFile {
 Result<std::vector<ZippedFile>> unzip(std::string_view bytes, const std::string& archive,
                                       const std::function<bool(const std::string&)>& wanted);
 
-}  // namespace partscribe::formats
+}  // namespace partscribe::geometry::formats

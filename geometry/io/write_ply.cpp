@@ -4,7 +4,7 @@
 #include "core/ensure.h"
 #include "geometry/io/read_geometry.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 template <class T>
@@ -69,4 +69,4 @@ std::string write_mesh_ply(const TriangleMesh& mesh) {
   return out;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

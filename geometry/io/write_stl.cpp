@@ -4,7 +4,7 @@
 #include "core/ensure.h"
 #include "geometry/io/read_geometry.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 std::string write_stl(const TriangleMesh& mesh) {
   ensure(mesh.triangles.size() < 0xFFFFFFFFu, "a binary STL file holds fewer than 2^32 triangles");
@@ -29,4 +29,4 @@ std::string write_stl(const TriangleMesh& mesh) {
   return out;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 std::optional<ConvexPolyhedron> convex_polyhedron(const std::vector<Plane3>& planes) {
   // Cut a huge cube by every plane in turn; the part is unbounded if a face of the cube survives.
@@ -121,4 +121,4 @@ TriangleMesh triangulated(const ConvexPolyhedron& polyhedron, std::vector<int>* 
   return mesh;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// The points p with normal . p <= offset; `normal` has unit length.
 struct Plane3 {
@@ -30,4 +30,4 @@ double face_area(const ConvexPolyhedron& polyhedron, std::size_t face);
 /// Each face cut into a fan; face_of[t] is the plane of triangle t.
 TriangleMesh triangulated(const ConvexPolyhedron& polyhedron, std::vector<int>* face_of = nullptr);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

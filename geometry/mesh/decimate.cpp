@@ -14,7 +14,7 @@
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -434,4 +434,4 @@ TriangleMesh decimated(const TriangleMesh& mesh, const DecimateOptions& options,
   return Decimator(mesh, options, context).run();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 #include "core/context.h"
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct DecimateOptions {
   double max_error = 0.1;            ///< mm; no sample of either surface is farther than this from the other one
@@ -23,4 +23,4 @@ TriangleMesh decimated(const TriangleMesh& mesh, const DecimateOptions& options,
 /// The nearest point of a triangle.
 Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

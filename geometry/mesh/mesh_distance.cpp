@@ -13,7 +13,7 @@
 #include "geometry/mesh/triangle_tree.h"
 #include "geometry/points/spatial_order.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr std::size_t chunk_size = std::size_t(1) << 20;  // queries sorted together
@@ -249,4 +249,4 @@ std::optional<MeshHit> MeshDistance::first_hit(const Vec3& ray_origin, const Vec
   return MeshHit{best_t, best_triangle, ray_origin + best_t * direction};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -11,7 +11,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// The nearest place on a mesh.
 struct MeshHit {
@@ -57,4 +57,4 @@ class MeshDistance {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "core/disjoint_sets.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 std::vector<Vec3> triangle_normals(const TriangleMesh& mesh) {
   std::vector<Vec3> normals(mesh.triangles.size());
@@ -128,4 +128,4 @@ MeshPieces pieces_of(const TriangleMesh& mesh) {
   return pieces;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

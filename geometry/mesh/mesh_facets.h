@@ -5,7 +5,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Unit normals; zero for triangles without area.
 std::vector<Vec3> triangle_normals(const TriangleMesh& mesh);
@@ -60,4 +60,4 @@ struct MeshPieces {
 
 MeshPieces pieces_of(const TriangleMesh& mesh);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

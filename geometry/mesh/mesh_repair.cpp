@@ -10,7 +10,7 @@
 #include "core/ensure.h"
 #include "geometry/mesh/mesh_facets.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -420,4 +420,4 @@ RepairReport repair(const TriangleMesh& source, const RepairOptions& options) {
   return report;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

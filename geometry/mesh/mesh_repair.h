@@ -5,7 +5,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct RepairOptions {
   double weld = 0;               ///< mm; vertices equal on this grid are united; 0: only identical ones
@@ -33,4 +33,4 @@ struct RepairReport {
 /// Keeps the order of what stays; new vertices and triangles come last.
 RepairReport repair(const TriangleMesh& mesh, const RepairOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 /// Equal positions get one number.
@@ -102,4 +102,4 @@ Pseudonormals pseudonormals(const TriangleMesh& mesh) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Vertices at the same place count as one, so that loose triangles have neighbours too.
 struct Pseudonormals {
@@ -24,4 +24,4 @@ struct Pseudonormals {
 
 Pseudonormals pseudonormals(const TriangleMesh& mesh);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 double side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
@@ -124,4 +124,4 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const Tr
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -8,7 +8,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// A triangle by the numbers of its corners and where these are.
 struct PlacedTriangle {
@@ -25,4 +25,4 @@ bool triangles_cross(const PlacedTriangle& a, const PlacedTriangle& b);
 std::vector<std::pair<std::uint32_t, std::uint32_t>> self_intersections(const TriangleMesh& mesh,
                                                                         std::size_t limit = 1000);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -9,7 +9,7 @@
 #include "geometry/mesh/mesh_facets.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 struct Key {
@@ -123,4 +123,4 @@ TriangleMesh transformed(const TriangleMesh& mesh, const Pose& pose) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

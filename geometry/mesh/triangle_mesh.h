@@ -7,7 +7,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Triangles are counter-clockwise seen from outside.
 struct TriangleMesh {
@@ -42,4 +42,4 @@ TriangleMesh transformed(const TriangleMesh& mesh, const Pose& pose);
 /// Unit normal of a triangle; zero if it has no area.
 Vec3 triangle_normal(const TriangleMesh& mesh, std::size_t triangle);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -9,7 +9,7 @@
 #include "core/ensure.h"
 #include "core/parallel.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr std::size_t few = 48;           // triangles that are sorted into fewer bins
@@ -386,4 +386,4 @@ TriangleTree build_triangle_tree(const TriangleMesh& mesh, int threads, Instruct
   return Builder(mesh, threads, instructions).build();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -10,7 +10,7 @@
 #include "geometry/instructions.h"
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 inline constexpr std::uint32_t no_triangle = std::numeric_limits<std::uint32_t>::max();
 
@@ -93,4 +93,4 @@ void search_nearest(const TriangleTree& tree, std::span<const Vec3> queries, Nea
 /// `best` as if the leaf of `hint` were all there is; a good start for a query close to the one that ended in `hint`.
 NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const NearestSlot& hint);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -142,4 +142,4 @@ std::vector<CharacterizedPoint> characterize(const SurfaceGraph& graph, const Ch
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

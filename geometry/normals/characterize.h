@@ -10,7 +10,7 @@
 #include "core/context.h"
 #include "geometry/normals/surface_graph.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// By the signs of mean and Gaussian curvature (Besl & Jain 1988).
 enum class SurfaceClass : std::uint8_t {
@@ -46,4 +46,4 @@ std::vector<CharacterizedPoint> characterize(const SurfaceGraph& graph, const Ch
 
 SurfaceClass class_of_signs(int mean, int gaussian);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

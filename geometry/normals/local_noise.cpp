@@ -12,7 +12,7 @@
 #include "geometry/decompose.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 std::vector<std::uint32_t> sample(std::size_t size, std::size_t count) {
@@ -202,4 +202,4 @@ double noise_along_normals(const PointCloud& cloud, int threads) {
       .sigma;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -9,7 +9,7 @@
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct LocalNoise {
   double sigma = 0;    ///< mm, median along the normal
@@ -35,4 +35,4 @@ double noise_along_normals(const PointCloud& cloud, int threads);
 /// mm: what is narrower is a ball of noise, not a piece of surface, and its points err alike.
 inline double thickness_of_noise(double sigma) { return 5 * sigma; }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

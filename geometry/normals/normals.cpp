@@ -18,7 +18,7 @@
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Places = LargeVector<Vec3>;
@@ -464,4 +464,4 @@ SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options
   return summary;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -4,7 +4,7 @@
 #include "core/context.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct NormalOptions {
   int neighbours = 30;        ///< more smooths noise and blurs edges
@@ -25,4 +25,4 @@ struct SamplingSummary {
 /// the noise turns them take no part in the rounds that follow.
 SamplingSummary estimate_normals(PointCloud& cloud, const NormalOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

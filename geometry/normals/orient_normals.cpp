@@ -12,7 +12,7 @@
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 /// Which cells of a grid hold points: what stands in the way of a straight line. A single one is a stray, of a surface
@@ -222,4 +222,4 @@ std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) 
   return pieces;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -4,7 +4,7 @@
 #include "core/context.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Carries the sense along a minimum spanning tree over the nearest neighbours, from where normals agree best [Hoppe et
 /// al. 1992]. Out is the side of a piece from which more straight lines lead past all points [Takayama et al. 2014],
@@ -13,4 +13,4 @@ namespace partscribe {
 /// points. Returns the number of connected pieces.
 std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -9,7 +9,7 @@
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 /// Whether two points next to each other lie on one smooth surface.
@@ -117,4 +117,4 @@ SurfaceGraph surface_graph(const PointCloud& cloud, const SurfaceGraphOptions& o
   return g;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

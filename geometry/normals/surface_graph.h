@@ -12,7 +12,7 @@
 #include "geometry/images/rlts_filter.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Nodes keep the index of their pixel (row * width + column) or point; nodes without a usable point have no links.
 struct SurfaceGraph {
@@ -42,4 +42,4 @@ SurfaceGraph surface_graph(const RangeImage& image, const FilteredImage& filtere
 /// Links to nearest neighbours, both ways. The cloud has normals and sigma (estimate_normals).
 SurfaceGraph surface_graph(const PointCloud& cloud, const SurfaceGraphOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

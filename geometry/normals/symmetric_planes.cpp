@@ -11,7 +11,7 @@
 #pragma GCC diagnostic ignored "-Wpsabi"
 #pragma GCC diagnostic ignored "-Wuninitialized"  // what the compiler's own header leaves open on purpose
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr std::size_t symmetric_block = 8;
@@ -66,4 +66,4 @@ void add_symmetric(const OrientedPoint* source, const OrientedPoint* target, con
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

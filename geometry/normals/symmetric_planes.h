@@ -8,7 +8,7 @@
 #include "geometry/instructions.h"
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// A point with its unit normal: one line of the cache.
 struct alignas(64) OrientedPoint {
@@ -38,4 +38,4 @@ void add_symmetric(const OrientedPoint* source, const OrientedPoint* target, con
                    const std::uint32_t* to, std::size_t count, const SymmetricRule& rule, SymmetricSums& sums,
                    Instructions instructions = widest_instructions());
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

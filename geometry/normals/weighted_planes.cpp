@@ -13,7 +13,7 @@
 #pragma GCC diagnostic ignored "-Wpsabi"
 #pragma GCC diagnostic ignored "-Wuninitialized"  // what the compiler's own header leaves open on purpose
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 namespace baseline {
@@ -72,4 +72,4 @@ void count_support(const PlaneBlock& block, const SupportRule& rule, double* sup
   versions(instructions).support(block, rule, support);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/instructions.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// A point as its neighbours see it: one line of the cache.
 struct alignas(64) PlaneNode {
@@ -57,4 +57,4 @@ struct SupportRule {
 void count_support(const PlaneBlock& block, const SupportRule& rule, double* support,
                    Instructions instructions = widest_instructions());
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 Box3 bulk_box(const std::vector<Vec3>& points, double left_out) {
   Box3 box;
@@ -22,4 +22,4 @@ Box3 bulk_box(const std::vector<Vec3>& points, double left_out) {
   return box;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

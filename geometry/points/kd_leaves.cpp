@@ -10,7 +10,7 @@
 // Vectors stay inside this file; how they would be passed between files does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 /// Without branches, for nobody can foretell which points are kept.
@@ -112,4 +112,4 @@ bool rank_candidates(KdCandidates& candidates, Instructions instructions) {
   return versions(instructions).rank(candidates);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -10,7 +10,7 @@
 #include "geometry/instructions.h"
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Points by coordinate; what is not filled lies at infinity.
 struct alignas(64) KdLeaf {
@@ -63,4 +63,4 @@ void points_within(const KdLeaf* leaves, const KdBoxes& boxes, const Vec3& query
 /// Fills `place`: how many candidates are nearer than each. True: no two are equally far.
 bool rank_candidates(KdCandidates& candidates, Instructions instructions = widest_instructions());
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -11,7 +11,7 @@
 #include "core/parallel.h"
 #include "geometry/points/kd_leaves.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Leaf = KdLeaf;
@@ -473,4 +473,4 @@ std::array<Neighbour, 2> KdTree::nearest_two(const Vec3& query, double sq_limit)
   return {first, second};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -11,7 +11,7 @@
 #include "core/large_memory.h"
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct Neighbour {
   std::uint32_t index;
@@ -52,4 +52,4 @@ class KdTree {
   std::unique_ptr<Tree> tree_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -4,7 +4,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 void keep_points(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
   ensure(keep.size() == cloud.size(), "one mark per point");
@@ -30,4 +30,4 @@ std::vector<std::uint8_t> points_at(const PointCloud& cloud, std::vector<Vec3> p
   return at;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Drops every point i with keep[i] == 0 from all columns; `keep` is as long as the cloud. The others keep their order.
 void keep_points(PointCloud& cloud, const std::vector<std::uint8_t>& keep);
@@ -14,4 +14,4 @@ void keep_points(PointCloud& cloud, const std::vector<std::uint8_t>& keep);
 /// 1 for every point whose coordinates are those of one of `places`, 0 for the others.
 std::vector<std::uint8_t> points_at(const PointCloud& cloud, std::vector<Vec3> places);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

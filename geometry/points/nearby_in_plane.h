@@ -7,7 +7,7 @@
 
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Keeps its own copy of the places; queries may run on many threads.
 class NearbyInPlane {
@@ -33,4 +33,4 @@ class NearbyInPlane {
   std::unique_ptr<KdTree> tree_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 std::uint32_t NearestAgain::nearest(std::size_t k, const Vec3& place, double limit) {
   constexpr double rounded = 1 - 1e-9;  // so that no rounding makes another point the nearest
@@ -41,4 +41,4 @@ std::uint32_t NearestAgain::nearest(std::size_t k, const Vec3& place, double lim
   return first.sq_distance <= limit * limit ? first.index : nobody;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -8,7 +8,7 @@
 #include "geometry/images/pixel_grid.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Remembers for every query where it was asked last and how far it may move from there without another answer: half of
 /// what the second nearest is farther away (Greenspan & Godin 2001). Answers are those of the tree, always.
@@ -36,4 +36,4 @@ class NearestAgain {
   std::vector<Last> last_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
@@ -97,4 +97,4 @@ NearestMap::NearestMap(const std::vector<Vec3>& points, double cell, std::size_t
     for (std::size_t x = 0; x < nx; ++x) line.sweep(&index_[x + nx * y], nx * ny, nz, middle_of(x, y, 0), 2, cell_);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// A grid over the box of the points; each of its cells knows the point nearest to its middle, within about a cell.
 class NearestMap {
@@ -34,4 +34,4 @@ class NearestMap {
   std::vector<std::uint32_t> index_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -8,7 +8,7 @@
 #include "geometry/mesh/triangle_mesh.h"
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Points in mm in one common frame. Optional columns are empty or as long as `points`.
 struct PointCloud {
@@ -52,4 +52,4 @@ struct Scan {
   std::vector<std::string> files;     ///< names without folders
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -4,7 +4,7 @@
 
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 RepeatedPlaces repeated_places(const std::vector<Vec3>& points, bool image) {
   constexpr std::size_t many = 30, times = 10;  // least repeats, and how far above the usual
@@ -46,4 +46,4 @@ RepeatedPlaces repeated_places(const std::vector<Vec3>& points, bool image) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// What of a cloud says nothing. A scanned surface hits no place twice but by the coarseness of its numbers, and then
 /// it repeats most places about as often.
@@ -21,4 +21,4 @@ struct RepeatedPlaces {
 /// and from the `image` of a sensor in any case.
 RepeatedPlaces repeated_places(const std::vector<Vec3>& points, bool image);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -14,7 +14,7 @@
 // Vectors stay inside this file; how they would be passed between files does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr int most_together = 32;  // queries that share a frontier
@@ -136,4 +136,4 @@ NearestSlot start_from(const TriangleTree& tree, const Vec3& query, const Neares
   return best;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr int bits = 10;  // per axis
@@ -104,4 +104,4 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3> points, int threa
   return finish();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

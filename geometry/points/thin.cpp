@@ -11,7 +11,7 @@
 #include "core/ensure.h"
 #include "core/large_memory.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Cell = std::array<std::int64_t, 3>;
@@ -182,4 +182,4 @@ double spacing_for_count(const std::vector<Vec3>& points, const std::vector<std:
   return std::exp(high);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

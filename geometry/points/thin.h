@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// All indices, sorted by x, then y, then z (then by index, for points that coincide).
 std::vector<std::uint32_t> coordinate_order(const std::vector<Vec3>& points);
@@ -22,4 +22,4 @@ double spacing_for_count(const std::vector<Vec3>& points, std::size_t target);
 double spacing_for_count(const std::vector<Vec3>& points, const std::vector<std::uint8_t>& rejected,
                          std::size_t target);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -7,7 +7,7 @@
 #include "core/ensure.h"
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -314,4 +314,4 @@ double signed_area(const Outline2& outline, int loop) {
   return 0.5 * sum;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -8,7 +8,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 struct Line2 {
   Vec2 a, b;
@@ -81,4 +81,4 @@ class OutlineDistance {
 /// The area enclosed by one loop, positive for counter-clockwise.
 double signed_area(const Outline2& outline, int loop);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

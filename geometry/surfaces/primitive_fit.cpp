@@ -14,7 +14,7 @@
 #include "geometry/surfaces/primitive_kernels.h"
 #include "geometry/surfaces/primitive_start.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Unknowns = Eigen::Matrix<double, max_unknowns, 1>;
@@ -669,4 +669,4 @@ std::optional<PrimitiveFit> fit_primitive(PrimitiveKind kind, const std::vector<
   return fit;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 enum class PrimitiveKind { plane, line, circle, sphere, cylinder, cone, torus };
 const char* name_of(PrimitiveKind kind);  ///< "plane", ...
@@ -60,4 +60,4 @@ struct PrimitiveFitOptions {
 std::optional<PrimitiveFit> fit_primitive(PrimitiveKind kind, const std::vector<Vec3>& points,
                                           const std::vector<Vec3>& normals, const PrimitiveFitOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

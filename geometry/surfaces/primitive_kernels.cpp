@@ -15,7 +15,7 @@
 #define PARTSCRIBE_WIDE 0
 #endif
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 constexpr int block_size = 256;
@@ -472,4 +472,4 @@ Moments moments(const std::vector<Vec3>& points, const double* weights, const Ve
   return m;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

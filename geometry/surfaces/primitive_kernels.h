@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Points seen about their centre and divided by a power of two near their size.
 struct ScaledPoints {
@@ -65,4 +65,4 @@ struct Moments {
 };
 Moments moments(const std::vector<Vec3>& points, const double* weights, const Vec3& origin);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

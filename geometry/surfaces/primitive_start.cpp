@@ -10,7 +10,7 @@
 #include "geometry/decompose.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 namespace {
 
 using Charts = std::vector<PrimitiveChart>;
@@ -356,4 +356,4 @@ std::vector<PrimitiveChart> start_charts(ChartKind kind, const std::vector<Vec3>
   return charts;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -5,7 +5,7 @@
 
 #include "geometry/surfaces/primitive_kernels.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// The same primitive with its chart's origin at the surface point nearest to the origin of the points.
 PrimitiveChart recentered(PrimitiveChart chart);
@@ -18,4 +18,4 @@ PrimitiveChart surface_chart(ChartKind kind, const Vec3& place, const Vec3& norm
 std::vector<PrimitiveChart> start_charts(ChartKind kind, const std::vector<Vec3>& points,
                                          const std::vector<Vec3>& normals);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -8,7 +8,7 @@
 
 #include "core/ensure.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 double ellipsoid_distance(const Vec3& p, const Vec3& radii) {
   ensure(radii.minCoeff() > 0, "an ellipsoid needs half axes above zero");
@@ -348,4 +348,4 @@ double superellipsoid_radial_distance(const Vec3& p, double a1, double a2, doubl
   return straight.norm() * (1 - 1 / n);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -3,7 +3,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::geometry {
 
 /// Ellipsoid about the origin with half axes `radii` along x, y, z (mm, > 0). Exact to rounding everywhere,
 /// symmetry planes, near-spheres, flat ones and far points included.
@@ -24,4 +24,4 @@ double superellipsoid_radial_distance(const Vec3& p, double a1, double a2, doubl
 /// starts.
 double supertoroid_distance(const Vec3& p, double major, double minor, double half_height, double e1, double e2);
 
-}  // namespace partscribe
+}  // namespace partscribe::geometry

@@ -11,7 +11,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr double same_way = 0.9;            // cosine of normals on the plane
@@ -186,4 +186,4 @@ Result<Foreground> cut_background(const PointCloud& cloud, double sigma, double 
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

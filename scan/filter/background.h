@@ -7,7 +7,7 @@
 #include "core/result.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// What stands on the largest plane.
 struct Foreground {
@@ -28,4 +28,4 @@ struct Foreground {
 /// have normals; `sigma` and `spacing` in mm. Fails when there is no such plane or no such thing.
 Result<Foreground> cut_background(const PointCloud& cloud, double sigma, double spacing, int which);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -7,7 +7,7 @@
 #include "core/statistics.h"
 #include "geometry/images/rlts_filter.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 /// A filtered pixel in the sensor's frame.
@@ -91,4 +91,4 @@ std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<
   return views_of(filtered, scan.cloud.points);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -9,7 +9,7 @@
 #include "geometry/points/point_cloud.h"
 #include "scan/register/register.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct FilterSummary {
   std::size_t views = 0;  ///< that are range images; others stay as they are
@@ -37,4 +37,4 @@ FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Co
 /// the scan itself stays.
 std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<RangeImage>& images, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -12,7 +12,7 @@
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr double same_side = 0.5;  // cosine between normals of one surface
@@ -215,4 +215,4 @@ MergedCloud merge_views(const PointCloud& cloud, const MergeOptions& options, Co
   return merged;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -7,7 +7,7 @@
 #include "core/context.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct MergeOptions {
   double spacing = 0;               ///< mm between merged points; larger is coarser; 0: as dense as the views are
@@ -30,4 +30,4 @@ struct MergedCloud {
 /// Where the normal is unknown (zero) a sample stands for itself. The same for any number of threads.
 MergedCloud merge_views(const PointCloud& cloud, const MergeOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

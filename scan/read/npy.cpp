@@ -9,7 +9,7 @@
 
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr int largest_side = 65535;
@@ -104,4 +104,4 @@ Result<RangeCodes> parse_npy(std::string_view bytes, const std::string& name) {
   return image;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -12,7 +12,7 @@
 #include "core/png.h"
 #include "scan/read/npy.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr int largest_side = 65535;
@@ -149,4 +149,4 @@ Result<RangeCodes> parse_range_file(std::string_view bytes, const std::string& n
 
 std::string write_png(const RangeCodes& image) { return write_png_grey16(image.width, image.height, image.codes); }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

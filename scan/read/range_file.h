@@ -9,7 +9,7 @@
 
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Depth z = z0 + q * (code - 1), in the file's own unit.
 struct DepthSteps {
@@ -32,4 +32,4 @@ Result<RangeCodes> parse_range_file(std::string_view bytes, const std::string& n
 /// The same bytes for the same codes always.
 std::string write_png(const RangeCodes& image);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

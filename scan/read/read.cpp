@@ -10,7 +10,7 @@
 #include "scan/read/range_file.h"
 #include "scan/read/sources.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 std::string lower_case(std::string text) {
@@ -302,4 +302,4 @@ Result<Scan> read_scan(const std::vector<Path>& inputs, const ReadOptions& optio
   return joined(std::move(pieces), options, images);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -11,7 +11,7 @@
 #include "geometry/images/range_image.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Millimetres per unit.
 struct Unit {
@@ -55,4 +55,4 @@ struct SurfaceSamples {
 };
 SurfaceSamples sample_coarse_mesh(const TriangleMesh& mesh);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -4,7 +4,7 @@
 #include "core/number.h"
 #include "scan/read/sources.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 std::vector<std::string> words_of(std::string_view line) {
@@ -61,4 +61,4 @@ std::optional<Error> add_conf(const Path& path, Context& context, Pieces& pieces
   return {};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -7,7 +7,7 @@
 #include "scan/read/range_file.h"
 #include "scan/read/sources.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 using nlohmann::json;
@@ -307,4 +307,4 @@ std::optional<Error> add_image_with_sidecar(const Path& path, const ReadOptions&
   return add_image(path, *document, json::object(), {sidecar.filename().string()}, options.initial_guess, pieces);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

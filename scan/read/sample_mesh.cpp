@@ -5,7 +5,7 @@
 
 #include "scan/read/read.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 double longest_edge(const TriangleMesh& mesh, std::size_t t) {
@@ -51,4 +51,4 @@ SurfaceSamples sample_coarse_mesh(const TriangleMesh& mesh) {
   return samples;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -9,7 +9,7 @@
 #include "geometry/points/point_cloud.h"
 #include "scan/read/read.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// What one file or image contributes, in the common frame but in the file's own unit.
 struct Piece {
@@ -56,4 +56,4 @@ void add_pose_covariance(const Path& cloud, Pieces& pieces);
 /// A Stanford .conf with the meshes it names.
 std::optional<Error> add_conf(const Path& path, Context& context, Pieces& pieces);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -17,7 +17,7 @@
 #include "scan/register/register_turntable.h"
 #include "scan/register/register_words.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 std::string place_text(const Vec3& v, double resolution) {
@@ -358,4 +358,4 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

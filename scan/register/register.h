@@ -11,7 +11,7 @@
 #include "core/result.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// One view in its own frame. With rays, the sensor is the place where they meet or the direction that they share;
 /// with pixels and the size of the image, borders count as occluding contours. What is missing is estimated.
@@ -143,4 +143,4 @@ std::vector<std::uint8_t> floating_points(const Registration& registration, cons
 Result<Registration> register_views(const std::vector<RegisterView>& views, const RegisterOptions& options,
                                     Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -12,7 +12,7 @@
 #include "scan/register/register_search.h"
 #include "scan/register/register_start.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 /// What two views say to their poses, each asked about the places of the other.
@@ -426,4 +426,4 @@ AlikeSides alike_sides(const std::vector<ViewSurface>& surfaces, const std::vect
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

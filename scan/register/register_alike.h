@@ -5,7 +5,7 @@
 
 #include "scan/register/register_search.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// A turn that lays most of the placed surfaces onto themselves.
 struct AlikeTurn {
@@ -34,4 +34,4 @@ AlikeSides alike_sides(const std::vector<ViewSurface>& surfaces, const std::vect
 /// Whether a motion lays the surface of placed views onto itself as far as they tell; the far side may be unseen.
 bool alike_after(const Placement& placement, const Pose& motion);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -8,7 +8,7 @@
 #include "core/number.h"
 #include "core/random.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 using Histogram = Eigen::Matrix<float, 33, 1>;
@@ -148,4 +148,4 @@ std::vector<Pose> feature_poses(const Features& source, const Features& target, 
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -5,7 +5,7 @@
 
 #include "scan/register/register_pair.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Oriented points of a view with a histogram of the normals around each (33 numbers; Rusu 2009).
 struct Features {
@@ -21,4 +21,4 @@ std::unique_ptr<Features> features_of(const ViewSurface& surface, double cell);
 /// Candidates for target_from_source, the best first, from pairs of points with like histograms, distances and angles.
 std::vector<Pose> feature_poses(const Features& source, const Features& target, std::size_t most);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

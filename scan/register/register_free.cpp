@@ -13,7 +13,7 @@
 #include "scan/register/register_start.h"
 #include "scan/register/register_steps.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -283,4 +283,4 @@ std::vector<Pose> freed_of_contradictions(const std::vector<ViewSurface>& surfac
   return best;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -5,7 +5,7 @@
 
 #include "scan/register/register_joint.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// What the normal matrix leaves free, and the motions (`joined`, of each view) that the search found to lead to other
 /// poses as good and that are not among those; one entry for all views that move alike. `used`: the views of `joint`.
@@ -30,4 +30,4 @@ bool any_in_trouble(const std::vector<ViewSurface>& surfaces, const std::vector<
 std::vector<Pose> freed_of_contradictions(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                                           const std::vector<std::size_t>& views, bool contours, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -14,7 +14,7 @@
 #include "scan/register/register_measured.h"
 #include "scan/register/register_steps.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -685,4 +685,4 @@ JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

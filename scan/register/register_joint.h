@@ -5,7 +5,7 @@
 
 #include "scan/register/register_surface.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct JointOptions {
   double start_reach = 5;  ///< mm
@@ -48,4 +48,4 @@ double largest_of_a_view(const Eigen::VectorXd& direction);
 JointResult adjust_jointly(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                            const std::vector<std::size_t>& views, const JointOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

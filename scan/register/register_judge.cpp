@@ -10,7 +10,7 @@
 #include "scan/register/register_start.h"
 #include "scan/register/register_words.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 /// True poses leave 0.014 of range images where creases are left out, and 0.11 of unorganised real views. Two views
@@ -196,4 +196,4 @@ std::vector<std::size_t> judge_views(const std::vector<ViewSurface>& surfaces, c
   return good;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -6,7 +6,7 @@
 #include "scan/register/register.h"
 #include "scan/register/register_joint.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Fills in what the adjusted poses say of each of `used`, the views of `joint`, and refuses those that break a rule;
 /// returns the others. Of two views that contradict each other both break it: those that are to blame alone leave
@@ -15,4 +15,4 @@ std::vector<std::size_t> judge_views(const std::vector<ViewSurface>& surfaces, c
                                      const std::vector<std::size_t>& used, const std::vector<FreeMotion>& free_motions,
                                      const RegisterOptions& options, std::vector<RegisteredView>& views);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

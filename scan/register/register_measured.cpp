@@ -8,7 +8,7 @@
 #include "geometry/points/nearest_again.h"
 #include "scan/register/register_steps.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 using Eigen::MatrixXd;
@@ -148,4 +148,4 @@ void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const Adjusted
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -7,7 +7,7 @@
 
 #include "scan/register/register_surface.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// What adjust_by_measured starts from. The unknowns are those of JointResult for all views but the first in `views`:
 /// rotation vector about `center` times `size`, and shift, mm.
@@ -29,4 +29,4 @@ struct AdjustedViews {
 void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted,
                         std::vector<Pose>& poses, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -10,7 +10,7 @@
 #include "geometry/decompose.h"
 #include "geometry/points/nearest_again.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -447,4 +447,4 @@ bool same_place(const ViewSurface& surface, const Pose& a, const Pose& b, double
          (a * surface.center - b * surface.center).norm() < shift;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

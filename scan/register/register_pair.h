@@ -10,7 +10,7 @@
 #include "geometry/points/nearest_map.h"
 #include "scan/register/register_surface.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Oriented points in one frame.
 struct Surfels {
@@ -132,4 +132,4 @@ Pose rotation_about(const Vec3& point, const Vec3& axis, double angle);
 /// Rotation vector of a rotation, exact near 0 and near pi.
 Vec3 rotation_vector(const Mat3& rotation);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -6,7 +6,7 @@
 
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 Pose closest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   Vec3 pm = Vec3::Zero(), xm = Vec3::Zero();
@@ -157,4 +157,4 @@ StartResult register_as_published(const std::vector<ViewSurface>& surfaces, cons
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -5,7 +5,7 @@
 
 #include "scan/register/register_start.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct PaperOptions {
   double patch_angle = 0.12;       ///< rad; normals of one patch differ by no more
@@ -33,4 +33,4 @@ Pose closest_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
 StartResult register_as_published(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& guesses,
                                   const PaperOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr double same_direction = 0.995;  // cosine of 6 degrees, of a place's normal against its plane
@@ -206,4 +206,4 @@ std::vector<Pose> plane_poses(const std::vector<ViewPlane>& source_planes, const
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

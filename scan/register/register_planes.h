@@ -5,7 +5,7 @@
 
 #include "scan/register/register_pair.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// n . x = offset in the view's frame.
 struct ViewPlane {
@@ -24,4 +24,4 @@ std::vector<Pose> plane_poses(const std::vector<ViewPlane>& source_planes, const
                               const std::vector<ViewSurface>& surfaces, std::size_t source, std::size_t target,
                               double reach, std::size_t most);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -8,7 +8,7 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 /// Heights over the profile on cells along and about the axis.
@@ -173,4 +173,4 @@ std::optional<std::vector<Pose>> poses_by_relief(const std::vector<RegisterView>
   return poses;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -7,7 +7,7 @@
 #include "core/context.h"
 #include "scan/register/round_views.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// The poses, first_from_view, that lay the relief of each view onto that of the one before: the height over the
 /// profile that all views share, less its mean over some millimetres around and less what stands still in all views
@@ -17,4 +17,4 @@ namespace partscribe {
 std::optional<std::vector<Pose>> poses_by_relief(const std::vector<RegisterView>& views, const RoundViews& round,
                                                  double cell, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -9,7 +9,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr std::size_t few = 300;  // surfels of a view, for its axes and the coarse search
@@ -326,4 +326,4 @@ void PoseSearch::slide(std::vector<PoseCandidate>& candidates, AlignOptions exac
       1);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

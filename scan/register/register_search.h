@@ -7,7 +7,7 @@
 
 #include "scan/register/register_pair.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// A pose of one view that was found, and what speaks for it.
 struct PoseCandidate {
@@ -100,4 +100,4 @@ class PoseSearch {
   std::vector<Seen> seen_;      // by the others, where there is a guess
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

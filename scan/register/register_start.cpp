@@ -16,7 +16,7 @@
 #include "scan/register/register_steps.h"
 #include "scan/register/register_words.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 /// Rotation vectors on a lattice within a ball, the middle first.
@@ -566,4 +566,4 @@ StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const 
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

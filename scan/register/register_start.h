@@ -8,7 +8,7 @@
 
 #include "scan/register/register_pair.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct StartResult {
   std::vector<Pose> poses;  ///< world_from_view
@@ -58,4 +58,4 @@ inline const char* enough_in_words(bool either_side) {
 StartResult start_from_features(const std::vector<ViewSurface>& surfaces, const RegisterOptions& options,
                                 Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

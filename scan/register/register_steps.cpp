@@ -6,7 +6,7 @@
 #include "core/statistics.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 void add_pair(std::size_t a, std::size_t b, const Mat6& block, Eigen::MatrixXd& all) {
   if (a > 0) all.block<6, 6>(first_unknown(a), first_unknown(a)) += block;
@@ -37,4 +37,4 @@ double spread_of(std::vector<double> residuals) {
   return 1.4826 * median(std::move(residuals));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

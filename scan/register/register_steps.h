@@ -7,7 +7,7 @@
 #include "geometry/vec.h"
 #include "scan/register/register.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Six unknowns of each view but the first, whose pose stays: rotation vector about a center times a size, and shift,
 /// mm.
@@ -28,4 +28,4 @@ Pose moved_about(const Pose& pose, const Vec3& center, const Vec3& turn, const V
 /// The standard deviation of residuals of which some are wild, from the median of their sizes.
 double spread_of(std::vector<double> residuals);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -17,7 +17,7 @@
 #include "geometry/normals/normals.h"
 #include "geometry/points/thin.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 Vec3 SightRaster::project(const Vec3& p) const {
   const Vec3 q = axes.transpose() * (p - origin);
@@ -684,4 +684,4 @@ std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, i
   return surfaces;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -10,7 +10,7 @@
 #include "geometry/points/kd_tree.h"
 #include "scan/register/register.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Depths on the sensor's own grid, or on one laid across the view: tells what the sensor looked through.
 struct SightRaster {
@@ -106,4 +106,4 @@ std::vector<ViewSurface> view_surfaces(const std::vector<RegisterView>& views, i
 std::vector<std::uint32_t> spread_sample(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
                                          const std::vector<std::uint32_t>& from, std::size_t count);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

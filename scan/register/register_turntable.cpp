@@ -14,7 +14,7 @@
 #include "scan/register/register_words.h"
 #include "scan/register/round_views.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 Turntable table_of(const std::vector<Pose>& first_from_view, const Vec3& near) {
   Turntable table{Vec3::Zero(), Vec3::Zero(), 0, 0, true, {}};
@@ -354,4 +354,4 @@ Result<TurntableStart> start_from_turntable(const std::vector<RegisterView>& vie
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

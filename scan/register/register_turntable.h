@@ -6,7 +6,7 @@
 
 #include "scan/register/register_start.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct TurntableStart {
   StartResult start;                     ///< world is the frame of the first view
@@ -28,4 +28,4 @@ Turntable table_of(const std::vector<Pose>& first_from_view, const Vec3& near);
 Result<TurntableStart> start_from_turntable(const std::vector<RegisterView>& views, std::vector<ViewSurface>& surfaces,
                                             bool contours, const RegisterOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -8,7 +8,7 @@
 #include "core/statistics.h"
 #include "geometry/decompose.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr std::size_t fewest_of_a_bin = 12;  // points
@@ -218,4 +218,4 @@ RoundFits round_views(const std::vector<ViewSurface>& surfaces, const AxisLine& 
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -7,7 +7,7 @@
 
 #include "scan/register/register_surface.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct AxisLine {
   Vec3 point, axis;  ///< unit direction
@@ -59,4 +59,4 @@ struct RoundFits {
 /// between the views and they did not. Not found where the sensor looks along the axis.
 RoundFits round_views(const std::vector<ViewSurface>& surfaces, const AxisLine& axis);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

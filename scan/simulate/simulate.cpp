@@ -11,7 +11,7 @@
 #include "core/random.h"
 #include "scan/read/sources.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 constexpr double margin = 1.02;         // of the image around the part's bounding sphere
@@ -201,4 +201,4 @@ SimulatedScan simulate(const Surface& surface, const SimulateOptions& options, C
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

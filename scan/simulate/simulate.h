@@ -12,7 +12,7 @@
 #include "geometry/points/point_cloud.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 /// Where a ray meets a surface first.
 struct SurfaceHit {
@@ -67,4 +67,4 @@ struct SimulatedFile {
 };
 std::vector<SimulatedFile> files_of(const SimulatedScan& scan, const SimulateOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

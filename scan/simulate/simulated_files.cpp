@@ -5,7 +5,7 @@
 #include "scan/read/sources.h"
 #include "scan/simulate/simulate.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 std::string matrix(const Pose& pose, const std::string& indent) {
@@ -66,4 +66,4 @@ std::vector<SimulatedFile> files_of(const SimulatedScan& scan, const SimulateOpt
   return files;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -10,7 +10,7 @@
 #include "model/sketch.h"
 #include "scan/simulate/simulate.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 struct MeshAndTree {
@@ -269,4 +269,4 @@ Surface surface_of(const Model& model) {
   return surface;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

@@ -8,7 +8,7 @@
 
 #include "scan/simulate/simulate.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 namespace {
 
 enum class Space : std::uint8_t { unknown, empty, surface };
@@ -215,4 +215,4 @@ NextViews next_views(const Scan& scan, const NextViewsOptions& options, Context&
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

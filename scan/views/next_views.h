@@ -6,7 +6,7 @@
 #include "core/context.h"
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::scan {
 
 struct NextViewsOptions {
   int cells = 64;                 ///< along the longest side of the part; finer sees smaller gaps and takes longer
@@ -34,4 +34,4 @@ struct NextViews {
 /// to register it (Pito 1999, Scott 2003). `scan` needs rays; nothing comes out without them.
 NextViews next_views(const Scan& scan, const NextViewsOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::scan

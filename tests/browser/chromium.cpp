@@ -15,7 +15,7 @@
 
 #include "core/process.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 std::string decoded_base64(const std::string& text) {
@@ -243,4 +243,4 @@ Screenshot Chromium::screenshot(const std::string& selector) {
       call("Page.captureScreenshot", {{"format", "png"}, {"clip", clip}, {"captureBeyondViewport", true}}).at("data")));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

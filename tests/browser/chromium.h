@@ -9,7 +9,9 @@
 
 #include "core/files.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace core;
 
 using Json = nlohmann::json;
 
@@ -60,4 +62,4 @@ class Chromium {
   std::vector<std::string> complaints_, requests_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -10,7 +10,10 @@
 #include "core/number.h"
 #include "core/random.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
+
 namespace {
 
 /// Says so and ends the test where no browser is installed; ctest then counts it as skipped.
@@ -393,4 +396,4 @@ TEST_CASE("browser: without JavaScript the pictures and all tables are there") {
   expect_quiet(browser, page);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

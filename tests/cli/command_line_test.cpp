@@ -9,7 +9,10 @@
 #include "geometry/vec.h"
 #include "run.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace geometry;
+
 namespace {
 
 /// One line that begins as every error does.
@@ -270,4 +273,4 @@ TEST_CASE("command line: Ctrl-C is obeyed within a second, wherever it comes") {
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -12,7 +12,10 @@
 #include "run.h"
 #include "tests/json_schema.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace geometry;
+
 namespace {
 
 double value_of(const nlohmann::json& model, const std::string& name) {
@@ -323,4 +326,4 @@ TEST_CASE("corpus: the same seed simulates the same bytes") {
     CHECK(bytes_of(entry.path()) == bytes_of(folder.path() / "two" / entry.path().filename()));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -5,7 +5,7 @@
 #include "core/process.h"
 #include "run.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 /// The program, where `folder` has room for `bytes`.
@@ -63,4 +63,4 @@ TEST_CASE("full disk: a temporary folder without room is no verdict on the part"
   CHECK(output.out.find("'openscad' had no room to write in " + small.string()) != std::string::npos);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -6,7 +6,7 @@
 
 #include "run.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 const std::map<std::string, std::set<std::string>> allowed = {
@@ -49,6 +49,28 @@ std::vector<std::string> broken_rules(const std::string& folder, const Path& fil
                          included == "nlohmann/json.hpp" || included.ends_with(".hxx");
       if (heavy) complaints.push_back(file.string() + " is a header and includes " + included);
     }
+  return complaints;
+}
+
+/// The namespaces of the project that a file opens.
+std::set<std::string> namespaces_of(const Path& file) {
+  std::set<std::string> result;
+  std::istringstream lines(bytes_of(file));
+  for (std::string line; std::getline(lines, line);) {
+    const auto brace = line.find(" {");
+    if (line.starts_with("namespace partscribe") && brace != std::string::npos)
+      result.insert(line.substr(10, brace - 10));
+  }
+  return result;
+}
+
+/// Complaints about the namespaces of one file: all of them are that of its folder, or within it.
+std::vector<std::string> foreign_namespaces(const std::string& folder, const Path& file) {
+  std::vector<std::string> complaints;
+  const std::string own = "partscribe::" + folder;
+  for (const auto& name : namespaces_of(file))
+    if (name != own && !name.starts_with(own + "::"))
+      complaints.push_back(file.string() + " opens " + name + " where " + own + " is expected");
   return complaints;
 }
 
@@ -109,6 +131,32 @@ TEST_CASE("layers: every folder includes only what stands below it") {
   CHECK(files > 50);
 }
 
+TEST_CASE("layers: a file opens the namespace of its folder") {
+  std::size_t files = 0;
+  for (const auto& [folder, below] : allowed)
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(source_file(folder))) {
+      const auto suffix = entry.path().extension();
+      if ((suffix != ".h" && suffix != ".cpp") || entry.path() == source_file("core/layers.h")) continue;
+      files += namespaces_of(entry.path()).empty() ? 0 : 1;
+      for (const auto& complaint : foreign_namespaces(folder, entry.path())) FAIL_CHECK(complaint);
+    }
+  CHECK(files > 400);
+}
+
+TEST_CASE("layers: a namespace sees those of the folders below its own") {
+  std::map<std::string, std::set<std::string>> told;
+  std::istringstream lines(bytes_of(source_file("core/layers.h")));
+  std::string name;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("namespace partscribe::")) {
+      name = line.substr(22, line.find(' ', 22) - 22);
+      told[name] = {name};
+    }
+    if (line.starts_with("using namespace ")) told[name].insert(line.substr(16, line.size() - 17));
+  }
+  CHECK(told == allowed);
+}
+
 TEST_CASE("layers: every subfolder has its sentence in CONTRIBUTING") {
   std::set<std::string> there, told;
   for (const auto& [folder, below] : allowed)
@@ -132,4 +180,13 @@ TEST_CASE("layers: an include that points upward is noticed") {
   CHECK(broken_rules("cli", file).size() == 1);
 }
 
-}  // namespace partscribe
+TEST_CASE("layers: another folder's namespace is noticed") {
+  const TemporaryDirectory folder;
+  const Path file = folder.path() / "bad.h";
+  REQUIRE(
+      write_file(file, "namespace partscribe::fit {\nnamespace partscribe::fitting {\nnamespace partscribe {\n").ok());
+  CHECK(foreign_namespaces("fit", file).size() == 2);
+  CHECK(foreign_namespaces("scan", file).size() == 3);
+}
+
+}  // namespace partscribe::testing

@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
 
 TEST_CASE("names: a part is named after its file, or its folder where the file's name says nothing") {
   CHECK(part_name("scans/Pump cover (2).ply") == "pump_cover_2");
@@ -35,4 +37,4 @@ TEST_CASE("names: folders keep their characters and stay apart") {
   CHECK(folder_name("scans/Bracket.ply") != folder_name("scans/bracket.ply"));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

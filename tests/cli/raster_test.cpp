@@ -7,7 +7,10 @@
 #include "cli/pictures/color_scale.h"
 #include "cli/pictures/raster_text.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
+
 namespace {
 
 constexpr Color white{255, 255, 255}, red{255, 0, 0}, blue{0, 0, 255};
@@ -118,4 +121,4 @@ TEST_CASE("scale: the histogram counts every judged point once") {
   CHECK(counts == std::vector<std::size_t>{0, 1, 2, 1});
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -10,7 +10,10 @@
 #include "core/random.h"
 #include "geometry/mesh/mesh_distance.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
+
 namespace {
 
 /// A plate of 40 x 20 x 2 mm as twelve triangles.
@@ -184,4 +187,4 @@ TEST_CASE("report map: the packed numbers stay within indices that sixteen bits 
   CHECK(map.json.size() < 1'500'000);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -11,7 +11,10 @@
 #include "codegen/emit.h"
 #include "core/files.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
+
 namespace {
 
 Model ball() {
@@ -327,4 +330,4 @@ TEST_CASE("verdict file: what was written is read back") {
   CHECK(bad.error().message.find("x/verdict.json: expected a verdict") == 0);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

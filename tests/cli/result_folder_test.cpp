@@ -5,7 +5,10 @@
 
 #include "run.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
+
 namespace {
 
 const std::vector<std::string> names = {"model.json", "part.step", "verdict.json"};
@@ -70,4 +73,4 @@ TEST_CASE(
   CHECK_FALSE(std::filesystem::exists(folder.path() / "verdict.json"));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

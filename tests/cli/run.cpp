@@ -4,7 +4,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 
 ProcessOutput run_partscribe(const std::vector<std::string>& arguments, const Path& working_directory) {
   std::vector<std::string> words = {PARTSCRIBE_PROGRAM};
@@ -32,4 +32,4 @@ void simulate_part(const std::string& part, const Path& folder, int resolution, 
   REQUIRE(output.exit_code == 0);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

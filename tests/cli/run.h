@@ -6,7 +6,9 @@
 
 #include "core/process.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace core;
 
 /// The program with these arguments; a program that cannot be started ends the test.
 ProcessOutput run_partscribe(const std::vector<std::string>& arguments, const Path& working_directory = {});
@@ -20,4 +22,4 @@ Path source_file(const std::string& path);
 /// A scan of a bundled model: the folder that `simulate` wrote.
 void simulate_part(const std::string& part, const Path& folder, int resolution, double sigma);
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -4,7 +4,7 @@
 
 #include "run.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 /// Scans the committed model of a part and demands that `build` finds its kind and verifies all four artifacts.
@@ -57,4 +57,4 @@ TEST_CASE("shapes: a scanned pin is turned") { expect_found("pin", "revolve", {1
 TEST_CASE("shapes: a scanned vase is turned from a free profile") { expect_found("nurbs_vase", "revolve", {}); }
 TEST_CASE("shapes: a scanned tie bar is extruded") { expect_found("tie_bar", "extrude", {}); }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

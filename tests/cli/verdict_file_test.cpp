@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
 
 TEST_CASE("verdict.json: features, their dimensions and the findings survive writing and reading") {
   Verdict verdict;
@@ -49,4 +51,4 @@ TEST_CASE("verdict.json: features, their dimensions and the findings survive wri
   CHECK(refused.error().message.find("found \"missing_materiel\"") != std::string::npos);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -6,7 +6,7 @@
 #include "core/random.h"
 #include "run.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 /// A scan of the bundled part whose guesses are off by some degrees.
@@ -150,4 +150,4 @@ TEST_CASE("views: a part on a table is cut out, and nothing is written when ther
   CHECK(built.out.find("partscribe scan " + room.string() + " --units mm --on-table 1") != std::string::npos);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -3,7 +3,10 @@
 
 #include <catch2/catch.hpp>
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace cli;
+
 namespace {
 
 Verdict refused_for(double tolerance, std::vector<double> deviations) {
@@ -82,4 +85,4 @@ TEST_CASE("wider: what is wrong by no known distance is let by no tolerance") {
   CHECK_FALSE(wider_for("box", refused_for(0.1, {5}), 3).has_value());
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -16,7 +16,9 @@
 #include "model/json.h"
 #include "verify/evaluate/alpha1.h"
 
-using namespace partscribe;
+using namespace partscribe::codegen;
+using namespace partscribe::verify;
+using namespace partscribe::testing;
 
 namespace {
 

@@ -15,7 +15,9 @@
 #include "model/json.h"
 #include "verify/evaluate/evaluate.h"
 
-using namespace partscribe;
+using namespace partscribe::codegen;
+using namespace partscribe::verify;
+using namespace partscribe::testing;
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 Expr p(const char* name) { return Expr::of(name); }
@@ -336,4 +336,4 @@ std::vector<Model> golden_models() {
           sheet(),          nurbs_vase(),  bracket(), lens()};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -6,8 +6,10 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace model;
 
 std::vector<Model> golden_models();
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

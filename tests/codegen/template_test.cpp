@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-using namespace partscribe;
+using namespace partscribe::codegen;
 
 namespace {
 std::string rendered(const std::string& text, const TemplateRecord& data) {

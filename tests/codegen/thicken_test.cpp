@@ -8,7 +8,7 @@
 #include "geometry/mesh/self_intersection.h"
 #include "geometry/mesh/triangle_mesh.h"
 
-using namespace partscribe;
+using namespace partscribe::codegen;
 
 namespace {
 

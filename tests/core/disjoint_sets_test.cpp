@@ -6,7 +6,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::core;
 
 TEST_CASE("disjoint sets: the root is the least member and the size counts the members") {
   DisjointSets sets(6);

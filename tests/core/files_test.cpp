@@ -8,7 +8,7 @@
 #include "core/context.h"
 #include "core/parallel.h"
 
-using namespace partscribe;
+using namespace partscribe::core;
 
 TEST_CASE("sha256: certified values") {
   CHECK(sha256("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");

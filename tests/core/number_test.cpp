@@ -5,7 +5,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::core;
 
 TEST_CASE("print_number: the text reads back as the same number") {
   Random random(7);

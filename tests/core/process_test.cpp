@@ -10,7 +10,10 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace core;
+
 namespace {
 
 ProcessOutput ran(const std::vector<std::string>& arguments, const ProcessLimits& limits = {.seconds = 20}) {
@@ -162,4 +165,4 @@ TEST_CASE("process: a confined program that never ends is ended with all that it
   CHECK_FALSE(left);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

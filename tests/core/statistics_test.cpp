@@ -6,7 +6,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::core;
 
 TEST_CASE("median: the middle of an odd number, the upper middle of an even one, 0 of none") {
   CHECK(median({3, 1, 2}) == 2);

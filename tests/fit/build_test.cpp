@@ -14,7 +14,8 @@
 #include "tests/fit/sampled.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -49,9 +50,9 @@ void expect_value(const Model& m, double truth) {
 
 /// No point of the truth's surface is farther than the tolerance from the fitted one.
 void expect_same_surface(const Model& truth, const Model& fitted, double tolerance) {
-  test::Sampling exact;
+  Sampling exact;
   exact.points = 3000, exact.noise = 0, exact.seed = 99;
-  const auto points = test::sampled(truth, exact);
+  const auto points = sampled(truth, exact);
   const ModelDistance distance(fitted);
   double worst = 0;
   for (const auto& p : points.cloud.points) worst = std::max(worst, std::abs(distance(p).distance));
@@ -61,16 +62,16 @@ void expect_same_surface(const Model& truth, const Model& fitted, double toleran
 }  // namespace
 
 TEST_CASE("build: a noisy ball becomes a sphere with the true radius") {
-  const Model truth = placed(test::model_with(Sphere{17.3}), {100, -50, 20}, {0, 0, 0});
-  const Model m = built(test::sampled(truth, {}), 0.1);
+  const Model truth = placed(model_with(Sphere{17.3}), {100, -50, 20}, {0, 0, 0});
+  const Model m = built(sampled(truth, {}), 0.1);
   CHECK(kind(m) == "sphere");
   expect_value(m, 17.3);
   expect_same_surface(truth, m, 0.01);
 }
 
 TEST_CASE("build: a tilted cylinder keeps radius and height") {
-  const Model truth = placed(test::model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
-  const Model m = built(test::sampled(truth, {}), 0.1);
+  const Model truth = placed(model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
+  const Model m = built(sampled(truth, {}), 0.1);
   CHECK(kind(m) == "cylinder");
   expect_value(m, 8);
   expect_value(m, 25);
@@ -78,30 +79,30 @@ TEST_CASE("build: a tilted cylinder keeps radius and height") {
 }
 
 TEST_CASE("build: a frustum is a cone, a torus a torus") {
-  const Model cone = placed(test::model_with(Cone{12, 5, 20}), {1, 2, 3}, {1.1, 0.2, 0});
-  const Model fitted_cone = built(test::sampled(cone, {}), 0.1);
+  const Model cone = placed(model_with(Cone{12, 5, 20}), {1, 2, 3}, {1.1, 0.2, 0});
+  const Model fitted_cone = built(sampled(cone, {}), 0.1);
   CHECK(kind(fitted_cone) == "cone");
   expect_same_surface(cone, fitted_cone, 0.03);
-  const Model torus = placed(test::model_with(Torus{20, 6}), {1, 2, 3}, {0.3, 0.9, 0});
-  const Model fitted_torus = built(test::sampled(torus, {}), 0.1);
+  const Model torus = placed(model_with(Torus{20, 6}), {1, 2, 3}, {0.3, 0.9, 0});
+  const Model fitted_torus = built(sampled(torus, {}), 0.1);
   CHECK(kind(fitted_torus) == "torus");
   expect_value(fitted_torus, 20);
   expect_value(fitted_torus, 6);
 }
 
 TEST_CASE("build: a box has three sizes, at any attitude") {
-  const Model truth = placed(test::model_with(Box{30, 20, 10}), {-10, 4, 9}, {0.5, 0.3, 1.2});
-  const Model m = built(test::sampled(truth, {}), 0.1);
+  const Model truth = placed(model_with(Box{30, 20, 10}), {-10, 4, 9}, {0.5, 0.3, 1.2});
+  const Model m = built(sampled(truth, {}), 0.1);
   CHECK(kind(m) == "box");
   for (const double size : {30.0, 20.0, 10.0}) expect_value(m, size);
   expect_same_surface(truth, m, 0.03);
 }
 
 TEST_CASE("build: a pin is turned, its round hangs on the head's radius") {
-  Model truth = placed(test::pin(), {30, 30, -15}, {0.2, 0.1, 0});
-  test::Sampling s;
+  Model truth = placed(pin(), {30, 30, -15}, {0.2, 0.1, 0});
+  Sampling s;
   s.reach = 70, s.points = 40000, s.noise = 0.03;
-  const Model m = built(test::sampled(truth, s), 0.15);
+  const Model m = built(sampled(truth, s), 0.15);
   CHECK(kind(m) == "revolve");
   CHECK(m.parameters.size() == 5);
   for (const double v : {20.0, 10.0, 15.0, 9.0, 65.0}) expect_value(m, v);
@@ -109,10 +110,10 @@ TEST_CASE("build: a pin is turned, its round hangs on the head's radius") {
 }
 
 TEST_CASE("build: a link is an extrusion with round ends and a hole") {
-  Model truth = placed(test::link(), {0, 0, 50}, {0.7, -0.3, 0.4});
-  test::Sampling s;
+  Model truth = placed(link(), {0, 0, 50}, {0.7, -0.3, 0.4});
+  Sampling s;
   s.reach = 55, s.points = 40000, s.noise = 0.02;
-  const Model m = built(test::sampled(truth, s), 0.1);
+  const Model m = built(sampled(truth, s), 0.1);
   CHECK(kind(m) == "extrude");
   expect_value(m, 12);
   expect_value(m, 5);
@@ -126,28 +127,28 @@ TEST_CASE("build: a vase follows its free profile within tolerance") {
   bulge.control = {{{10, 0}}, {{22, 9}}, {{2, 22}}, {{9, 34}}, {{14, 40}}};
   Loop profile;
   profile.elements = {SketchPoint{0, 0, ""}, bulge, SketchPoint{0, 40, ""}};
-  const Model truth = placed(test::model_with(Revolve{{{profile}}}), {3, 4, 5}, {0.2, 0.3, 0});
-  test::Sampling s;
+  const Model truth = placed(model_with(Revolve{{{profile}}}), {3, 4, 5}, {0.2, 0.3, 0});
+  Sampling s;
   s.points = 30000, s.reach = 45;
-  const Model m = built(test::sampled(truth, s), 0.1);
+  const Model m = built(sampled(truth, s), 0.1);
   CHECK(kind(m) == "revolve");
   expect_same_surface(truth, m, 0.1);
 }
 
 TEST_CASE("build: outliers change nothing") {
-  const Model truth = placed(test::model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
-  test::Sampling s;
+  const Model truth = placed(model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
+  Sampling s;
   s.outliers = 0.05;
-  const Model m = built(test::sampled(truth, s), 0.1);
+  const Model m = built(sampled(truth, s), 0.1);
   CHECK(kind(m) == "cylinder");
   expect_same_surface(truth, m, 0.03);
 }
 
 TEST_CASE("build: order of the points and number of threads leave every byte alone") {
-  const Model truth = placed(test::pin(), {30, 30, -15}, {0.2, 0.1, 0});
-  test::Sampling s;
+  const Model truth = placed(pin(), {30, 30, -15}, {0.2, 0.1, 0});
+  Sampling s;
   s.reach = 70, s.points = 15000;
-  const Scan scan = test::sampled(truth, s);
+  const Scan scan = sampled(truth, s);
   Scan shuffled = scan;
   Random random(5);
   for (std::size_t i = shuffled.cloud.points.size(); i > 1; --i)
@@ -158,9 +159,9 @@ TEST_CASE("build: order of the points and number of threads leave every byte alo
 }
 
 TEST_CASE("build: moving the part moves the model, and nothing else") {
-  const Model here = placed(test::model_with(Cylinder{8, 25}), {0, 0, 0}, {0.4, -0.7, 0});
-  const Model there = placed(test::model_with(Cylinder{8, 25}), {1e5, -2e5, 3e5}, {0.4, -0.7, 0});
-  const Model a = built(test::sampled(here, {}), 0.1), b = built(test::sampled(there, {}), 0.1);
+  const Model here = placed(model_with(Cylinder{8, 25}), {0, 0, 0}, {0.4, -0.7, 0});
+  const Model there = placed(model_with(Cylinder{8, 25}), {1e5, -2e5, 3e5}, {0.4, -0.7, 0});
+  const Model a = built(sampled(here, {}), 0.1), b = built(sampled(there, {}), 0.1);
   REQUIRE(kind(b) == "cylinder");
   CHECK(a.parameters[0].fitted == Approx(b.parameters[0].fitted).margin(0.002));
   expect_same_surface(there, b, 0.02);
@@ -177,7 +178,7 @@ Model tie_bar(const Vec3& turn) {
     loop.elements = {SketchArc{x, 0, 4, 2 * pi, 0, "hole", ""}};
     return loop;
   };
-  return placed(test::model_with(Extrude{{{outline, hole(0), hole(60)}}, Expr(12)}), {7, -3, 20}, turn);
+  return placed(model_with(Extrude{{{outline, hole(0), hole(60)}}, Expr(12)}), {7, -3, 20}, turn);
 }
 
 Pose frame_of(const Model& m) { return evaluate(m.scan_from_part, values_of(m)); }
@@ -189,9 +190,9 @@ TEST_CASE("build: which of equal faces, ends and holes comes first is the scan's
   for (const Vec3& turn : {Vec3(0, 0, 0), Vec3(0, 0, pi / 2), Vec3(2.6, 0.3, 0.9)}) {
     std::optional<Pose> known;
     for (const std::uint64_t seed : {1, 2, 3, 4}) {
-      const Model m = built(
-          test::sampled(tie_bar(turn), {.points = seed % 2 ? 15000u : 9000u, .noise = 0.03, .reach = 80, .seed = seed}),
-          0.15);
+      const Model m =
+          built(sampled(tie_bar(turn), {.points = seed % 2 ? 15000u : 9000u, .noise = 0.03, .reach = 80, .seed = seed}),
+                0.15);
       REQUIRE(kind(m) == "extrude");
       const Pose frame = frame_of(m);
       INFO("seed " << seed << ", z " << frame.rotation.col(2).transpose() << ", x "
@@ -221,8 +222,8 @@ TEST_CASE("build: too few points are one line of bad news") {
 }
 
 TEST_CASE("build: forcing a procedure changes the script") {
-  const Model truth = placed(test::model_with(Box{30, 20, 10}), {0, 0, 0}, {0, 0, 0});
-  Scan scan = test::sampled(truth, {});
+  const Model truth = placed(model_with(Box{30, 20, 10}), {0, 0, 0}, {0, 0, 0});
+  Scan scan = sampled(truth, {});
   Context context;
   BuildOptions options;
   options.force = "half_spaces";
@@ -242,7 +243,7 @@ namespace {
 
 /// Builds a box's scan and refuses what `refuses` names.
 Model built_unless(const std::function<bool(const Model&)>& refuses) {
-  Scan scan = test::sampled(placed(test::model_with(Box{30, 20, 10}), {0, 0, 0}, {0, 0, 0}), {.points = 6000});
+  Scan scan = sampled(placed(model_with(Box{30, 20, 10}), {0, 0, 0}, {0, 0, 0}), {.points = 6000});
   Context context;
   BuildOptions options;
   options.refusal = [&](const CheckedModel& m) { return Result<std::string>(refuses(*m) ? "it will not do" : ""); };
@@ -274,7 +275,7 @@ TEST_CASE("build: where everything is refused the first model is the answer") {
 }
 
 TEST_CASE("build: what was asked after the fit and failed ends the build") {
-  Scan scan = test::sampled(placed(test::model_with(Sphere{10}), {0, 0, 0}, {0, 0, 0}), {.points = 2000});
+  Scan scan = sampled(placed(model_with(Sphere{10}), {0, 0, 0}, {0, 0, 0}), {.points = 2000});
   Context context;
   BuildOptions options;
   options.refusal = [](const CheckedModel&) { return Result<std::string>(Error{"no space", ErrorKind::stopped}); };

@@ -8,7 +8,8 @@
 #include "fit/build.h"
 #include "scan/read/read.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
+using namespace partscribe::fit;
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "fit/sketch/round_holes.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

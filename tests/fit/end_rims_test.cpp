@@ -6,7 +6,9 @@
 #include "core/number.h"
 #include "core/random.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace fit;
 
 TEST_CASE("end rims: a ring's face ends at its two circles, and its rim points out of the face") {
   constexpr double inner = 8, outer = 20, spacing = 0.6;
@@ -34,4 +36,4 @@ TEST_CASE("end rims: a ring's face ends at its two circles, and its rim points o
 
 TEST_CASE("end rims: too few points have no rim") { CHECK(rim_of({{0, 0}, {1, 0}, {0, 1}}).empty()); }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -5,7 +5,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 TEST_CASE("equal choices: a sense follows the scan's axes, whatever noise does to a direction that lies across one") {
   Random random(3);

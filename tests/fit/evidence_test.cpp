@@ -5,7 +5,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 TEST_CASE("evidence: the two sides of a thin wall are judged apart where normals know their side") {
   FitInput input;

@@ -10,7 +10,8 @@
 #include "fit/refine/refine.h"
 #include "tests/fit/sampled.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 TEST_CASE("coverage: a wall that is folded within the noise is thin, a plain one is not") {
   const auto plate_of = [](std::vector<SketchElement> elements) {
@@ -27,7 +28,7 @@ TEST_CASE("coverage: a wall that is folded within the noise is thin, a plain one
   // noise.
   const Candidate folded = plate_of({SketchPoint{0, -0.4, ""}, SketchPoint{35, -0.4, ""}, SketchPoint{5, 0, ""},
                                      SketchPoint{40, 0.4, ""}, SketchPoint{40, 6, ""}, SketchPoint{0, 6, ""}});
-  Scan scan = test::sampled(bare_model(plain), {.points = 4000, .noise = 0.4, .reach = 45, .seed = 2});
+  Scan scan = sampled(bare_model(plain), {.points = 4000, .noise = 0.4, .reach = 45, .seed = 2});
   Context context;
   auto input = prepare(scan, 1.2, context);
   REQUIRE(input);
@@ -45,7 +46,7 @@ TEST_CASE("extrude: strays beside the walls do not move the ends of the sweep") 
   plate.objects.push_back({"part", Extrude{{{outline}}, Expr(12)}, {}, {}, {}});
   plate.as_scanned = false;
   Context context;
-  Scan scan = test::sampled(plate, {.points = 4000, .noise = 0.05, .reach = 70, .seen_from = {}, .seed = 5});
+  Scan scan = sampled(plate, {.points = 4000, .noise = 0.05, .reach = 70, .seen_from = {}, .seed = 5});
   auto input = prepare(scan, 0.3, context);
   REQUIRE(input);
   // Every thirtieth point of a wall has a fellow far above or below.

@@ -7,7 +7,8 @@
 #include "fit/refine/refine.h"
 #include "tests/fit/sampled.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -38,9 +39,8 @@ Vec3 sizes_of(const std::vector<Candidate>& candidates) {
 TEST_CASE("fillet: its concave side and little of its legs, among strays") {
   for (const Vec3& from : {Vec3(0.9, -0.5, 0.4), Vec3(0.6, -0.7, 0.6), Vec3(-0.5, 0.8, -0.7)})
     for (const auto& [width, height] : {std::pair{24.0, 24.0}, std::pair{28.0, 18.0}}) {
-      Scan scan =
-          test::sampled(model_with(Fillet{width, height, 40}),
-                        {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = from, .seed = 3});
+      Scan scan = sampled(model_with(Fillet{width, height, 40}),
+                          {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = from, .seed = 3});
       Context context;
       const FitInput input = prepared(scan, 0.6);
       std::vector<Candidate> found = propose_fillets(input, context);
@@ -58,7 +58,7 @@ TEST_CASE("fillet: its concave side and little of its legs, among strays") {
 }
 
 TEST_CASE("fillet: without a point on its legs its ends show them, and without an end neither") {
-  Scan scan = test::sampled(model_with(Fillet{24, 18, 40}), {.points = 6000, .noise = 0.1, .reach = 45, .seed = 8});
+  Scan scan = sampled(model_with(Fillet{24, 18, 40}), {.points = 6000, .noise = 0.1, .reach = 45, .seed = 8});
   std::erase_if(scan.cloud.points,
                 [](const Vec3& p) { return p.z() > 39.5 || (std::min(p.x(), p.y()) < 0.5 && p.z() > 0.5); });
   Scan ends = scan, neither = scan;
@@ -79,16 +79,16 @@ TEST_CASE("fillet: without a point on its legs its ends show them, and without a
 
 TEST_CASE("fillet: none among the strays around a block, nor on a rod") {
   for (const Shape& shape : {Shape(Box{30, 20, 40}), Shape(Cylinder{15, 40})}) {
-    Scan scan = test::sampled(
-        model_with(shape),
-        {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});
+    Scan scan =
+        sampled(model_with(shape),
+                {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});
     Context context;
     CHECK(propose_fillets(prepared(scan, 0.6), context).empty());
   }
 }
 
 TEST_CASE("fillet: a strip of a rod alone, of which nobody knows which side is outside, is none") {
-  Scan scan = test::sampled(model_with(Cylinder{30, 30}), {.points = 30000, .noise = 0.15, .reach = 32, .seed = 6});
+  Scan scan = sampled(model_with(Cylinder{30, 30}), {.points = 30000, .noise = 0.15, .reach = 32, .seed = 6});
   PointCloud strip;
   for (const Vec3& p : scan.cloud.points)
     if (std::abs(std::atan2(p.y(), p.x())) < 0.3 && p.z() > 0.5 && p.z() < 29.5) strip.points.push_back(p);
@@ -99,9 +99,9 @@ TEST_CASE("fillet: a strip of a rod alone, of which nobody knows which side is o
 }
 
 TEST_CASE("fillet: among many strays a block may be one whose concave side was not seen, and no more than may be") {
-  Scan scan = test::sampled(
-      model_with(Box{30, 20, 40}),
-      {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});
+  Scan scan =
+      sampled(model_with(Box{30, 20, 40}),
+              {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});
   Context context;
   FitInput input = prepared(scan, 0.6);
   input.stray_share = 0.2;

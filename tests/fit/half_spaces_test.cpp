@@ -14,7 +14,7 @@
 #include "fit/search/rivals.h"
 #include "geometry/mesh/convex.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/mesh/self_intersection.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

@@ -8,12 +8,13 @@
 #include "core/random.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
 Parameter measured(const char* name, double fitted, double sigma, Quantity quantity = Quantity::length) {
-  Parameter p = test::length(name, fitted);
+  Parameter p = length(name, fitted);
   p.fitted = fitted, p.sigma = sigma, p.quantity = quantity;
   return p;
 }

@@ -8,7 +8,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

@@ -14,7 +14,10 @@
 #include "fit/search/rivals.h"
 #include "sampled.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace fit;
+
 namespace {
 
 using namespace recovery;
@@ -244,9 +247,9 @@ TEST_CASE("recovery: coarse meshes are closed, with their corners on the part an
 
 TEST_CASE("supertoroid: a start from half of a soiled ring is near the truth") {
   const Supertoroid truth{30, 10, 8, 0.6, 0.5};
-  Scan scan = test::sampled(
-      model_with(truth),
-      {.points = 2000, .noise = 0.1, .outliers = 0.05, .reach = 42, .seen_from = {1, 0.5, 1.5}, .seed = 4});
+  Scan scan =
+      sampled(model_with(truth),
+              {.points = 2000, .noise = 0.1, .outliers = 0.05, .reach = 42, .seen_from = {1, 0.5, 1.5}, .seed = 4});
   Context context;
   const SupertoroidFit fit =
       recover_supertoroid(scan.cloud.points, {{{1, -2, 3}, Vec3(0.05, 0.02, 1).normalized(), 1}}, context);
@@ -259,7 +262,7 @@ TEST_CASE("supertoroid: a start from half of a soiled ring is near the truth") {
 }
 
 TEST_CASE("recovery: a fillet of which the concave side was not seen is a block") {
-  Scan scan = test::sampled(model_with(Box{30, 20, 10}), {.points = 3000, .noise = 0.05, .reach = 20, .seed = 4});
+  Scan scan = sampled(model_with(Box{30, 20, 10}), {.points = 3000, .noise = 0.05, .reach = 20, .seed = 4});
   // Only two faces of the block and a strip of the third.
   for (std::size_t i = scan.cloud.size(); i-- > 0;) {
     const Vec3& p = scan.cloud.points[i];
@@ -308,7 +311,7 @@ TEST_CASE("strays: most are found among a third of them, few points of the surfa
 }
 
 TEST_CASE("rivals: a cone that noise hides is a cylinder, and the model says that the data cannot tell") {
-  Scan scan = test::sampled(model_with(Cone{10.02, 10, 30}), {.points = 3000, .noise = 0.1, .reach = 20, .seed = 4});
+  Scan scan = sampled(model_with(Cone{10.02, 10, 30}), {.points = 3000, .noise = 0.1, .reach = 20, .seed = 4});
   Context context;
   const auto model = build_model(scan, {.tolerance = 0.5}, context);
   REQUIRE(model);
@@ -318,7 +321,7 @@ TEST_CASE("rivals: a cone that noise hides is a cylinder, and the model says tha
 }
 
 TEST_CASE("rivals: a cone that the data show is not called undecided") {
-  Scan scan = test::sampled(model_with(Cone{12, 10, 30}), {.points = 3000, .noise = 0.05, .reach = 20, .seed = 4});
+  Scan scan = sampled(model_with(Cone{12, 10, 30}), {.points = 3000, .noise = 0.05, .reach = 20, .seed = 4});
   Context context;
   const auto model = build_model(scan, {.tolerance = 0.25}, context);
   REQUIRE(model);
@@ -592,4 +595,4 @@ TEST_CASE("strays: a dot of points that stands apart is one heap of them") {
   CHECK(strays(0, surface) < 100);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -13,7 +13,8 @@
 #include "tests/fit/trials.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -28,7 +29,7 @@ Candidate cylinder_start(double radius, double height, const Pose& pose) {
   Candidate c;
   c.object_name = "rod";
   c.shape = Cylinder{Expr::of("radius"), Expr::of("height")};
-  c.parameters = {test::length("radius", radius), test::length("height", height)};
+  c.parameters = {length("radius", radius), length("height", height)};
   c.scan_from_part = pose;
   return c;
 }
@@ -37,7 +38,7 @@ Candidate ball_start(double radius, const Vec3& centre) {
   Candidate c;
   c.object_name = "ball";
   c.shape = Sphere{Expr::of("radius")};
-  c.parameters = {test::length("radius", radius)};
+  c.parameters = {length("radius", radius)};
   c.scan_from_part.translation = centre;
   return c;
 }
@@ -55,10 +56,10 @@ struct SphereResidual {
 }  // namespace
 
 TEST_CASE("refine: the sphere that Ceres finds on the same points") {
-  Model truth = test::model_with(Sphere{12});
-  test::Sampling s;
+  Model truth = model_with(Sphere{12});
+  Sampling s;
   s.points = 3000, s.reach = 20;
-  Scan scan = test::sampled(truth, s);
+  Scan scan = sampled(truth, s);
   const FitInput input = input_of(scan, 0.1);
   Candidate c = ball_start(11, {1, -1, 0.5});
   Context context;
@@ -81,10 +82,10 @@ TEST_CASE("refine: the sphere that Ceres finds on the same points") {
 
 TEST_CASE("refine: a cylinder comes home from a start that is well off") {
   const Pose truth{rotation_of({0.3, -0.5, 0}), {4, 5, 6}};
-  Model model = test::model_with(Cylinder{8, 25});
+  Model model = model_with(Cylinder{8, 25});
   const Vec3 angles = euler_from_rotation(truth.rotation);
   model.scan_from_part = {4, 5, 6, angles.x(), angles.y(), angles.z()};
-  Scan scan = test::sampled(model, {});
+  Scan scan = sampled(model, {});
   const FitInput input = input_of(scan, 0.1);
   Candidate c = cylinder_start(7, 23, {rotation_of({0.2, -0.4, 0}), {5, 4.5, 6.5}});
   Context context;
@@ -174,13 +175,13 @@ TEST_CASE("refine: numbers that only together are open know it, though many poin
 }
 
 TEST_CASE("refine: derivatives asked face by face are those of every point") {
-  for (const Model& truth : {test::pin(), test::link()}) {
+  for (const Model& truth : {pin(), link()}) {
     Candidate c;
     c.object_name = "part", c.shape = truth.objects.back().shape, c.parameters = truth.parameters;
     c.scan_from_part = {rotation_of({0.2, 0.1, -0.3}), {3, -2, 5}};
-    test::Sampling s;
+    Sampling s;
     s.points = 3000, s.reach = 70, s.noise = 0.1;
-    const Scan scan = test::sampled(truth, s);
+    const Scan scan = sampled(truth, s);
     std::vector<Vec3> points;
     for (const auto& p : scan.cloud.points) points.push_back(c.scan_from_part * p);
     const Unknowns unknowns(c, {}, {3, -2, 5}, 40);
@@ -209,13 +210,13 @@ struct Pooled {
   double efficiency = 0, noise_coverage = 0, total_coverage = 0, worst_ratio = 0, independent = 0;
 };
 
-Pooled pooled(test::Trouble trouble, int runs, const test::TrialOptions& options) {
+Pooled pooled(Trouble trouble, int runs, const TrialOptions& options) {
   Context context;
   Pooled sum;
   double numbers = 0;
-  for (const auto& part : test::trial_parts()) {
-    if (trouble == test::Trouble::facets && part.name == "block") continue;
-    const auto s = test::trials(test::scene_of(part, options), trouble, runs, {}, context);
+  for (const auto& part : trial_parts()) {
+    if (trouble == Trouble::facets && part.name == "block") continue;
+    const auto s = trials(scene_of(part, options), trouble, runs, {}, context);
     const double n = double(part.truth.parameters.size());
     INFO(part.name << " efficiency " << s.efficiency << " noise " << s.noise_coverage << " all " << s.total_coverage
                    << " ratio " << s.worst_ratio);
@@ -234,7 +235,7 @@ Pooled pooled(test::Trouble trouble, int runs, const test::TrialOptions& options
 }  // namespace
 
 TEST_CASE("refine: ideal data are used up to the Cramer-Rao bound, and sigma_noise says so") {
-  const Pooled p = pooled(test::Trouble::none, 30, {});
+  const Pooled p = pooled(Trouble::none, 30, {});
   CHECK(p.efficiency < 1.1);  // 480 errors: known to 3 %
   CHECK(p.efficiency > 0.9);
   CHECK(p.noise_coverage > 0.92);  // 95 % +- 1
@@ -243,25 +244,25 @@ TEST_CASE("refine: ideal data are used up to the Cramer-Rao bound, and sigma_noi
 }
 
 TEST_CASE("refine: noise that differs from view to view is weighed, and outliers are not heard") {
-  CHECK(pooled(test::Trouble::uneven, 20, {}).efficiency < 1.15);
-  const Pooled strewn = pooled(test::Trouble::outliers, 20, {});
+  CHECK(pooled(Trouble::uneven, 20, {}).efficiency < 1.15);
+  const Pooled strewn = pooled(Trouble::outliers, 20, {});
   CHECK(strewn.efficiency < 1.2);
   CHECK(strewn.noise_coverage > 0.9);
 }
 
 TEST_CASE("refine: every point of a scan has its say, not only the thinned ones") {
-  test::TrialOptions dense;
+  TrialOptions dense;
   dense.views = 10, dense.resolution = 120;
   Context context;
-  const auto s = test::trials(test::scene_of(test::trial_parts()[1], dense), test::Trouble::none, 12, {}, context);
+  const auto s = trials(scene_of(trial_parts()[1], dense), Trouble::none, 12, {}, context);
   // A tenth of the points would triple the error.
   CHECK(s.efficiency < 1.6);
 }
 
 TEST_CASE("refine: neighbouring points that err together count as fewer") {
-  test::TrialOptions fine;
+  TrialOptions fine;
   fine.views = 5, fine.resolution = 64;
-  const Pooled p = pooled(test::Trouble::correlated, 12, fine);
+  const Pooled p = pooled(Trouble::correlated, 12, fine);
   CHECK(p.independent < 0.25);  // the noise is smoothed by a 3 x 3 kernel that leaves 1 in 7
   CHECK(p.noise_coverage > 0.88);
   CHECK(p.total_coverage > 0.91);
@@ -269,17 +270,17 @@ TEST_CASE("refine: neighbouring points that err together count as fewer") {
 }
 
 TEST_CASE("refine: sigma holds the truth when poses are disturbed, and does not exaggerate") {
-  const Pooled p = pooled(test::Trouble::poses, 20, {});
+  const Pooled p = pooled(Trouble::poses, 20, {});
   CHECK(p.noise_coverage < 0.8);  // the noise part alone would not
   CHECK(p.total_coverage > 0.91);
   CHECK(p.worst_ratio < 2);
 }
 
 TEST_CASE("refine: dimensions are no surer than the poses that they hang on") {
-  test::Sampling sampling;
+  Sampling sampling;
   sampling.points = 6000, sampling.reach = 20;
-  Model truth = test::model_with(Cylinder{8, 20});
-  Scan scan = test::sampled(truth, sampling);
+  Model truth = model_with(Cylinder{8, 20});
+  Scan scan = sampled(truth, sampling);
   // A view of the top and the wall that stands too high: only the other end, which it never saw, could tell.
   const double lift = 0.05, unsure = 0.04;
   for (Vec3& p : scan.cloud.points) {
@@ -315,32 +316,32 @@ TEST_CASE("refine: dimensions are no surer than the poses that they hang on") {
 }
 
 TEST_CASE("refine: sigma holds the truth when poses are disturbed and nobody knows the views") {
-  test::TrialOptions unknown;
+  TrialOptions unknown;
   unknown.rays = false;
-  const Pooled p = pooled(test::Trouble::poses, 20, unknown);
+  const Pooled p = pooled(Trouble::poses, 20, unknown);
   CHECK(p.noise_coverage < 0.7);
   CHECK(p.total_coverage > 0.88);
   CHECK(p.worst_ratio < 3.5);
 }
 
 TEST_CASE("refine: sigma holds the truth under coarse facets and smoothing filters") {
-  const Pooled facets = pooled(test::Trouble::facets, 12, {});
+  const Pooled facets = pooled(Trouble::facets, 12, {});
   CHECK(facets.total_coverage > 0.93);
   CHECK(facets.worst_ratio < 2);
-  test::TrialOptions fine;
+  TrialOptions fine;
   fine.views = 5, fine.resolution = 64;
-  const Pooled filtered = pooled(test::Trouble::filtered, 12, fine);
+  const Pooled filtered = pooled(Trouble::filtered, 12, fine);
   CHECK(filtered.total_coverage > 0.91);
   CHECK(filtered.noise_coverage < 0.8);
 }
 
 TEST_CASE("refine: what a filter does to rims moves no plane face") {
-  test::TrialOptions fine;
+  TrialOptions fine;
   fine.views = 5, fine.resolution = 64;
   Context context;
-  const auto parts = test::trial_parts();
+  const auto parts = trial_parts();
   const auto block = std::find_if(parts.begin(), parts.end(), [](const auto& p) { return p.name == "block"; });
-  const auto s = test::trials(test::scene_of(*block, fine), test::Trouble::filtered, 24, {}, context);
+  const auto s = trials(scene_of(*block, fine), Trouble::filtered, 24, {}, context);
   for (const auto& n : s.numbers) {
     INFO(n.name << " bias " << n.bias << ", error " << n.error << ", sigma " << n.sigma << ", holds " << n.held);
     CHECK(std::abs(n.bias) < 4e-3);  // 6e-3 where rims have their say
@@ -396,7 +397,7 @@ TEST_CASE("refine: noise along known rays does not bend the surface, and along u
 TEST_CASE("refine: a point that noise pushed through a thin wall is measured from the face that its ray entered") {
   Candidate plate;
   plate.shape = Box{Expr::of("length"), 40, 0.3};
-  plate.parameters = {test::length("length", 40)};
+  plate.parameters = {length("length", 40)};
   const Unknowns unknowns(plate, {}, {20, 20, 0.15}, 30);
   const Vec3 down(0, 0, -1);
   // Before the wall, in its front half, in its back half, behind it, behind it beside its rim.
@@ -419,7 +420,7 @@ std::vector<Parameter> fitted_block(const FitInput& input) {
   Candidate c;
   c.object_name = "block";
   c.shape = Box{Expr::of("length"), Expr::of("width"), Expr::of("height")};
-  c.parameters = {test::length("length", 30), test::length("width", 20), test::length("height", 10)};
+  c.parameters = {length("length", 30), length("width", 20), length("height", 10)};
   Context context;
   refine(c, input, {}, context);
   return c.parameters;
@@ -429,8 +430,7 @@ std::vector<Parameter> fitted_block(const FitInput& input) {
 
 TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   const double height = 10;
-  Scan scan =
-      test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
+  Scan scan = sampled(model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
   // A curtain that grazes the top.
   Random random(5);
   for (int i = 0; i < 250; ++i)
@@ -450,8 +450,7 @@ TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
 
 TEST_CASE("refine: sigma holds what points set aside as strays would bend if they were the part's own") {
   const double height = 10;
-  Scan scan =
-      test::sampled(test::model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
+  Scan scan = sampled(model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
   FitInput input = input_of(scan, 0.3);
   input.stray_share = 0.1;
   const auto alone = fitted_block(input);
@@ -468,9 +467,9 @@ TEST_CASE("refine: sigma holds what points set aside as strays would bend if the
 }
 
 TEST_CASE("refine: a side that only strays speak of stays where it starts, unless it may be far out of place") {
-  test::Sampling s;
+  Sampling s;
   s.points = 2000, s.noise = 0.1, s.reach = 45, s.seen_from = {1, 0.8, 0.5};
-  Scan scan = test::sampled(test::model_with(Box{30, 20, 40}), s);
+  Scan scan = sampled(model_with(Box{30, 20, 40}), s);
   FitInput input = input_of(scan, 0.5);
   Random random(3);
   for (int k = 0; k < 30; ++k)
@@ -479,7 +478,7 @@ TEST_CASE("refine: a side that only strays speak of stays where it starts, unles
     Candidate c;
     c.object_name = "block";
     c.shape = Box{Expr::of("x"), Expr::of("y"), Expr::of("z")};
-    c.parameters = {test::length("x", 30), test::length("y", 20), test::length("z", 40)};
+    c.parameters = {length("x", 30), length("y", 20), length("z", 40)};
     RefineOptions options;
     options.uncertainty = false, options.near = near;
     Context context;

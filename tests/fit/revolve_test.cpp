@@ -13,7 +13,8 @@
 #include "fit/sketch/plane_chain.h"
 #include "tests/fit/sampled.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -32,8 +33,7 @@ Model stepped_pin(double round = 0) {
 
 FitInput noisy_input(Scan& scan, double noise, double tolerance, Context& context, double round = 0,
                      Vec3 seen_from = {1, 0.6, 0.7}) {
-  scan = test::sampled(stepped_pin(round),
-                       {.points = 4000, .noise = noise, .reach = 80, .seen_from = seen_from, .seed = 3});
+  scan = sampled(stepped_pin(round), {.points = 4000, .noise = noise, .reach = 80, .seen_from = seen_from, .seed = 3});
   auto input = prepare(scan, tolerance, context);
   REQUIRE(input);
   return *input;
@@ -79,8 +79,8 @@ TEST_CASE("revolve: steps are made square where a round edge stays") {
 
 TEST_CASE("revolve: a wall of which few points were seen belongs to the profile") {
   Context context;
-  Scan dense = test::sampled(stepped_pin(),
-                             {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, -0.7}, .seed = 3}),
+  Scan dense =
+           sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, -0.7}, .seed = 3}),
        scan = dense;
   scan.cloud = {};
   for (std::size_t i = 0; i < dense.cloud.size(); ++i)
@@ -97,7 +97,7 @@ TEST_CASE("revolve: a wall of which few points were seen belongs to the profile"
 TEST_CASE("revolve: a neck that nobody saw lies where the shoulder below it ends") {
   Context context;
   const Scan dense =
-      test::sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
+      sampled(stepped_pin(), {.points = 6000, .noise = 0.1, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
   Scan scan = dense;
   scan.cloud = {};
   for (const Vec3& p : dense.cloud.points)
@@ -120,7 +120,7 @@ TEST_CASE("revolve: the wall of a step hardly thicker than the nodes are wide is
   Model model;
   model.objects.push_back({"part", Revolve{{{loop}}}, {}, {}, {}});
   model.as_scanned = false;
-  Scan scan = test::sampled(model, {.points = 4000, .noise = 0.2, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
+  Scan scan = sampled(model, {.points = 4000, .noise = 0.2, .reach = 80, .seen_from = {1, 0.6, 0.7}, .seed = 3});
   // Of its end nothing was seen: what lies nearest to the axis is this wall.
   std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.z() > 73; });
   Context context;
@@ -143,7 +143,7 @@ TEST_CASE("revolve: a profile is closed at a rim of which nobody saw enough") {
   Model model;
   model.objects.push_back({"part", Revolve{{{loop}}}, {}, {}, {}});
   model.as_scanned = false;
-  Scan scan = test::sampled(model, {.points = 30000, .noise = 0.02, .reach = 50, .seed = 5});
+  Scan scan = sampled(model, {.points = 30000, .noise = 0.02, .reach = 50, .seed = 5});
   std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.head<2>().norm() < 18 && p.z() < 33; });
   Context context;
   const auto input = prepare(scan, 0.2, context);
@@ -208,7 +208,7 @@ TEST_CASE("coverage: walls thinner than the noise are thin, thick ones are not")
     Candidate disc;
     disc.object_name = "disc";
     disc.shape = Cylinder{20, height};
-    Scan scan = test::sampled(bare_model(disc), {.points = 4000, .noise = 0.4, .reach = 25, .seed = 2});
+    Scan scan = sampled(bare_model(disc), {.points = 4000, .noise = 0.4, .reach = 25, .seed = 2});
     auto input = prepare(scan, 1.2, context);
     REQUIRE(input);
     input->sampling.sigma = 0.4;

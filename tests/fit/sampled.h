@@ -5,7 +5,9 @@
 #include "geometry/points/point_cloud.h"
 #include "model/distance.h"
 
-namespace partscribe::test {
+namespace partscribe::testing {
+
+using namespace model;
 
 struct Sampling {
   std::size_t points = 20000;
@@ -47,4 +49,4 @@ inline Scan sampled(const Model& model, const Sampling& s) {
   return scan;
 }
 
-}  // namespace partscribe::test
+}  // namespace partscribe::testing

@@ -8,7 +8,10 @@
 #include "core/random.h"
 #include "fit/build.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace fit;
+
 namespace {
 
 constexpr double radius = 20, length = 60, noise = 0.1, tolerance = 3 * noise;
@@ -83,4 +86,4 @@ TEST_CASE("seen through: the wall of a trough is not taken for a rod, that of a 
   CHECK_FALSE(built(half_wall(false)).ok());
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

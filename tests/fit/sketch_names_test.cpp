@@ -6,7 +6,7 @@
 #include "core/number.h"
 #include "fit/sketch/sketch_builder.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

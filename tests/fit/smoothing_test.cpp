@@ -11,7 +11,8 @@
 #include "model/distance.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -54,7 +55,7 @@ TEST_CASE(
   constexpr double variance = 0.25;
   const double reach = 1.5 * std::sqrt(2 * variance);
   const Candidate candidate = rod(place);
-  const ModelDistance distance(test::model_with(candidate.shape, candidate.parameters));
+  const ModelDistance distance(model_with(candidate.shape, candidate.parameters));
   // Distances to the edge: well within, just within, just beyond and far less than what the mean takes in.
   const std::vector<double> from_edge = {6, 1.01 * reach, 0.9 * reach, 0.1};
   std::vector<std::pair<Vec3, Vec3>> places;

@@ -7,7 +7,10 @@
 #include "core/number.h"
 #include "core/random.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace fit;
+
 namespace {
 
 constexpr double noise = 0.1, top = 30;
@@ -59,4 +62,4 @@ TEST_CASE("sparse step: too few points, or a wall beside the part, are none") {
   CHECK_FALSE(step_beyond({}, top, 1, noise, 20));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

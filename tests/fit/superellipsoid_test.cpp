@@ -13,7 +13,7 @@
 #include "core/random.h"
 #include "model/distance.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include "core/random.h"
 #include "fit/refine/refine.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

@@ -6,14 +6,15 @@
 #include "core/number.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
 Parameter snapped_length(double fitted, double sigma, double tolerance = 0.1) {
   Candidate c;
   c.shape = Sphere{Expr::of("radius")};
-  c.parameters = {test::length("radius", fitted)};
+  c.parameters = {length("radius", fitted)};
   c.parameters[0].sigma = sigma;
   snap_parameters(c, {.tolerance = tolerance, .size = 50});
   return c.parameters[0];
@@ -63,7 +64,7 @@ TEST_CASE("tidy: normals that are square within the tolerance become square") {
   Candidate c;
   c.shape =
       HalfSpaces{{{1.0000000000000004, 5.6e-17, -0.00002, Expr::of("face_1_offset"), ""}, {0.6, 0.8, 0.00001, 5, ""}}};
-  c.parameters = {test::length("face_1_offset", 7)};
+  c.parameters = {length("face_1_offset", 7)};
   snap_parameters(c, {.tolerance = 0.1, .size = 50});
   const auto& planes = std::get<HalfSpaces>(c.shape).planes;
   CHECK(planes[0].normal_x == Expr(1));

@@ -6,7 +6,7 @@
 #include "core/number.h"
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
 
 namespace {
 

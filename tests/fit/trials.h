@@ -12,7 +12,9 @@
 #include "model/distance.h"
 #include "tests/model/parts.h"
 
-namespace partscribe::test {
+namespace partscribe::testing {
+
+using namespace fit;
 
 /// What is wrong with the data besides white noise along the line of sight.
 enum class Trouble { none, uneven, correlated, poses, facets, filtered, outliers };
@@ -403,4 +405,4 @@ inline TrialSummary trials(const TrialScene& scene, Trouble trouble, int runs, c
   return s;
 }
 
-}  // namespace partscribe::test
+}  // namespace partscribe::testing

@@ -19,7 +19,8 @@
 #include "geometry/points/kd_tree.h"
 #include "tests/drilled_block.h"
 
-using namespace partscribe;
+using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -130,7 +131,7 @@ TEST_CASE(
   context.threads = 2;
   Random random(41);
   Scan scan;
-  const test::DrilledBlock block{{20, 12, 6}, {{-13, -8.2}, {0, 8.2}, {13, -8.2}}, 3};  // 0.8 mm from the side
+  const DrilledBlock block{{20, 12, 6}, {{-13, -8.2}, {0, 8.2}, {13, -8.2}}, 3};  // 0.8 mm from the side
   while (scan.cloud.size() < 80000) {
     const auto place = block.draw(random);
     scan.cloud.points.push_back(place.point + 0.02 * random.normal() * place.normal);

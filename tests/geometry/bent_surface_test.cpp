@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

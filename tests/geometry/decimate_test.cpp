@@ -10,7 +10,7 @@
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/mesh/self_intersection.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

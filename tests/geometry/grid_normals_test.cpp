@@ -8,8 +8,8 @@
 #include "core/statistics.h"
 #include "tests/geometry/range_scenes.h"
 
-using namespace partscribe;
-using namespace partscribe::test;
+using namespace partscribe::geometry;
+using namespace partscribe::testing;
 
 namespace {
 

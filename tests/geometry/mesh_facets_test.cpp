@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

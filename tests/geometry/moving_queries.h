@@ -7,7 +7,9 @@
 #include "core/random.h"
 #include "geometry/points/nearest_again.h"
 
-namespace partscribe::test {
+namespace partscribe::testing {
+
+using namespace geometry;
 
 /// The queries jump for ten rounds and then creep for thirty, within either limit (mm, the narrower every third round).
 inline void answers_stay_those_of(const KdTree& tree, NearestAgain& again, std::vector<Vec3> places, double narrow,
@@ -23,4 +25,4 @@ inline void answers_stay_those_of(const KdTree& tree, NearestAgain& again, std::
   }
 }
 
-}  // namespace partscribe::test
+}  // namespace partscribe::testing

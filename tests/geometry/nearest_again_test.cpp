@@ -7,7 +7,8 @@
 #include "geometry/points/nearest_map.h"
 #include "tests/geometry/moving_queries.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -34,7 +35,7 @@ TEST_CASE("nearest again: answers stay those of the tree while queries move, wit
   std::vector<Vec3> places;
   for (std::size_t k = 0; k < queries; ++k)
     places.emplace_back(random.uniform(-3, 3), random.uniform(-2, 2), random.uniform(-1, 2));
-  test::answers_stay_those_of(tree, again, std::move(places), 0.3, 1.5, random);
+  answers_stay_those_of(tree, again, std::move(places), 0.3, 1.5, random);
 }
 
 TEST_CASE("nearest map: what it says is hardly farther than the nearest point, inside and outside its box") {

@@ -10,7 +10,7 @@
 #include "geometry/normals/local_noise.h"
 #include "geometry/points/thin.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

@@ -9,7 +9,8 @@
 #include "geometry/normals/normals.h"
 #include "tests/drilled_block.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
+using namespace partscribe::testing;
 
 TEST_CASE("orient normals: two balls and a box face outward though nobody saw from where they were scanned") {
   Context context;
@@ -42,7 +43,7 @@ TEST_CASE("orient normals: walls of deep holes face into the holes, walls beside
   Random random(77);
   PointCloud cloud;
   std::vector<Vec3> truth;
-  const test::DrilledBlock block{
+  const DrilledBlock block{
       {30, 20, 10}, {{-22, -15.4}, {-8, 15.4}, {8, -15.4}, {22, 15.4}}, 4};  // 0.6 mm of wall beside each
   while (cloud.size() < 30000) {
     if (random.uniform() < 0.03) {

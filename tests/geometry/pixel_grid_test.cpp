@@ -8,7 +8,8 @@
 #include "geometry/points/nearest_again.h"
 #include "tests/geometry/moving_queries.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -125,5 +126,5 @@ TEST_CASE("nearest again: answers stay those of the tree where a grid is asked f
   Random random(9);
   std::vector<Vec3> places;
   for (std::size_t k = 0; k < queries; ++k) places.push_back(query_near(image, 3, random));
-  test::answers_stay_those_of(tree, again, std::move(places), 0.7, 4, random);
+  answers_stay_those_of(tree, again, std::move(places), 0.7, 4, random);
 }

@@ -9,7 +9,7 @@
 #include "core/number.h"
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 using scenes::example, scenes::kinds, scenes::Scan;
 
 namespace {

@@ -12,7 +12,7 @@
 #include "core/number.h"
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

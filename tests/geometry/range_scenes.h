@@ -10,7 +10,9 @@
 #include "core/random.h"
 #include "geometry/images/range_image.h"
 
-namespace partscribe::test {
+namespace partscribe::testing {
+
+using namespace geometry;
 
 /// An image, what a perfect scanner would have seen, and which pixels had a bit flipped.
 struct RangeScene {
@@ -50,4 +52,4 @@ inline RangeScene range_scene(const RangeSceneOptions& o, const std::function<do
   return s;
 }
 
-}  // namespace partscribe::test
+}  // namespace partscribe::testing

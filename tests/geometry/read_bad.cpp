@@ -5,7 +5,7 @@
 #include "core/random.h"
 #include "geometry/io/read_geometry.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

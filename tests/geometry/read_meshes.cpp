@@ -9,7 +9,7 @@
 #include "core/number.h"
 #include "geometry/io/read_geometry.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

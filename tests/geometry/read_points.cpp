@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "geometry/io/read_geometry.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

@@ -7,9 +7,8 @@
 
 #include "tests/geometry/range_scenes.h"
 
-using namespace partscribe;
-using test::range_scene;
-using test::RangeScene;
+using namespace partscribe::geometry;
+using namespace partscribe::testing;
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

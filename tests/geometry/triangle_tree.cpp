@@ -11,7 +11,7 @@
 #include "core/random.h"
 #include "geometry/mesh/mesh_distance.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

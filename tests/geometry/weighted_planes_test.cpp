@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "geometry/vec.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

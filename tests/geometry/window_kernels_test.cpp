@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "geometry/images/trimmed_window.h"
 
-using namespace partscribe;
+using namespace partscribe::geometry;
 
 namespace {
 

@@ -5,7 +5,8 @@
 
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::model;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -26,12 +27,12 @@ void expect_complaint(Model model, const std::string& part) {
 }  // namespace
 
 TEST_CASE("check: every sound model passes") {
-  for (const auto& model : test::one_of_each()) CHECK(complaints_of(model).empty());
+  for (const auto& model : one_of_each()) CHECK(complaints_of(model).empty());
 }
 
 TEST_CASE("check: names") {
   auto renamed = [](const std::string& name) {
-    auto m = test::pin();
+    auto m = pin();
     m.objects[0].name = name;
     return m;
   };
@@ -41,43 +42,40 @@ TEST_CASE("check: names") {
 }
 
 TEST_CASE("check: values, references and relations") {
-  auto m = test::pin();
+  auto m = pin();
   m.parameters[0].value = -20;
   CHECK_FALSE(complaints_of(m).empty());
-  m = test::pin();
+  m = pin();
   m.parameters.erase(m.parameters.begin());
   expect_complaint(m, "unknown parameter 'head_radius'");
-  expect_complaint(test::model_with(Cylinder{0, 5}), "a length above 0");
-  expect_complaint(test::model_with(Cone{0, 0, 5}), "one radius");
-  expect_complaint(test::model_with(Torus{5, 6}), "below the ring's");
-  expect_complaint(test::model_with(Superellipsoid{1, 1, 1, 3, 1, 0, 0}), "exponent");
-  expect_complaint(test::model_with(Union{{"later"}}), "not an earlier object");
-  expect_complaint(test::model_with(Cylinder{Expr(1) / Expr::of("zero"), 5}, {test::length("zero", 0)}),
-                   "no finite value");
-  expect_complaint(test::model_with(HalfSpaces{{{1, 0, 0, 1, ""}, {-1, 0, 0, 1, ""}}}), "no bounded body");
+  expect_complaint(model_with(Cylinder{0, 5}), "a length above 0");
+  expect_complaint(model_with(Cone{0, 0, 5}), "one radius");
+  expect_complaint(model_with(Torus{5, 6}), "below the ring's");
+  expect_complaint(model_with(Superellipsoid{1, 1, 1, 3, 1, 0, 0}), "exponent");
+  expect_complaint(model_with(Union{{"later"}}), "not an earlier object");
+  expect_complaint(model_with(Cylinder{Expr(1) / Expr::of("zero"), 5}, {length("zero", 0)}), "no finite value");
+  expect_complaint(model_with(HalfSpaces{{{1, 0, 0, 1, ""}, {-1, 0, 0, 1, ""}}}), "no bounded body");
 }
 
 TEST_CASE("check: sketches are simple, closed the right way round, and keep off the axis") {
-  auto extruded = [](Loop loop) { return test::model_with(Extrude{{{loop}}, 5}); };
-  expect_complaint(extruded(test::polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}})), "crosses itself");
-  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 5}, {11, 5}, {11, 0}, {5, 0}, {5, 8}, {0, 8}})),
+  auto extruded = [](Loop loop) { return model_with(Extrude{{{loop}}, 5}); };
+  expect_complaint(extruded(polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}})), "crosses itself");
+  expect_complaint(extruded(polygon({{0, 0}, {10, 0}, {10, 5}, {11, 5}, {11, 0}, {5, 0}, {5, 8}, {0, 8}})),
                    "runs along itself");
-  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 10}, {5, 0}, {0, 10}})), "touches itself");
+  expect_complaint(extruded(polygon({{0, 0}, {10, 0}, {10, 10}, {5, 0}, {0, 10}})), "touches itself");
   // A wing that crosses the left edge where its corner is: no two edges cross inside both.
-  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}, {10, 6}, {0, 6}, {-1, -9}, {0, 18}})), "touches itself");
-  expect_complaint(extruded(test::polygon({{0, 0}, {0, 10}, {10, 10}, {10, 0}})), "counter-clockwise");
-  expect_complaint(extruded(test::polygon({{0, 0}, {10, 0}})), "encloses nothing");
-  expect_complaint(test::model_with(Revolve{{{test::polygon({{-1, 0}, {5, 0}, {5, 5}, {-1, 5}})}}}),
-                   "crosses the axis");
-  Loop hole = test::polygon({{2, 2}, {4, 2}, {4, 4}, {2, 4}});
-  expect_complaint(test::model_with(Extrude{{{test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), hole}}, 5}),
+  expect_complaint(extruded(polygon({{0, 0}, {10, 0}, {10, 6}, {0, 6}, {-1, -9}, {0, 18}})), "touches itself");
+  expect_complaint(extruded(polygon({{0, 0}, {0, 10}, {10, 10}, {10, 0}})), "counter-clockwise");
+  expect_complaint(extruded(polygon({{0, 0}, {10, 0}})), "encloses nothing");
+  expect_complaint(model_with(Revolve{{{polygon({{-1, 0}, {5, 0}, {5, 5}, {-1, 5}})}}}), "crosses the axis");
+  Loop hole = polygon({{2, 2}, {4, 2}, {4, 4}, {2, 4}});
+  expect_complaint(model_with(Extrude{{{polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), hole}}, 5}),
                    "must run clockwise");
-  const Loop outer = test::polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
-  const Loop far = test::polygon({{22, 2}, {22, 4}, {24, 4}, {24, 2}});
-  expect_complaint(test::model_with(Extrude{{{outer, far}}, 5}), "outside the outer loop");
-  const Loop large = test::polygon({{1, 1}, {1, 9}, {9, 9}, {9, 1}}),
-             small = test::polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}});
-  expect_complaint(test::model_with(Extrude{{{outer, large, small}}, 5}), "another hole");
+  const Loop outer = polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
+  const Loop far = polygon({{22, 2}, {22, 4}, {24, 4}, {24, 2}});
+  expect_complaint(model_with(Extrude{{{outer, far}}, 5}), "outside the outer loop");
+  const Loop large = polygon({{1, 1}, {1, 9}, {9, 9}, {9, 1}}), small = polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}});
+  expect_complaint(model_with(Extrude{{{outer, large, small}}, 5}), "another hole");
 }
 
 TEST_CASE("check: triangulations are manifold and face outward") {
@@ -85,11 +83,11 @@ TEST_CASE("check: triangulations are manifold and face outward") {
       {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0};
   auto open = tetrahedron;
   open.triangles.pop_back();
-  expect_complaint(test::model_with(open), "open edges");
+  expect_complaint(model_with(open), "open edges");
   auto inward = tetrahedron;
   for (auto& t : inward.triangles) std::swap(t[0], t[1]);
-  expect_complaint(test::model_with(inward), "face inward");
+  expect_complaint(model_with(inward), "face inward");
   auto bad = tetrahedron;
   bad.triangles[0][0] = 9;
-  expect_complaint(test::model_with(bad), "names vertex 9");
+  expect_complaint(model_with(bad), "names vertex 9");
 }

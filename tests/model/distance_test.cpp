@@ -6,7 +6,8 @@
 #include "core/random.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::model;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -18,7 +19,7 @@ Vec3 near_body(Random& random, double reach = 40) {
 
 TEST_CASE("model distance: a step of the distance along the gradient lands on the surface") {
   // True of every exact distance outside the medial axis, whatever the shape.
-  for (const auto& model : test::one_of_each()) {
+  for (const auto& model : one_of_each()) {
     if (model.objects.size() > 1) continue;  // combinations only bound the distance
     const ModelDistance distance(model);
     Random random(11);
@@ -40,7 +41,7 @@ TEST_CASE("model distance: a step of the distance along the gradient lands on th
 }
 
 TEST_CASE("model distance: known points of the pin") {
-  const ModelDistance distance(test::pin());
+  const ModelDistance distance(pin());
   CHECK(distance({0, 0, -3}).distance == Approx(3));
   CHECK(distance({25, 0, 12}).distance == Approx(5));
   CHECK(distance({0, 9 + 2, 40}).distance == Approx(2));
@@ -54,7 +55,7 @@ TEST_CASE("model distance: known points of the pin") {
 }
 
 TEST_CASE("model distance: the placement moves the part, and only when asked") {
-  Model m = test::model_with(Sphere{5});
+  Model m = model_with(Sphere{5});
   m.scan_from_part = {100, 0, 0, 0, 0, 0};
   CHECK(ModelDistance(m)({107, 0, 0}).distance == Approx(2));
   m.as_scanned = false;
@@ -62,7 +63,7 @@ TEST_CASE("model distance: the placement moves the part, and only when asked") {
 }
 
 TEST_CASE("model distance: an inside of the link is inside, its hole is not") {
-  const ModelDistance distance(test::link());
+  const ModelDistance distance(link());
   CHECK(distance({8, 0, 4}).distance < 0);
   CHECK(distance({0, 0, 4}).distance == Approx(5));
   CHECK(distance({20, 0, 4}).distance < 0);
@@ -71,7 +72,7 @@ TEST_CASE("model distance: an inside of the link is inside, its hole is not") {
 }
 
 TEST_CASE("model distance: a difference is cut where its tool is") {
-  const auto models = test::one_of_each();
+  const auto models = one_of_each();
   const ModelDistance distance(models.back());
   CHECK(distance({10, 10, 10}).distance == Approx(4));
   CHECK(distance({3, 3, 10}).distance < 0);
@@ -81,7 +82,7 @@ TEST_CASE("model distance: a difference is cut where its tool is") {
 
 TEST_CASE("model distance: the sides of a sharp-edged fillet are told far from it and close to it") {
   for (const auto& [width, height] : {std::pair{14.0, 10.0}, {9.0, 9.0}}) {
-    const ModelDistance distance(test::model_with(Fillet{width, height, 50}));
+    const ModelDistance distance(model_with(Fillet{width, height, 50}));
     Random random(3);
     for (int i = 0; i < 3000; ++i) {
       const double reach = i % 2 ? 3 * width : 1.2 * width;

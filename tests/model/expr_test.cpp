@@ -5,7 +5,7 @@
 
 #include "core/number.h"
 
-using namespace partscribe;
+using namespace partscribe::model;
 
 TEST_CASE("expressions: neutral elements disappear, relations stay") {
   const Expr r = Expr::of("r");

@@ -6,10 +6,11 @@
 #include "model/check.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::model;
+using namespace partscribe::testing;
 
 TEST_CASE("model.json: every shape survives the round trip byte for byte") {
-  for (const auto& model : test::one_of_each()) {
+  for (const auto& model : one_of_each()) {
     const std::string text = write_model_json(model);
     const auto back = read_model_json(text, "m.json");
     REQUIRE(back.ok());
@@ -19,7 +20,7 @@ TEST_CASE("model.json: every shape survives the round trip byte for byte") {
 }
 
 TEST_CASE("model.json: bad documents give one line with the place") {
-  const std::string good = write_model_json(test::pin());
+  const std::string good = write_model_json(pin());
   auto message = [](std::string text) {
     const auto result = read_model_json(text, "m.json");
     REQUIRE_FALSE(result.ok());
@@ -49,6 +50,6 @@ TEST_CASE("model.json: bad documents give one line with the place") {
 }
 
 TEST_CASE("model.json: cutting the text anywhere never crashes and never passes") {
-  const std::string good = write_model_json(test::link());
+  const std::string good = write_model_json(link());
   for (std::size_t n = 0; n + 2 < good.size(); n += 7) CHECK_FALSE(read_model_json(good.substr(0, n), "m.json").ok());
 }

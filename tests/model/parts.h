@@ -7,7 +7,9 @@
 #include "core/number.h"
 #include "model/model.h"
 
-namespace partscribe::test {
+namespace partscribe::testing {
+
+using namespace model;
 
 inline Parameter length(const std::string& name, double value) {
   Parameter p;
@@ -100,4 +102,4 @@ inline std::vector<Model> one_of_each() {
           cut};
 }
 
-}  // namespace partscribe::test
+}  // namespace partscribe::testing

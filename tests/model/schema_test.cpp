@@ -9,7 +9,8 @@
 #include "tests/json_schema.h"
 #include "tests/model/parts.h"
 
-using namespace partscribe;
+using namespace partscribe::model;
+using namespace partscribe::testing;
 using Keys = JsonSchema::Keys;
 
 namespace {
@@ -31,7 +32,7 @@ std::string fault_of(const Model& model) { return schema().fault(Json::parse(wri
 
 /// A model that uses every optional part of the document.
 Model full_model() {
-  Model m = test::pin();
+  Model m = pin();
   m.provenance.sources = {{"pin.ply", std::string(64, 'a')}};
   m.provenance.version = "0.1.0";
   m.parameters[0].nominal = NominalEvidence{20, 0.3, true, "0.5 mm grid"};
@@ -48,7 +49,7 @@ Model full_model() {
 }  // namespace
 
 TEST_CASE("model.schema.json: every shape as it is written validates, without a key that the schema does not name") {
-  for (const auto& model : test::one_of_each()) {
+  for (const auto& model : one_of_each()) {
     INFO(kind_of(model.objects.back().shape));
     CHECK(fault_of(model) == "");
   }

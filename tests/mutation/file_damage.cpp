@@ -7,7 +7,7 @@
 #include "core/number.h"
 #include "parts.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 /// What is said of a file that does not hold what its kind must hold.
@@ -82,4 +82,4 @@ std::vector<FileDamage> file_damages(const FileSubject& s) {
   return damages;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

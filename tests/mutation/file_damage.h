@@ -8,7 +8,9 @@
 #include "geometry/mesh/triangle_mesh.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace model;
 
 /// The file of one backend before it is damaged.
 struct FileSubject {
@@ -47,4 +49,4 @@ std::string with_all(std::string text, const std::string& from, const std::strin
 std::vector<std::string> lines_of(const std::string& text);
 std::string text_of(const std::vector<std::string>& lines, const std::string& end = "\n");
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

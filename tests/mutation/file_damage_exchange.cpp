@@ -7,7 +7,7 @@
 #include "core/number.h"
 #include "file_damage.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 const std::vector<std::string> invalid = {"cannot",       "invalid",      "open",     "edges",  "no surface",
@@ -387,4 +387,4 @@ void damage_exchange(const FileSubject& s, std::vector<FileDamage>& damages) {
   if (s.backend == "iges") in_iges(s, damages);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

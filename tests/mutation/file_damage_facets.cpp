@@ -9,7 +9,7 @@
 #include "file_damage.h"
 #include "geometry/io/read_geometry.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 const std::vector<std::string> torn = {"open", "edges", "boundary", "facet", "torn"};
@@ -211,4 +211,4 @@ void damage_facets(const FileSubject& s, std::vector<FileDamage>& damages) {
   damages.push_back({"harmless edits", "a facet split in three", write_stl(split), {}, true});
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -7,7 +7,7 @@
 #include "core/number.h"
 #include "file_damage.h"
 
-namespace partscribe {
+namespace partscribe::testing {
 namespace {
 
 const std::vector<std::string> complaint = {"warning", "error", "expected", "unknown", "undefined", "is not defined"};
@@ -278,4 +278,4 @@ void damage_scripts(const FileSubject& s, std::vector<FileDamage>& damages) {
   if (s.backend == "alpha1") in_scl(s, damages);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

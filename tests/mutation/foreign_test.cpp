@@ -10,7 +10,9 @@
 #include "suite.h"
 #include "verify/evaluate/evaluate.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
+using namespace partscribe::verify;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -58,7 +60,7 @@ void edits_of(const std::string& name, const std::vector<TextEdit>& edits) {
     REQUIRE(write_file(file, edited).ok());
     VerifyOptions how;
     how.tolerance = T;
-    const auto verdict = verify({file}, scan, std::nullopt, how, context);
+    const auto verdict = verify_artifacts({file}, scan, std::nullopt, how, context);
     REQUIRE(verdict.ok());
     const auto& a = verdict->artifacts[0];
     std::string words;

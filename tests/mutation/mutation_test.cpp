@@ -13,7 +13,8 @@
 #include "parts.h"
 #include "suite.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
+using namespace partscribe::testing;
 
 namespace {
 

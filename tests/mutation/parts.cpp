@@ -12,7 +12,11 @@
 #include "scan/simulate/simulate.h"
 #include "verify/mutate/mutate.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace scan;
+using namespace verify;
+
 namespace {
 
 Expr p(const char* name) { return Expr::of(name); }
@@ -218,4 +222,4 @@ Scan scan_of(const Model& model, const ScanConditions& conditions) {
   return scan;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

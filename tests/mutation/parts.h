@@ -7,7 +7,9 @@
 #include "geometry/points/point_cloud.h"
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace model;
 
 /// The model of tests/golden/<part> at a tolerance of 0.2 mm, or 0.4 mm where curved surfaces take a second or more to
 /// mesh at a tenth of less; damages and noise grow with it.
@@ -29,4 +31,4 @@ struct ScanConditions {
 /// Twelve views with rays, and even points (a touch probe) where no view reaches: no surface is left unseen.
 Scan scan_of(const Model& model, const ScanConditions& conditions = {});
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

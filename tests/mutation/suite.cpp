@@ -16,7 +16,10 @@
 #include "verify/compare/samples.h"
 #include "verify/evaluate/evaluate.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace codegen;
+
 namespace {
 
 struct Subject {
@@ -83,7 +86,7 @@ void judge(DamageCase& c, const Subject& subject) {
   VerifyOptions options;
   options.tolerance = subject.truth.tolerance;
   options.seconds = c.seconds;
-  const auto verdict = verify({c.file}, subject.scan, subject.truth, options, context);
+  const auto verdict = verify_artifacts({c.file}, subject.scan, subject.truth, options, context);
   const bool a_refusal = verdict.ok() && verdict->artifacts[0].mesh.empty() && !verdict->artifacts[0].reasons.empty();
   if (!verdict.ok()) {
     c.outcome = "error";
@@ -108,7 +111,7 @@ void judge(DamageCase& c, const Subject& subject) {
     }
     // A damage of the whole file may be described by the mesh that came out.
     if (c.says.empty() && !c.harmless && c.harm.faces.empty() && !a.mesh.empty())
-      c.harm = partscribe::harm_between(subject.mesh, a.mesh, subject.truth.tolerance);
+      c.harm = partscribe::testing::harm_between(subject.mesh, a.mesh, subject.truth.tolerance);
     // What moves no thousandth of the surface beyond T is no damage of this part.
     if (c.says.empty() && !c.harmless && c.kept && c.harm.places.size() < 2) c.not_applicable = true;
     if (c.harm.faces.empty()) {
@@ -330,4 +333,4 @@ std::string line_of(const DamageCase& c) {
          print_number(snapped(c.moved, 1e-4)) + "\t" + c.outcome + "\t" + c.feature + "\t[" + faces + "]\t" + words;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

@@ -10,7 +10,9 @@
 #include "verify/mutate/mutate.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::testing {
+
+using namespace verify;
 
 /// One file to be judged, and then what was found.
 struct DamageCase {
@@ -54,4 +56,4 @@ Harm harm_between(const TriangleMesh& truth, const TriangleMesh& damaged, double
 /// One line for a log: part, backend, kind, damage, outcome, feature, words.
 std::string line_of(const DamageCase& c);
 
-}  // namespace partscribe
+}  // namespace partscribe::testing

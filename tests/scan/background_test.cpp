@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "geometry/points/keep_points.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

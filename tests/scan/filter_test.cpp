@@ -5,7 +5,7 @@
 
 #include "scan/simulate/simulate.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "geometry/points/kd_tree.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "core/random.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include "geometry/io/read_geometry.h"
 #include "scan/read/range_file.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

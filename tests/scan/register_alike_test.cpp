@@ -12,7 +12,7 @@
 #include "scan/simulate/simulate.h"
 #include "tests/scan/register_cases.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 using namespace partscribe::registration_cases;
 
 namespace {

@@ -10,7 +10,7 @@
 #include "scan/register/register_free.h"
 #include "tests/scan/register_cases.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 using namespace partscribe::registration_cases;
 
 namespace {

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "tests/scan/register_cases.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 using namespace partscribe::registration_cases;
 
 namespace {

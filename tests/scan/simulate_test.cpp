@@ -10,7 +10,7 @@
 #include "scan/read/range_file.h"
 #include "scan/read/read.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
 
 namespace {
 

@@ -5,7 +5,8 @@
 #include "tests/verify/shapes.h"
 #include "verify/compare/chance.h"
 
-using namespace partscribe;
+using namespace partscribe::scan;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {

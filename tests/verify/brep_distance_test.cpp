@@ -28,7 +28,7 @@
 #include "core/random.h"
 #include "verify/exchange/trim_region.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 
 namespace {
 

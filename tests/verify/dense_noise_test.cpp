@@ -5,7 +5,7 @@
 #include "tests/verify/shapes.h"
 #include "verify/compare/source.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {

@@ -5,7 +5,7 @@
 #include "tests/verify/shapes.h"
 #include "verify/features/features.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {

@@ -9,7 +9,7 @@
 #include "tests/verify/shapes.h"
 #include "verify/exchange/brep_distance.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {
@@ -92,8 +92,8 @@ TEST_CASE("run occt: what does not finish is not run in the verdict, with exit c
   Desk desk;
   VerifyOptions options;
   options.seconds = 0.001;  // no program starts that fast
-  const auto verdict = verify({desk.put("part.step", golden("box/part.step"))},
-                              scanned(box({0, 0, 0}, {10, 10, 10}), 2000, 0), {}, options, desk.context);
+  const auto verdict = verify_artifacts({desk.put("part.step", golden("box/part.step"))},
+                                        scanned(box({0, 0, 0}, {10, 10, 10}), 2000, 0), {}, options, desk.context);
   REQUIRE(verdict.ok());
   CHECK(verdict->verdict == Outcome::not_run);
   CHECK(exit_code_of(verdict->verdict) == 4);
@@ -147,7 +147,7 @@ TEST_CASE("run occt: a file whose points contradict its surfaces is refused, wha
   const TriangleMesh truth = desk.evaluate(good).mesh;
   const auto scan = scanned(truth, 20000, 0);
   auto outcome = [&](const std::string& text, std::string& reasons) {
-    const auto verdict = verify({desk.put("part.step", text)}, scan, {}, {}, desk.context);
+    const auto verdict = verify_artifacts({desk.put("part.step", text)}, scan, {}, {}, desk.context);
     REQUIRE(verdict.ok());
     reasons = all_reasons(*verdict);
     return verdict->verdict;

@@ -28,7 +28,7 @@
 #include "core/process.h"
 #include "tests/verify/shapes.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {
@@ -149,7 +149,7 @@ TEST_CASE("run openscad: far from the origin a script is as exact as near it, wh
   CHECK(near.error < 1e-5);
   CHECK(far.error < 1e-5);
   CHECK(volume(far.mesh) == Approx(volume(near.mesh)).epsilon(1e-5));
-  const MeshDistance moved(testing::moved(near.mesh, Vec3(694370.12345, -5155489.678, 381.5)));
+  const MeshDistance moved(partscribe::testing::moved(near.mesh, Vec3(694370.12345, -5155489.678, 381.5)));
   for (const auto& v : far.mesh.vertices) REQUIRE(moved.closest(v).distance < 1e-5);
   // What cannot be moved is evaluated as it is, and its error is said.
   bench.write("lump.stl", write_stl(box({0, 0, 0}, {20, 20, 20})));
@@ -194,7 +194,7 @@ TEST_CASE("run openscad: without the program the verdict is not run") {
   const std::string path = std::getenv("PATH") ? std::getenv("PATH") : "";
   ::setenv("PATH", bench.folder.path().c_str(), 1);
   const auto scan = scanned(box({0, 0, 0}, {10, 10, 10}), 2000, 0);
-  const auto verdict = verify({file}, scan, {}, {}, bench.context);
+  const auto verdict = verify_artifacts({file}, scan, {}, {}, bench.context);
   ::setenv("PATH", path.c_str(), 1);
   REQUIRE(verdict.ok());
   CHECK(verdict->verdict == Outcome::not_run);
@@ -207,15 +207,17 @@ TEST_CASE("run openscad: script and scan meet in one verdict") {
   Bench bench;
   const auto scan = scanned(box({0, 0, 0}, {20, 15, 10}), 20000, 0.02);
   VerifyOptions options;
-  const auto good = verify({bench.write("part.scad", "cube([20, 15, 10]);")}, scan, {}, options, bench.context);
+  const auto good =
+      verify_artifacts({bench.write("part.scad", "cube([20, 15, 10]);")}, scan, {}, options, bench.context);
   REQUIRE(good.ok());
   INFO(all_reasons(*good));
   CHECK(good->verdict == Outcome::verified);
-  const auto bad = verify({bench.write("part.scad", "cube([20, 15, 10.2]);")}, scan, {}, options, bench.context);
+  const auto bad =
+      verify_artifacts({bench.write("part.scad", "cube([20, 15, 10.2]);")}, scan, {}, options, bench.context);
   REQUIRE(bad.ok());
   CHECK(bad->verdict == Outcome::out_of_tolerance);
   const auto warned =
-      verify({bench.write("part.scad", "cube([20, 15, 10]); bogus();")}, scan, {}, options, bench.context);
+      verify_artifacts({bench.write("part.scad", "cube([20, 15, 10]); bogus();")}, scan, {}, options, bench.context);
   REQUIRE(warned.ok());
   CHECK(warned->verdict == Outcome::out_of_tolerance);
 }

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-using namespace partscribe;
+using namespace partscribe::verify;
 
 namespace {
 

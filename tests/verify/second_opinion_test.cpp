@@ -5,7 +5,7 @@
 
 #include "core/files.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 
 namespace {
 

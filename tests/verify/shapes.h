@@ -15,6 +15,8 @@
 
 namespace partscribe::testing {
 
+using namespace verify;
+
 /// A solid of revolution about z through (radius, z) corners from axis to axis, counter-clockwise seen with z up:
 /// bottom first. The first and last corner lie on the axis.
 inline TriangleMesh turned(const std::vector<Vec2>& profile, int sectors) {
@@ -227,7 +229,7 @@ inline Verdict verdict_on(const TriangleMesh& mesh, const Scan& scan, const Veri
   ensure(write_file(file, write_stl(mesh)).ok(), "the test's own file cannot be written");
   Context context;
   context.threads = threads;
-  auto verdict = verify({file}, scan, model, options, context);
+  auto verdict = verify_artifacts({file}, scan, model, options, context);
   ensure(verdict.ok(), "the test's own mesh cannot be verified");
   return *verdict;
 }

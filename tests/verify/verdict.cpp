@@ -6,7 +6,7 @@
 #include "tests/verify/shapes.h"
 #include "verify/compare/source.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {
@@ -276,12 +276,12 @@ TEST_CASE("verdict: two artifacts of one part must agree within a fifth of the t
   REQUIRE(write_file(folder.path() / "a.stl", write_stl(truth)).ok());
   REQUIRE(write_file(folder.path() / "b.stl", write_stl(sphere(20.04, 120))).ok());
   Context context;
-  auto same = verify({folder.path() / "a.stl", folder.path() / "a.stl"}, scan, {}, at(T), context);
+  auto same = verify_artifacts({folder.path() / "a.stl", folder.path() / "a.stl"}, scan, {}, at(T), context);
   REQUIRE(same.ok());
   REQUIRE(same->between_backends.size() == 1);
   CHECK(same->between_backends[0].agree);
   CHECK(same->verdict == Outcome::verified);
-  auto apart = verify({folder.path() / "a.stl", folder.path() / "b.stl"}, scan, {}, at(T), context);
+  auto apart = verify_artifacts({folder.path() / "a.stl", folder.path() / "b.stl"}, scan, {}, at(T), context);
   REQUIRE(apart.ok());
   CHECK_FALSE(apart->between_backends[0].agree);
   CHECK(apart->verdict == Outcome::out_of_tolerance);
@@ -298,7 +298,7 @@ TEST_CASE("verdict: what is wrong with one surface in several files is told once
       REQUIRE(write_file(files.back(), write_stl(holed_plate(40, 10, 6, radius, -8))).ok());
     }
     Context context;
-    const auto verdict = verify(files, scan, {}, at(T), context);
+    const auto verdict = verify_artifacts(files, scan, {}, at(T), context);
     REQUIRE(verdict.ok());
     CHECK(verdict->verdict == Outcome::out_of_tolerance);
     return verdict_table(*verdict);
@@ -319,12 +319,13 @@ TEST_CASE("verdict: what is wrong with one surface in several files is told once
 TEST_CASE("verdict: bad requests say what is wrong") {
   Context context;
   const auto scan = scanned(sphere(20), 1000, 0);
-  CHECK_FALSE(verify({"nowhere.stl"}, scan, {}, at(T), context).ok());
-  CHECK(verify({"nowhere.stl"}, scan, {}, at(T), context).error().message.find("nowhere.stl") != std::string::npos);
-  CHECK_FALSE(verify({"part.dwg"}, scan, {}, at(T), context).ok());
-  CHECK(verify({"part.dwg"}, scan, {}, at(T), context).error().message.find(".scad") != std::string::npos);
-  CHECK_FALSE(verify({}, scan, {}, at(T), context).ok());
-  CHECK_FALSE(verify({"part.scad"}, scan, {}, at(0), context).ok());
+  CHECK_FALSE(verify_artifacts({"nowhere.stl"}, scan, {}, at(T), context).ok());
+  CHECK(verify_artifacts({"nowhere.stl"}, scan, {}, at(T), context).error().message.find("nowhere.stl") !=
+        std::string::npos);
+  CHECK_FALSE(verify_artifacts({"part.dwg"}, scan, {}, at(T), context).ok());
+  CHECK(verify_artifacts({"part.dwg"}, scan, {}, at(T), context).error().message.find(".scad") != std::string::npos);
+  CHECK_FALSE(verify_artifacts({}, scan, {}, at(T), context).ok());
+  CHECK_FALSE(verify_artifacts({"part.scad"}, scan, {}, at(0), context).ok());
 }
 
 TEST_CASE("verdict: JSON, CSV, JUnit and the table say the same") {

@@ -6,7 +6,7 @@
 #include "tests/json_schema.h"
 #include "tests/verify/shapes.h"
 
-using namespace partscribe;
+using namespace partscribe::verify;
 using namespace partscribe::testing;
 
 namespace {

@@ -19,7 +19,7 @@
 #include "verify/features/facets.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t coarse_points = 600, fine_points = 6000, mesh_samples = 4000;
@@ -363,4 +363,4 @@ std::string words_for(const Alignment& alignment) {
          " mm (" + shown(t.x(), 0.001) + ", " + shown(t.y(), 0.001) + ", " + shown(t.z(), 0.001) + ")";
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

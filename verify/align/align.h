@@ -10,7 +10,7 @@
 #include "verify/compare/source.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Best fit: least squares of the distances to the surface (Welsch weights), from the frames as they are and from the
 /// 24 ways in which the principal axes can be laid onto each other; of fits that are equally good the nearest to how
@@ -35,4 +35,4 @@ std::optional<std::string> hint_at_frame(const ScanSource& source, const VerifyO
 /// "turned by 12.5 degrees and moved by 3.2 mm (3, 1, 0)" or "left where it lies"
 std::string words_for(const Alignment& alignment);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -15,7 +15,7 @@
 #include "verify/compare/samples.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t judged_points = 2000;
@@ -308,4 +308,4 @@ std::optional<std::string> misplacement(const ScanSource& source, const Triangle
   return std::nullopt;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 /// Sum of terms that start at `first` and are multiplied by ratio(i) from one to the next, until they fade.
@@ -51,4 +51,4 @@ double two_sided_quantile(double probability) {
   return low;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

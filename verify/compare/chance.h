@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// P(N >= count) for N of a Poisson distribution.
 double poisson_tail(std::size_t count, double mean);
@@ -14,4 +14,4 @@ double binomial_tail(std::size_t count, std::size_t tries, double p);
 /// The z with P(|Z| > z) = `probability` for a standard normal Z.
 double two_sided_quantile(double probability);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

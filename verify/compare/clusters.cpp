@@ -5,7 +5,7 @@
 #include "core/disjoint_sets.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t neighbours = 24;  // more links would join nothing that these do not
@@ -34,4 +34,4 @@ std::vector<std::vector<std::uint32_t>> clusters_of(const std::vector<Vec3>& pla
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

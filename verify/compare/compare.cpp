@@ -17,7 +17,7 @@
 #include "verify/report/findings.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t most_second_looks = 40;  // at features: each goes through all points once
@@ -356,4 +356,4 @@ double distance_between(const TriangleMesh& a, const TriangleMesh& b, int thread
   return std::max(one_way(a, b), one_way(b, a));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -4,7 +4,7 @@
 #include "verify/features/rows.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Fills data_to_model, model_to_data, objects, findings, point_deviation, reasons and the verdict of `verdict`, whose
 /// mesh is the evaluated one. `names`: of the rows; null: the features that are found on the mesh. Verdicts that are
@@ -16,4 +16,4 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
 /// closed one only.
 double distance_between(const TriangleMesh& a, const TriangleMesh& b, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

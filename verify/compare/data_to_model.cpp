@@ -13,7 +13,7 @@
 #include "verify/compare/chance.h"
 #include "verify/compare/strays.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t most_places = 60000;
@@ -391,4 +391,4 @@ PointField data_to_model(const ScanSource& source, const MeshDistance& surface, 
   return Comparison(source, surface, normals, options, context, exact).run();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

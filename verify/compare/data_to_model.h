@@ -9,7 +9,7 @@
 #include "verify/exchange/brep_distance.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A place stands for the points around it that lie on the same face.
 struct Place {
@@ -40,4 +40,4 @@ struct PointField {
 PointField data_to_model(const ScanSource& source, const MeshDistance& surface, const std::vector<Vec3>& normals,
                          const VerifyOptions& options, Context& context, const BrepDistance* exact = nullptr);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

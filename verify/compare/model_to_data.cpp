@@ -9,7 +9,7 @@
 #include "geometry/mesh/mesh_facets.h"
 #include "verify/compare/plain_view.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t sample_count = 60000;
@@ -304,4 +304,4 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
   return field;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

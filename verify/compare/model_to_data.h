@@ -8,7 +8,7 @@
 #include "verify/compare/passages.h"
 #include "verify/compare/samples.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 enum class Support : std::uint8_t { supported, not_scanned, contradicted };
 
@@ -31,4 +31,4 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
 double surface_inside_bodies(const TriangleMesh& mesh, const MeshDistance& surface, const std::vector<Vec3>& normals,
                              const SurfaceField& field, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t block = 256;       // points of one parallel task
@@ -71,4 +71,4 @@ Passages passages_through(const ScanSource& source, const PointField& points, co
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

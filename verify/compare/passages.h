@@ -7,7 +7,7 @@
 #include "verify/compare/data_to_model.h"
 #include "verify/compare/strays.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Where rays enter the evaluated surface more than the tolerance before they reach their point. Rays that pass its
 /// outline by less than the tolerance or a pixel are left out: an edge may be so far off, and mixed pixels and small
@@ -23,4 +23,4 @@ struct Passages {
 Passages passages_through(const ScanSource& source, const PointField& points, const MeshDistance& surface,
                           const std::vector<Vec3>& normals, double tolerance, double false_alarm, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

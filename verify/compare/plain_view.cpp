@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "geometry/mesh/mesh_facets.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t direction_count = 250;  // 13 degrees apart
@@ -288,4 +288,4 @@ void contradict_in_plain_view(const ScanSource& source, const TriangleMesh& mesh
   for (const auto i : field.in_plain_view) field.support[i] = Support::contradicted;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -3,7 +3,7 @@
 
 #include "verify/compare/model_to_data.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Contradicts what sticks out of the part, has no data at all, and lies in plain view: patches of whole faces without
 /// data, behind which lies the patch itself, and without which the scanned surface still hangs together. They are in
@@ -18,4 +18,4 @@ void contradict_in_plain_view(const ScanSource& source, const TriangleMesh& mesh
 /// `count` unit vectors, evenly over the sphere.
 std::vector<Vec3> even_directions(std::size_t count);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

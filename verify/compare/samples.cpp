@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace partscribe {
+namespace partscribe::verify {
 
 std::vector<SurfaceSample> even_samples(const TriangleMesh& mesh, std::size_t count) {
   std::vector<SurfaceSample> samples;
@@ -28,4 +28,4 @@ std::vector<SurfaceSample> even_samples(const TriangleMesh& mesh, std::size_t co
   return samples;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

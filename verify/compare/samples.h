@@ -6,7 +6,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Each sample stands for the same area: area(mesh) / samples.
 struct SurfaceSample {
@@ -17,4 +17,4 @@ struct SurfaceSample {
 /// `count` samples at equal steps of accumulated area, placed inside their triangle by a low-discrepancy sequence.
 std::vector<SurfaceSample> even_samples(const TriangleMesh& mesh, std::size_t count);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

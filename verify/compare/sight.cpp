@@ -10,7 +10,7 @@
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr double widest_view = 0.34;         // cosine of 70 degrees
@@ -169,4 +169,4 @@ bool seen_through(const SightMap& map, const Vec3& place, const Vec3& normal, do
   return all_behind && returns >= 7;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

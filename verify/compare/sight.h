@@ -8,7 +8,7 @@
 
 #include "geometry/points/point_cloud.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// The nearest depth in every cell of one view's image plane.
 struct SightMap {
@@ -48,4 +48,4 @@ std::optional<Vec3> unanswered_from(const SightMap& map, const Vec3& place, cons
 /// never contradicted: sensors lose such surface and see what is behind it.
 bool seen_through(const SightMap& map, const Vec3& place, const Vec3& normal, double margin);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

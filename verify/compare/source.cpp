@@ -14,7 +14,7 @@
 #include "geometry/points/thin.h"
 #include "verify/compare/samples.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr int noise_neighbours = 24;
@@ -321,4 +321,4 @@ std::optional<MeshHit> hidden_by(const MeshDistance& surface, const LineOfSight&
   return surface.first_hit(sight.from + aside, sight.ray, sight.length - margin);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

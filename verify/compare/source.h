@@ -12,7 +12,7 @@
 #include "geometry/points/point_cloud.h"
 #include "verify/compare/sight.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Built once per scan and used for every artifact; the Scan must outlive it.
 struct ScanSource {
@@ -72,4 +72,4 @@ double smallest_honest_tolerance(const ScanSource& source);
 /// The mean spacing of points whose 8th neighbour is at this distance.
 double spacing_from_eighth(double distance);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "verify/compare/chance.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::array<double, 2> scales = {2.5, 5};   // spacings
@@ -165,4 +165,4 @@ std::vector<StrayCluster> clusters_beyond_chance(const StrayScene& scene, double
   return Judge(scene).run(false_alarm, threads);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -6,7 +6,7 @@
 
 #include "verify/compare/source.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// What a scan's strays are judged by. All points off the model, kept or set aside by a filter, in coordinate order.
 struct StrayScene {
@@ -39,4 +39,4 @@ std::vector<StrayCluster> clusters_beyond_chance(const StrayScene& scene, double
 /// density of scanned surface: three in ten of the pixels along the edge, spread over two pixels or more.
 inline constexpr double densest_curtain = 0.15;
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -4,7 +4,7 @@
 
 #include "verify/scl/scl_evaluate.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 Result<Evaluation> evaluate_alpha1(const Path& path, const EvaluateOptions& options, Context& context) {
   // The clock only ends a run that takes too long, and fills the field that reports how long it took.
@@ -38,4 +38,4 @@ Result<Evaluation> evaluate_alpha1(const Path& path, const EvaluateOptions& opti
   return evaluation;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

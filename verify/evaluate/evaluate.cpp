@@ -10,7 +10,7 @@
 #include "verify/evaluate/run_openscad.h"
 #include "verify/evaluate/solid.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 /// How many mm one unit is, by the name that a file gives it; 3MF's names.
@@ -85,4 +85,4 @@ Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& op
   return usage_error("'" + path.filename().string() + "' cannot be evaluated: expected one of " + known);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

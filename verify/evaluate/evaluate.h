@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 class BrepDistance;
 
@@ -56,4 +56,4 @@ bool is_cad_file(const Path& path);
 /// bad_input, stopped. A program that ran and complained is no error but `failed`.
 Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

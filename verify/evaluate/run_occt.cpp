@@ -24,7 +24,7 @@
 #include "verify/exchange/brep_distance.h"
 #include "verify/exchange/read_brep.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr const char* command = "read-brep";
@@ -290,4 +290,4 @@ std::optional<int> serve_as_reader(int count, const char* const* arguments) {
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -5,7 +5,7 @@
 
 #include "verify/evaluate/evaluate.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// What read_iges and read_step (verify/exchange/read_brep.h) make of the file. The program partscribe is started as
 /// `partscribe read-brep ...`; what it writes is read back. A reader that crashes is a refusal of the file, `failed`.
@@ -16,4 +16,4 @@ Result<Evaluation> evaluate_step(const Path& path, const EvaluateOptions& option
 /// For the main of the program partscribe: if it was started as the reader, does the work and returns the exit code.
 std::optional<int> serve_as_reader(int count, const char* const* arguments);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -11,7 +11,7 @@
 #include "geometry/io/read_geometry.h"
 #include "verify/evaluate/solid.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 /// Lines in which OpenSCAD complains; at most twenty, for a loop can repeat one a million times.
@@ -180,4 +180,4 @@ Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& op
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -11,7 +11,7 @@
 #include "verify/compare/compare.h"
 #include "verify/evaluate/solid.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 // Arguments: the package's openscad.js, the script, the STL to write. Every .scad file beside the script goes along.
@@ -225,4 +225,4 @@ std::vector<SecondOpinion> second_opinions(const Path& artifact, const Evaluatio
   return opinions;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

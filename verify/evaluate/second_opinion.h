@@ -7,7 +7,7 @@
 #include "core/context.h"
 #include "verify/evaluate/evaluate.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// What another program made of the same file.
 struct SecondOpinion {
@@ -26,4 +26,4 @@ struct SecondOpinion {
 std::vector<SecondOpinion> second_opinions(const Path& artifact, const Evaluation& first,
                                            const EvaluateOptions& options, Context& context);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -10,7 +10,7 @@
 #include "geometry/mesh/mesh_facets.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -121,4 +121,4 @@ TriangleMesh in_canonical_order(const TriangleMesh& mesh) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -6,7 +6,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A mesh with united vertices and what is wrong with it as the boundary of a solid.
 struct SolidCheck {
@@ -21,4 +21,4 @@ SolidCheck check_solid(const TriangleMesh& mesh);
 /// The same surface with vertices and triangles in sorted order, for programs whose order varies from run to run.
 TriangleMesh in_canonical_order(const TriangleMesh& mesh);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -19,7 +19,7 @@
 #include "geometry/points/spatial_order.h"
 #include "verify/exchange/brep_parts.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t chunk_size = std::size_t(1) << 20;  // queries sorted together
@@ -176,4 +176,4 @@ void BrepDistance::for_each_closest(std::span<const Vec3> queries, int threads,
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

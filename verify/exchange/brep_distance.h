@@ -12,7 +12,7 @@
 
 class TopoDS_Shape;
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// The nearest place on a shape's faces.
 struct BrepHit {
@@ -47,4 +47,4 @@ class BrepDistance {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

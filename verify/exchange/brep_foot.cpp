@@ -15,7 +15,7 @@
 #include "core/number.h"
 #include "verify/exchange/brep_parts.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
@@ -225,4 +225,4 @@ CurveFoot foot_on_edge(const BrepEdge& edge, const Vec3& query, double start) {
   return {curve_point(edge, clamped).p, clamped, t <= edge.first ? -1 : t >= edge.last ? 1 : 0};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

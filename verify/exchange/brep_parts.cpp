@@ -51,7 +51,7 @@
 #include "verify/exchange/brep_parts.h"
 // clang-format on
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
@@ -452,4 +452,4 @@ TriangleFoot nearest_in_triangle(const Vec3& a, const Vec3& b, const Vec3& c, co
 
 std::unique_ptr<BrepDistance::Parts> collect_brep_parts(const TopoDS_Shape& shape) { return Collector(shape).run(); }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

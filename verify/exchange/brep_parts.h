@@ -14,7 +14,7 @@
 #include "verify/exchange/spline.h"
 #include "verify/exchange/trim_region.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A parameter's range; `period` 0: it does not close.
 struct ParameterRange {
@@ -97,4 +97,4 @@ struct CurveFoot {
 };
 CurveFoot foot_on_edge(const BrepEdge& edge, const Vec3& query, double start);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

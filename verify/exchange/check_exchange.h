@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// What is wrong with the text of a STEP file (ISO 10303-21), one line: it ends too early, refers to an entity that is
 /// missing, refers to itself in a circle, defines an entity twice, holds a number that is none. Nothing if it is whole.
@@ -17,4 +17,4 @@ std::optional<std::string> fault_of_step(std::string_view text);
 /// circle. Compressed and binary files are left to the reader.
 std::optional<std::string> fault_of_iges(std::string_view text);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -8,7 +8,7 @@
 
 #include "verify/exchange/check_exchange.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
@@ -209,4 +209,4 @@ std::optional<std::string> fault_of_iges(std::string_view text) {
   return std::nullopt;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

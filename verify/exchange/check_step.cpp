@@ -6,7 +6,7 @@
 
 #include "verify/exchange/check_exchange.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using Id = std::uint64_t;
@@ -193,4 +193,4 @@ std::optional<std::string> fault_of_step(std::string_view text) {
   return std::nullopt;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -50,7 +50,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using Entity = Handle(IGESData_IGESEntity);
@@ -351,4 +351,4 @@ IgesTree evaluate_iges_tree(IGESControl_Reader& reader, TopoDS_Shape& shape) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

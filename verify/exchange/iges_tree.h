@@ -7,7 +7,7 @@
 class IGESControl_Reader;
 class TopoDS_Shape;
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// What became of the tree.
 struct IgesTree {
@@ -19,4 +19,4 @@ struct IgesTree {
 /// but converts none of them.
 IgesTree evaluate_iges_tree(IGESControl_Reader& reader, TopoDS_Shape& shape);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -21,7 +21,7 @@
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/mesh/mesh_facets.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
@@ -225,4 +225,4 @@ ShapeMesh mesh_shape(const TopoDS_Shape& shape, double tolerance) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

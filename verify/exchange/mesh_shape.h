@@ -5,7 +5,7 @@
 
 class TopoDS_Shape;
 
-namespace partscribe {
+namespace partscribe::verify {
 
 struct ShapeMesh {
   TriangleMesh mesh;  ///< facets share their vertices along shared edges, outward where the shape says so
@@ -16,4 +16,4 @@ struct ShapeMesh {
 /// tolerance / 5: the deflection that the mesher is asked for is no bound.
 ShapeMesh mesh_shape(const TopoDS_Shape& shape, double tolerance);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

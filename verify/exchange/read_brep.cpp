@@ -56,7 +56,7 @@
 #include "verify/exchange/mesh_shape.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 void silence() {
@@ -367,4 +367,4 @@ Result<BrepReading> read_step(const Path& path, const EvaluateOptions& options) 
   });
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -5,7 +5,7 @@
 
 #include "verify/evaluate/evaluate.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// What came out of a file, in a form that can be handed to another process.
 struct BrepReading {
@@ -22,4 +22,4 @@ Result<BrepReading> read_iges(const Path& path, const EvaluateOptions& options);
 /// The bodies or faces of a STEP file; all else as for IGES.
 Result<BrepReading> read_step(const Path& path, const EvaluateOptions& options);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

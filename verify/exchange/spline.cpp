@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 /// Values and two derivatives of the degree + 1 basis functions that live at x (Piegl & Tiller, The NURBS Book, A2.3,
@@ -97,4 +97,4 @@ SplinePoint evaluate(const SplineSurface& surface, double u, double v) {
   return r;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

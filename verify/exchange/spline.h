@@ -5,7 +5,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 constexpr int most_spline_degree = 25;
 
@@ -38,4 +38,4 @@ struct SplinePoint {
 };
 SplinePoint evaluate(const SplineSurface& surface, double u, double v);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -158,4 +158,4 @@ bool TrimRegion::contains(const Vec2& p) const {
   return inside;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

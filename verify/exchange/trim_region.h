@@ -7,7 +7,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A boundary curve in the parameter plane, run from `first` to `last`.
 struct TrimCurve {
@@ -46,4 +46,4 @@ class TrimRegion {
   double fine_ = 0;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

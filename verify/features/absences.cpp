@@ -12,7 +12,7 @@
 #include "verify/features/inspect.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t fewest_points = 9;  // that can prove a face across a hole
@@ -370,4 +370,4 @@ void Absences::count_equal() {
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

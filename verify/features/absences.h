@@ -9,7 +9,7 @@
 
 #include "verify/report/findings.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A place of the scan that lies too far from the artifact.
 struct Spot {
@@ -66,4 +66,4 @@ class Absences {
 /// The row with the greatest weight; -1 if there is none.
 std::int32_t most_of(const std::map<std::int32_t, double>& rows);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -8,7 +8,7 @@
 
 #include "geometry/mesh/mesh_facets.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr double same_plane = 0.99;  // cosine; flatness decides, this keeps folds apart
@@ -122,4 +122,4 @@ Facets flat_pieces(const TriangleMesh& mesh, double flatness) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

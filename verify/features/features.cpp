@@ -12,7 +12,7 @@
 #include "verify/features/fit_facets.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr double widest_bend = 0.81;       // rad: eight facets close a circle
@@ -712,4 +712,4 @@ int sides_of(const MeshFeature& feature) {
   return static_cast<int>(std::lround(pi / std::acos(1 - feature.sagitta / radius)));
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

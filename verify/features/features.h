@@ -10,7 +10,7 @@
 #include "geometry/mesh/triangle_mesh.h"
 #include "geometry/surfaces/primitive_fit.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A connected patch of surface of one kind.
 struct MeshFeature {
@@ -47,4 +47,4 @@ int sides_of(const MeshFeature& feature);
 /// Unit normal of a primitive's surface near `point`, on the side where distance() is positive.
 Vec3 surface_normal(const Primitive& primitive, const Vec3& point);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

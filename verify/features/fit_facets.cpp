@@ -11,7 +11,7 @@
 #include "geometry/decompose.h"
 #include "verify/features/features.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t most_corners = 1500;  // that a fit takes
@@ -274,4 +274,4 @@ std::optional<Primitive> FacetGroup::fit(PrimitiveKind kind, double corner_error
   return std::nullopt;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -7,7 +7,7 @@
 #include "geometry/surfaces/primitive_fit.h"
 #include "verify/features/facets.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A group of facets of one mesh, seen as samples of one smooth surface.
 class FacetGroup {
@@ -38,4 +38,4 @@ class FacetGroup {
 bool facet_fits(const Primitive& primitive, const TriangleMesh& mesh, const Facet& facet, double corner_error,
                 double largest_bend);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -11,7 +11,7 @@
 #include "core/statistics.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t most_points = 2500;  // that one fit takes
@@ -522,4 +522,4 @@ Inspection inspect_anew(const Compared& compared, const MeshFeature& feature, co
   return Inspector(compared, feature, row, options).run_anew(points);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

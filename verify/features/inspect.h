@@ -8,7 +8,7 @@
 #include "verify/features/features.h"
 #include "verify/report/findings.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// One feature measured by its own points.
 struct Inspection {
@@ -33,4 +33,4 @@ Inspection inspect_anew(const Compared& compared, const MeshFeature& feature, co
 /// How a person calls it: "hole 3 (diameter 6.6)", "face +z at 10".
 std::string with_size(const std::string& name, const MeshFeature& feature, double tolerance);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -6,7 +6,7 @@
 #include "core/number.h"
 #include "verify/report/findings.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr double nearest_wall = 0.5, farthest_wall = 1.6;  // radii from the axis
@@ -65,4 +65,4 @@ bool scanned_round(const ScanSource& source, const MeshDistance& artifact, const
   return on_circle < clearly_better * on_artifact && on_circle < std::hypot(1.2 * source.noise, round_enough * sagitta);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

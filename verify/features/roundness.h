@@ -5,7 +5,7 @@
 #include "geometry/surfaces/primitive_fit.h"
 #include "verify/compare/source.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// True if the scanned wall between `low` and `high` along the cylinder's axis, about as far from it as its radius, is
 /// round: a cylinder through its points fits them clearly better than the artifact does, and as well as noise allows.
@@ -13,4 +13,4 @@ namespace partscribe {
 bool scanned_round(const ScanSource& source, const MeshDistance& artifact, const Primitive& cylinder, double low,
                    double high);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

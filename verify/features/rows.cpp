@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr double dominates = 0.6;  // of a row's area, so that the feature stands for the row
@@ -109,4 +109,4 @@ RowOf fill_rows(const ScanSource& source, const FaceNames& faces, const MeshFeat
   return row;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

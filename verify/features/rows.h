@@ -8,7 +8,7 @@
 #include "verify/compare/model_to_data.h"
 #include "verify/features/features.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// The faces that get rows of their own, and how to tell to which of them a place on the mesh belongs.
 struct FaceNames {
@@ -31,4 +31,4 @@ RowOf fill_rows(const ScanSource& source, const FaceNames& faces, const MeshFeat
                 const PointField& points, const SurfaceField& field, const VerifyOptions& options,
                 ArtifactVerdict& verdict, int threads);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

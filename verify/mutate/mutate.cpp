@@ -12,7 +12,7 @@
 #include "verify/mutate/mutate_features.h"
 #include "verify/mutate/mutate_gauge.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t most_vertices = 24;  // of a triangulation that are moved, one at a time
@@ -360,4 +360,4 @@ bool of_whole_part(Mutation::Kind kind) {
 
 std::vector<Mutation> mutations_of(const Model& model) { return Damages(model).run(); }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

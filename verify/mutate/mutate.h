@@ -7,7 +7,7 @@
 
 #include "model/model.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// One damage. A verifier that compares it with a scan of the undamaged part must refuse it, unless it is harmless.
 struct Mutation {
@@ -78,4 +78,4 @@ struct Harm {
 /// are nearest to them; a face with less than a fifth of the places of the first one is a neighbour and left out.
 Harm harm_of(const Model& truth, const Model& damaged, double beyond);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 /// How a shape, mirrored in its own `axis` and then moved by `shift`, is written as a shape of the same kind.
@@ -152,4 +152,4 @@ std::vector<Edit> omissions(const Model& model) {
   return result;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

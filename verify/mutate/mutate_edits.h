@@ -6,7 +6,7 @@
 
 #include "verify/mutate/mutate.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A changed model and what was done to it.
 struct Edit {
@@ -39,4 +39,4 @@ Model scaled(const Model& model, double factor, const Vec3& middle);
 /// Everything that can be left out: loops, elements of sketches, faces, operands. Not checked.
 std::vector<Edit> omissions(const Model& model);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using Kind = Mutation::Kind;
@@ -396,4 +396,4 @@ std::vector<SizedEdit> sized_edits(const Model& model) {
   return edits;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -9,7 +9,7 @@
 #include "verify/mutate/mutate_edits.h"
 #include "verify/mutate/mutate_gauge.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// A damage by size: nothing where there is no such model.
 struct SizedEdit {
@@ -28,4 +28,4 @@ std::vector<Edit> additions(const Model& model, const Gauge& gauge);
 /// hole of its own diameter, the part together with its shifted copy.
 std::vector<SizedEdit> sized_edits(const Model& model);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -11,7 +11,7 @@
 #include "core/random.h"
 #include "model/check.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t probes = 2000;           // places by which displacements are measured
@@ -151,4 +151,4 @@ Harm harm_of(const Model& truth, const Model& damaged, double beyond) {
   return harm;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

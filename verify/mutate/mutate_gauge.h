@@ -4,7 +4,7 @@
 #include "model/distance.h"
 #include "verify/mutate/mutate.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// The box around a model's surface, in the frame of ModelDistance.
 Box3 bounds_of(const Model& model, const ModelDistance& distance);
@@ -34,4 +34,4 @@ class Gauge {
   Box3 box_;
 };
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

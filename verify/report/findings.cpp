@@ -12,7 +12,7 @@
 #include "verify/features/absences.h"
 #include "verify/report/words.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr double same_face = 0.7071;        // cosine of 45 degrees
@@ -437,4 +437,4 @@ std::vector<Finding> all_findings(const Compared& compared, const std::vector<Fi
   return Finder(compared, whole, options, threads).run();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -8,7 +8,7 @@
 #include "verify/compare/model_to_data.h"
 #include "verify/features/features.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Everything that the comparison of one mesh with the scan has found.
 struct Compared {
@@ -39,4 +39,4 @@ std::vector<Finding> all_findings(const Compared& compared, const std::vector<Fi
 /// nearest points; zero if they form no plane.
 Vec3 scanned_normal(const ScanSource& source, std::uint32_t point, std::vector<Neighbour>& near);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -8,7 +8,7 @@
 #include "verify/report/words.h"
 #include "verify/verify.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -490,4 +490,4 @@ std::string verdict_table(const Verdict& verdict) {
   return text;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -5,7 +5,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 Words::Words(double tolerance) : resolution_(std::clamp(power_of_ten_below(tolerance / 5), 1e-6, 0.01)) {}
 
@@ -48,4 +48,4 @@ std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

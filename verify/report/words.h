@@ -6,7 +6,7 @@
 
 #include "geometry/vec.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Lengths are rounded to a fifth of the tolerance or finer, and at least to 0.01 mm.
 class Words {
@@ -31,4 +31,4 @@ std::string listed(const std::vector<std::string>& names);
 /// "1 point", "14 points".
 std::string counted(std::size_t count, const std::string& what);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -24,7 +24,7 @@
 
 #include "verify/scl/scl_shape.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 gp_Pnt pnt(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
@@ -368,4 +368,4 @@ SclMade scl_refined(const SclGeometryPtr& geometry, bool row, const std::vector<
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

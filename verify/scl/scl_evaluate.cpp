@@ -9,7 +9,7 @@
 #include "verify/scl/scl_parser.h"
 #include "verify/scl/scl_value.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using Kind = SclNode::Kind;
@@ -496,4 +496,4 @@ Result<SclOutcome> run_scl(const Path& path, const SclLimits& limits) {
   return outcome;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "verify/scl/scl_geometry.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// So that no text, however it is meant, runs without end.
 struct SclLimits {
@@ -30,4 +30,4 @@ struct SclOutcome {
 /// Errors: the file itself cannot be read, or the run was stopped. Everything else that is wrong is a complaint.
 Result<SclOutcome> run_scl(const Path& path, const SclLimits& limits);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -19,7 +19,7 @@
 
 #include "verify/scl/scl_shape.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 // A boolean over more plane faces takes minutes.
@@ -199,4 +199,4 @@ Result<TopoDS_Shape> brep_of(const SclGeometry& geometry) {
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

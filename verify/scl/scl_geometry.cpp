@@ -43,7 +43,7 @@
 #include "core/number.h"
 #include "verify/scl/scl_shape.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 gp_Pnt pnt(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
@@ -392,4 +392,4 @@ SclMade scl_group(std::vector<SclGeometryPtr> members) {
   return SclGeometryPtr(group);
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -13,7 +13,7 @@
 #include "core/result.h"
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 enum class SclGeometryKind { line, arc, circle, curve, profile, surface, primitive, shell, group };
 const char* name_of(SclGeometryKind kind);
@@ -109,4 +109,4 @@ struct SclMesh {
 /// All objects as one welded mesh with deviations of at most about `deviation`.
 Result<SclMesh> scl_mesh(const std::vector<SclGeometryPtr>& objects, double deviation, const SclStop& stop);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 constexpr std::array<std::string_view, 20> keywords = {
@@ -144,4 +144,4 @@ Result<std::vector<SclToken>> scl_tokens(std::string_view text, const std::strin
   }
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Where something stands in its file; both count from 1.
 struct SclPlace {
@@ -34,4 +34,4 @@ Result<std::vector<SclToken>> scl_tokens(std::string_view text, const std::strin
 /// The same letters in lower case: names of functions and keywords do not heed case.
 std::string lower_case(std::string_view text);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

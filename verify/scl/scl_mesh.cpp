@@ -12,7 +12,7 @@
 #include "verify/exchange/mesh_shape.h"
 #include "verify/scl/scl_shape.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 Vec3 vec3(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
@@ -166,4 +166,4 @@ Result<SclMesh> scl_mesh(const std::vector<SclGeometryPtr>& objects, double devi
   return all;
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -7,7 +7,7 @@
 #include "core/number.h"
 #include "verify/scl/scl_lexer.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using SclValues = std::vector<SclValue>;
@@ -698,4 +698,4 @@ std::optional<SclValue> scl_predefined(const std::string& name) {
   return {};
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -8,7 +8,7 @@
 
 #include "verify/scl/scl_value.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// What natives may change besides giving a value.
 struct SclOutputs {
@@ -32,4 +32,4 @@ Result<SclValue> call_scl_native(const std::string& name, const std::vector<SclV
 /// Linear ... Quintic, Origin, Xaxis, Yaxis, Zaxis, unitSphere; nothing for other names.
 std::optional<SclValue> scl_predefined(const std::string& name);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -4,7 +4,7 @@
 #include <array>
 #include <initializer_list>
 
-namespace partscribe {
+namespace partscribe::verify {
 namespace {
 
 using Kind = SclNode::Kind;
@@ -398,4 +398,4 @@ Result<std::vector<SclNode>> parse_scl(std::string_view text, const std::string&
   return Parser(std::move(*tokens), file).forms();
 }
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -7,7 +7,7 @@
 
 #include "verify/scl/scl_lexer.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// One statement or expression.
 struct SclNode {
@@ -55,4 +55,4 @@ struct SclNode {
 /// and column; constructs whose meaning the manual does not tell (++, --, ::, const) are refused as well.
 Result<std::vector<SclNode>> parse_scl(std::string_view text, const std::string& file);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

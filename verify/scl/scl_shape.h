@@ -7,7 +7,7 @@
 
 class TopoDS_Shape;
 
-namespace partscribe {
+namespace partscribe::verify {
 
 /// Ends nearer than this (mm) meet.
 inline constexpr double scl_join = 1e-6;
@@ -33,4 +33,4 @@ TriangleMesh facet_mesh(const SclGeometry& geometry);
 /// A shell of facets given by corner indices; outward if it closes.
 SclMade facet_shell(std::vector<Vec3> corners, std::vector<std::vector<std::uint32_t>> facets);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify

@@ -9,7 +9,7 @@
 
 #include "verify/scl/scl_geometry.h"
 
-namespace partscribe {
+namespace partscribe::verify {
 
 struct SclValue;
 using SclArray = std::shared_ptr<const std::vector<SclValue>>;
@@ -41,4 +41,4 @@ std::string description_of(const SclValue& value);
 /// Whole and real numbers; false for anything else.
 bool number_of(const SclValue& value, double& number);
 
-}  // namespace partscribe
+}  // namespace partscribe::verify
