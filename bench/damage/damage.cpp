@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/mutation/suite.h"
+#include "testing/damage/suite.h"
 
 using namespace partscribe::verify;
 using namespace partscribe::testing;

@@ -16,7 +16,7 @@
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/mesh/mesh_facets.h"
 #include "scan/simulate/simulate.h"
-#include "tests/verify/shapes.h"
+#include "testing/meshes.h"
 #include "verify/compare/samples.h"
 #include "verify/evaluate/solid.h"
 

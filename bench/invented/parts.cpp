@@ -4,7 +4,7 @@
 
 #include "bench/invented/csg.h"
 #include "core/number.h"
-#include "tests/verify/shapes.h"
+#include "testing/meshes.h"
 
 namespace partscribe::testing {
 namespace {

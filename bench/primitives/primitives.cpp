@@ -1,5 +1,7 @@
 // Fits of single primitives beside Ceres, PCL, CGAL and GeometricTools: time, exactness, basin, and distance from the
 // Cramer-Rao bound. `bench_primitives [trials]`; processor time throughout, all contestants in this one run.
+#include "testing/primitives.h"
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -8,11 +10,11 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "peers.h"
-#include "scenes.h"
 
 namespace {
 
 using namespace partscribe::geometry;
+namespace scenes = partscribe::testing::primitives;
 using scenes::kinds;
 
 double seconds() {

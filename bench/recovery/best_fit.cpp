@@ -4,7 +4,7 @@
 
 #include "model/distance.h"
 
-namespace partscribe::recovery {
+namespace partscribe::testing::recovery {
 namespace {
 
 /// Parameters of the truth, then rotation vector times size and shift of the part in the scan.
@@ -60,4 +60,4 @@ std::vector<double> best_numbers(const Case& c) {
   return numbers;
 }
 
-}  // namespace partscribe::recovery
+}  // namespace partscribe::testing::recovery

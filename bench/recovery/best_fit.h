@@ -4,12 +4,12 @@
 
 #include <vector>
 
-#include "bench/recovery/cases.h"
+#include "testing/recovery/cases.h"
 
-namespace partscribe::recovery {
+namespace partscribe::testing::recovery {
 
 /// The numbers of the truth's own parametrisation by weighted orthogonal distances of the true points. Nothing for a
 /// mesh.
 std::vector<double> best_numbers(const Case& c);
 
-}  // namespace partscribe::recovery
+}  // namespace partscribe::testing::recovery

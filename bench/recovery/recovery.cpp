@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "bench/recovery/best_fit.h"
-#include "bench/recovery/score.h"
 #include "codegen/emit.h"
 #include "core/files.h"
 #include "core/number.h"
 #include "core/statistics.h"
+#include "testing/recovery/score.h"
 #include "verify/verify.h"
 
 using namespace partscribe::codegen;
 using namespace partscribe::verify;
-using namespace partscribe::recovery;
+using namespace partscribe::testing::recovery;
 
 namespace {
 

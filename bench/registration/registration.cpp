@@ -24,14 +24,14 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "pairs.h"
-#include "parts.h"
 #include "scan/filter/filter.h"
 #include "scan/read/read.h"
 #include "scan/register/register.h"
 #include "scan/register/register_joint.h"
 #include "scan/register/register_pair.h"
 #include "scan/register/register_surface.h"
-#include "sides.h"
+#include "testing/registration/parts.h"
+#include "testing/registration/sides.h"
 
 using namespace partscribe::scan;
 using namespace partscribe::testing;
@@ -77,7 +77,7 @@ struct ViewMotion {
 /// What is left when all views move alike and every declared motion is followed, as far as it goes, to where that is
 /// least, and views that were said to fit on either side of a part are taken on the better one.
 PoseErrors errors_of(const std::vector<Pose>& truth, const Registration& registration, double size) {
-  const std::vector<Pose> sides = partscribe::registration_cases::best_sides(truth, registration, size);
+  const std::vector<Pose> sides = registration::best_sides(truth, registration, size);
   std::vector<Pose> found, there;
   std::vector<ViewMotion> motions;
   for (std::size_t v = 0; v < truth.size(); ++v) {
@@ -286,11 +286,11 @@ struct ScanOutcomes {
 /// degree and 2 % of the radius.
 void blocks(const std::vector<std::string>& seeds) {
   const std::pair<const char*, Surface> parts[] = {
-      {"plain block", partscribe::registration_cases::plain_block()},
-      {"cut block", partscribe::registration_cases::cut_block()},
-      {"balls", partscribe::registration_cases::balls()},
-      {"block alike from two sides", partscribe::registration_cases::block_alike_from_two_sides(2)},
-      {"prism alike from three sides", partscribe::registration_cases::prism_alike_from_sides(3, 2)}};
+      {"plain block", registration::plain_block()},
+      {"cut block", registration::cut_block()},
+      {"balls", registration::balls()},
+      {"block alike from two sides", registration::block_alike_from_two_sides(2)},
+      {"prism alike from three sides", registration::prism_alike_from_sides(3, 2)}};
   std::printf("| part | whole | partly | refused | wrong |\n|---|---|---|---|---|\n");
   for (const auto& [name, part] : parts) {
     ScanOutcomes of_part;

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "tests/fit/trials.h"
+#include "testing/trials.h"
 
 using namespace partscribe::fit;
 using namespace partscribe::testing;

@@ -13,7 +13,7 @@
 
 #include "core/random.h"
 #include "scan/simulate/simulate.h"
-#include "tests/verify/shapes.h"
+#include "testing/meshes.h"
 #include "verify/compare/source.h"
 
 using namespace partscribe::scan;

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "run.h"
+#include "testing/program.h"
 
 namespace partscribe::testing {
 

@@ -10,9 +10,9 @@
 #include "codegen/emit.h"
 #include "core/number.h"
 #include "geometry/mesh/mesh_distance.h"
-#include "golden_models.h"
 #include "model/distance.h"
 #include "model/json.h"
+#include "testing/golden_models.h"
 #include "verify/evaluate/evaluate.h"
 
 using namespace partscribe::codegen;

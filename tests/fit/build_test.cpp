@@ -11,8 +11,8 @@
 
 #include "model/distance.h"
 #include "model/json.h"
-#include "tests/fit/sampled.h"
-#include "tests/model/parts.h"
+#include "testing/models.h"
+#include "testing/sampled.h"
 
 using namespace partscribe::fit;
 using namespace partscribe::testing;

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/model/parts.h"
+#include "testing/models.h"
 
 using namespace partscribe::model;
 using namespace partscribe::testing;

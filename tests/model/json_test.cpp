@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "model/check.h"
-#include "tests/model/parts.h"
+#include "testing/models.h"
 
 using namespace partscribe::model;
 using namespace partscribe::testing;

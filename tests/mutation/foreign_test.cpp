@@ -5,9 +5,9 @@
 
 #include "core/files.h"
 #include "core/random.h"
-#include "file_damage.h"
 #include "scan/simulate/simulate.h"
-#include "suite.h"
+#include "testing/damage/file_damage.h"
+#include "testing/damage/suite.h"
 #include "verify/evaluate/evaluate.h"
 
 using namespace partscribe::scan;

@@ -10,8 +10,8 @@
 #include <set>
 
 #include "core/files.h"
-#include "parts.h"
-#include "suite.h"
+#include "testing/damage/parts.h"
+#include "testing/damage/suite.h"
 
 using namespace partscribe::verify;
 using namespace partscribe::testing;

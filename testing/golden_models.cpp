@@ -1,0 +1,339 @@
+#include "testing/golden_models.h"
+
+#include <cmath>
+
+#include "core/number.h"
+
+namespace partscribe::testing {
+namespace {
+
+Expr p(const char* name) { return Expr::of(name); }
+Expr deg(double angle) { return radians(angle); }
+
+Model model(const std::string& name, const std::string& object, const std::string& note) {
+  Model m;
+  m.name = name;
+  m.tolerance = 0.1;
+  m.provenance.sources = {{name + ".ply", std::string(64, '0')}};
+  m.provenance.points = 21300;
+  m.provenance.version = "0.1.0";
+  m.objects.reserve(8);
+  Object part;
+  part.name = object;
+  part.note = note;
+  m.objects.push_back(part);
+  return m;
+}
+
+void length(Model& m, const std::string& name, double value, double fitted, double sigma, const std::string& note) {
+  Parameter q;
+  q.name = name;
+  q.value = value;
+  q.fitted = fitted;
+  q.sigma = sigma;
+  q.sigma_noise = sigma / 2;
+  q.sigma_systematic = sigma * std::sqrt(0.75);
+  q.points = 4120;
+  q.note = note;
+  if (value != fitted) {
+    q.nominal = NominalEvidence{value, sigma > 0 ? (value - fitted) / sigma : 0, true, "0.5 mm grid"};
+  }
+  m.parameters.push_back(q);
+}
+
+void angle(Model& m, const std::string& name, double value_deg, const std::string& note) {
+  Parameter q;
+  q.name = name;
+  q.quantity = Quantity::angle;
+  q.value = radians(value_deg);
+  q.fitted = radians(value_deg + 0.013);
+  q.sigma = radians(0.02);
+  q.points = 1200;
+  q.note = note;
+  m.parameters.push_back(q);
+}
+
+/// Puts an object before the part.
+Object& step(Model& m, const std::string& name, Shape shape, const std::string& note) {
+  Object o;
+  o.name = name;
+  o.shape = std::move(shape);
+  o.note = note;
+  o.evidence = {3100, 0.021, 0.043, 0.87, 3};
+  return *m.objects.insert(m.objects.end() - 1, o);
+}
+
+void finish(Model& m, Shape shape) {
+  m.objects.back().shape = std::move(shape);
+  m.objects.back().evidence = {21250, 0.024, 0.051, 0.93, 6};
+}
+
+/// A model that stands somewhere else in the scan.
+void place(Model& m) { m.scan_from_part = {12.5, -3.25, 40, deg(30), deg(-20), deg(75)}; }
+
+Model sphere() {
+  Model m = model("sphere", "ball", "a ball");
+  length(m, "radius", 25, 24.9962, 0.0021, "radius of the ball");
+  finish(m, Sphere{p("radius")});
+  m.scan_from_part = {10, 20, -5, 0, 0, 0};
+  return m;
+}
+
+Model box() {
+  Model m = model("box", "block", "a rectangular block");
+  length(m, "width", 60, 60.012, 0.008, "size along x");
+  length(m, "depth", 40, 39.991, 0.007, "size along y");
+  length(m, "height", 25.3, 25.3, 0.006, "size along z");
+  finish(m, Box{p("width"), p("depth"), p("height")});
+  place(m);
+  return m;
+}
+
+Model wedge() {
+  Model m = model("wedge", "ramp", "a block with one sloped face");
+  length(m, "length", 50, 50.004, 0.009, "size along x at the foot");
+  length(m, "depth", 30, 30.002, 0.009, "size along y");
+  length(m, "height", 20, 19.997, 0.009, "size along z");
+  length(m, "top_length", 15, 15.011, 0.012, "size along x at the far side");
+  finish(m, Wedge{p("length"), p("depth"), p("height"), p("top_length")});
+  place(m);
+  return m;
+}
+
+Model cylinder() {
+  Model m = model("cylinder", "bar", "a round bar");
+  length(m, "radius", 12, 11.9987, 0.0014, "radius of the bar");
+  length(m, "length", 80, 80.021, 0.015, "length of the bar");
+  finish(m, Cylinder{p("radius"), p("length")});
+  place(m);
+  return m;
+}
+
+Model cone() {
+  Model m = model("cone", "frustum", "a frustum");
+  length(m, "foot_radius", 20, 20.003, 0.004, "radius at the foot");
+  length(m, "tip_radius", 5, 4.998, 0.005, "radius at the tip");
+  length(m, "height", 35, 35.006, 0.01, "height of the frustum");
+  finish(m, Cone{p("foot_radius"), p("tip_radius"), p("height")});
+  m.objects.back().frame.rx = deg(90);
+  return m;
+}
+
+Model torus() {
+  Model m = model("torus", "ring", "a ring");
+  length(m, "ring_radius", 30, 30.001, 0.003, "radius of the centre circle");
+  length(m, "tube_radius", 8, 7.9991, 0.002, "radius of the tube");
+  finish(m, Torus{p("ring_radius"), p("tube_radius")});
+  place(m);
+  return m;
+}
+
+Model ellipsoid() {
+  Model m = model("ellipsoid", "egg", "an egg with three axes");
+  length(m, "half_length", 30, 30.01, 0.006, "half axis along x");
+  length(m, "half_width", 20, 20.01, 0.006, "half axis along y");
+  length(m, "half_height", 12, 12.01, 0.006, "half axis along z");
+  finish(m, Ellipsoid{p("half_length"), p("half_width"), p("half_height")});
+  place(m);
+  return m;
+}
+
+Model superellipsoid() {
+  Model m = model("superellipsoid", "soap", "a rounded, tapered block");
+  length(m, "half_length", 30, 30.01, 0.006, "half size along x");
+  length(m, "half_width", 20, 20.01, 0.006, "half size along y");
+  length(m, "half_height", 15, 15.01, 0.006, "half size along z");
+  Parameter e;
+  e.quantity = Quantity::ratio;
+  e.name = "squareness";
+  e.value = e.fitted = 0.4;
+  e.sigma = 0.003;
+  e.points = 9000;
+  e.note = "0: square edges, 1: round";
+  m.parameters.push_back(e);
+  finish(m, Superellipsoid{p("half_length"), p("half_width"), p("half_height"), p("squareness"), 0.7, -0.2, 0.15});
+  place(m);
+  return m;
+}
+
+Model supertoroid() {
+  Model m = model("supertoroid", "gasket", "a rounded square ring");
+  length(m, "ring_radius", 30, 30.004, 0.005, "radius of the ring's centre line");
+  length(m, "tube_half_width", 8, 7.997, 0.005, "half width of the tube");
+  length(m, "tube_half_height", 5, 5.002, 0.005, "half height of the tube");
+  Parameter e;
+  e.quantity = Quantity::ratio;
+  e.name = "squareness";
+  e.value = e.fitted = 0.6;
+  e.sigma = 0.003;
+  e.points = 9000;
+  e.note = "of the ring: 0.1 square, 1 round";
+  m.parameters.push_back(e);
+  finish(m, Supertoroid{p("ring_radius"), p("tube_half_width"), p("tube_half_height"), 0.8, p("squareness")});
+  place(m);
+  return m;
+}
+
+Model fillet() {
+  Model m = model("fillet", "fillet_strip", "what rounds an inner corner");
+  length(m, "width", 14, 14.003, 0.005, "first leg");
+  length(m, "height", 10, 9.998, 0.005, "second leg");
+  length(m, "length", 50, 50.01, 0.006, "length of the strip");
+  finish(m, Fillet{p("width"), p("height"), p("length")});
+  place(m);
+  return m;
+}
+
+Model half_spaces() {
+  Model m = model("half_spaces", "cut_block", "a block with a cut corner");
+  length(m, "half_width", 20, 20.003, 0.004, "distance of the sides from the middle");
+  length(m, "height", 30, 29.995, 0.006, "distance of the top from the bottom");
+  length(m, "corner_distance", 32.5, 32.4988, 0.008, "distance of the cut corner from the origin");
+  const double a = 2.0 / 3, b = 1.0 / 3;
+  finish(m, HalfSpaces{{{1, 0, 0, p("half_width"), "right"},
+                        {-1, 0, 0, p("half_width"), "left"},
+                        {0, 1, 0, p("half_width"), "back"},
+                        {0, -1, 0, p("half_width"), "front"},
+                        {0, 0, 1, p("height"), "top"},
+                        {0, 0, -1, 0, "bottom"},
+                        {a, b, a, p("corner_distance"), "cut corner"}}});
+  place(m);
+  return m;
+}
+
+Model pin() {
+  Model m = model("pin", "pin", "a headed pin, turned");
+  length(m, "shank_radius", 9, 8.9987, 0.0004, "radius of the shank");
+  length(m, "shank_length", 60, 60.004, 0.006, "length of the shank below the head");
+  length(m, "head_radius", 15, 14.9931, 0.0012, "radius of the head");
+  length(m, "head_height", 10, 10.002, 0.004, "height of the head");
+  length(m, "fillet_radius", 2, 1.994, 0.009, "radius of the rounded upper edge of the head");
+  length(m, "chamfer", 1.5, 1.48, 0.015, "size of the bevel at the foot of the shank");
+  const Expr top = p("shank_length") + p("head_height");
+  Loop outline{"profile",
+               {SketchPoint{0, 0, "foot"}, SketchPoint{p("shank_radius") - p("chamfer"), 0, "bevel"},
+                SketchPoint{p("shank_radius"), p("chamfer"), "shank"},
+                SketchPoint{p("shank_radius"), p("shank_length"), "shoulder"},
+                SketchPoint{p("head_radius"), p("shank_length"), "head"},
+                SketchArc{p("head_radius") - p("fillet_radius"), top - p("fillet_radius"), p("fillet_radius"), 0,
+                          deg(90), "fillet", "top"},
+                SketchPoint{0, top, "axis"}}};
+  finish(m, Revolve{Sketch{{outline}}});
+  place(m);
+  return m;
+}
+
+Model tie_bar() {
+  Model m = model("tie_bar", "tie_bar", "a link with two eyes");
+  length(m, "eye_distance", 80, 80.008, 0.004, "distance between the axes of the eyes");
+  length(m, "end_radius", 15, 14.997, 0.003, "radius of the rounded ends");
+  length(m, "bore_radius", 8, 8.0021, 0.0011, "radius of both bores");
+  length(m, "thickness", 12, 12.003, 0.005, "thickness of the bar");
+  Loop outline{"outline",
+               {SketchArc{0, 0, p("end_radius"), deg(90), deg(270), "left end", "front"},
+                SketchArc{p("eye_distance"), 0, p("end_radius"), deg(-90), deg(90), "right end", "back"}}};
+  Loop left{"left bore", {SketchArc{0, 0, p("bore_radius"), deg(360), 0, "left bore", ""}}};
+  Loop right{"right bore", {SketchArc{p("eye_distance"), 0, p("bore_radius"), deg(360), 0, "right bore", ""}}};
+  finish(m, Extrude{Sketch{{outline, left, right}}, p("thickness")});
+  place(m);
+  return m;
+}
+
+Model tri_surface() {
+  Model m = model("tri_surface", "octahedron", "an octahedron");
+  m.fallback = true;
+  TriSurface s;
+  s.vertices = {{10, 0, 0}, {-10, 0, 0}, {0, 12, 0}, {0, -12, 0}, {0, 0, 14.5}, {0, 0, -9.25}};
+  s.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  finish(m, s);
+  return m;
+}
+
+Model sheet() {
+  Model m = model("sheet", "bent_sheet", "a bent sheet");
+  m.fallback = true;
+  length(m, "sheet_thickness", 2, 2, 0, "of the solid made from the sheet");
+  TriSurface s;
+  s.closed = false;
+  s.thickness = p("sheet_thickness");
+  const int columns = 5, rows = 3;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i)
+      s.vertices.push_back({10.0 * i, 12.0 * j, 0.25 * (i - 2) * (i - 2) * 4 + 0.5 * j});
+  }
+  for (int j = 0; j + 1 < rows; ++j) {
+    for (int i = 0; i + 1 < columns; ++i) {
+      const std::uint32_t a = static_cast<std::uint32_t>(j * columns + i), b = a + 1, c = a + columns, d = c + 1;
+      s.triangles.push_back({a, b, d});
+      s.triangles.push_back({a, d, c});
+    }
+  }
+  finish(m, s);
+  return m;
+}
+
+Model nurbs_vase() {
+  Model m = model("nurbs_vase", "vase", "a turned vase with a free wall");
+  length(m, "foot_radius", 20, 20.002, 0.004, "radius of the foot");
+  length(m, "height", 70, 70.01, 0.008, "height of the vase");
+  SketchNurbs wall;
+  wall.degree = 3;
+  wall.knots = {0, 0, 0, 0, 0.4, 0.7, 1, 1, 1, 1};
+  wall.weights = {1, 1, 1.2, 0.9, 1, 1};
+  wall.control = {{p("foot_radius"), 0}, {31.5, 12}, {27.25, 30}, {9.5, 44}, {12.75, 60}, {17, p("height")}};
+  wall.name = "wall";
+  wall.edge = "rim";
+  finish(m, Revolve{Sketch{{Loop{"profile", {SketchPoint{0, 0, "foot"}, wall, SketchPoint{0, p("height"), "axis"}}}}}});
+  place(m);
+  return m;
+}
+
+Model bracket() {
+  Model m = model("bracket", "bracket", "an angle bracket with bores");
+  length(m, "width", 40, 40.004, 0.006, "width of both plates");
+  length(m, "length", 60, 60.011, 0.008, "length of the foot");
+  length(m, "height", 50, 49.996, 0.007, "height of the wall");
+  length(m, "thickness", 8, 8.002, 0.004, "thickness of both plates");
+  length(m, "bore_radius", 4.5, 4.4987, 0.0015, "radius of the bores in the foot");
+  length(m, "bore_distance", 22, 22.003, 0.003, "distance between the bores in the foot");
+  length(m, "eye_radius", 9, 9.0032, 0.0021, "radius of the eye in the wall");
+  length(m, "overshoot", 1, 1, 0, "by which a cut reaches out of the part");
+  step(m, "foot", Box{p("length"), p("width"), p("thickness")}, "the plate that lies");
+  step(m, "wall", Box{p("thickness"), p("width"), p("height")}, "the plate that stands");
+  step(m, "body", Union{{"foot", "wall"}}, "both plates");
+  const Expr through = p("thickness") + 2 * p("overshoot");
+  step(m, "bore_1", Cylinder{p("bore_radius"), through}, "front bore in the foot").frame = {
+      p("length") * 2 / 3, (p("width") - p("bore_distance")) / 2, -p("overshoot"), 0, 0, 0};
+  step(m, "bore_2", Cylinder{p("bore_radius"), through}, "back bore in the foot").frame = {
+      p("length") * 2 / 3, (p("width") + p("bore_distance")) / 2, -p("overshoot"), 0, 0, 0};
+  step(m, "eye", Cylinder{p("eye_radius"), through}, "eye in the wall").frame = {
+      -p("overshoot"), p("width") / 2, p("height") * 0.6, 0, deg(90), 0};
+  finish(m, Difference{{"body", "bore_1", "bore_2", "eye"}});
+  place(m);
+  return m;
+}
+
+Model lens() {
+  Model m = model("lens", "lens", "what two balls have in common, cut by a slanted groove");
+  m.tolerance = 0.5;
+  length(m, "front_radius", 40, 40.01, 0.01, "radius of the front");
+  length(m, "back_radius", 55, 55.02, 0.02, "radius of the back");
+  length(m, "center_thickness", 10, 10.001, 0.004, "thickness in the middle");
+  angle(m, "tilt", 7.5, "of the groove");
+  step(m, "front", Sphere{p("front_radius")}, "front ball").frame.z = p("center_thickness") - p("front_radius");
+  step(m, "back", Sphere{p("back_radius")}, "back ball").frame.z = p("back_radius");
+  step(m, "blank", Intersection{{"front", "back"}}, "what both balls share");
+  step(m, "groove", Box{60, 2, 4}, "slanted groove").frame = {-30, -1, p("center_thickness") - 2, 0, 0, 2 * p("tilt")};
+  finish(m, Difference{{"blank", "groove"}});
+  return m;
+}
+
+}  // namespace
+
+std::vector<Model> golden_models() {
+  return {sphere(),         box(),         wedge(),   cylinder(),    cone(), torus(),   ellipsoid(),
+          superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),  tie_bar(), tri_surface(),
+          sheet(),          nurbs_vase(),  bracket(), lens()};
+}
+
+}  // namespace partscribe::testing

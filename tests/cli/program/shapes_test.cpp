@@ -1,0 +1,60 @@
+/// Every shape from a simulated scan to four verified artifacts, as a user runs it.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "testing/program.h"
+
+namespace partscribe::testing {
+namespace {
+
+/// Scans the committed model of a part and demands that `build` finds its kind and verifies all four artifacts.
+void expect_found(const std::string& part, const std::string& kind, const std::vector<double>& sizes) {
+  const TemporaryDirectory folder;
+  const Path scan = folder.path() / "scan", out = folder.path() / "out";
+  const Path truth = Path(PARTSCRIBE_SOURCE_DIR) / "tests/golden" / part / "model.json";
+  const auto simulated = run_partscribe({"simulate", truth.string(), "--views", "icosahedron", "--resolution", "110",
+                                         "--sigma", "0.02", "--bit-error", "0.001", "--out", scan.string()});
+  INFO(part << ": " << simulated.out << simulated.err);
+  REQUIRE(simulated.exit_code == 0);
+  const auto built =
+      run_partscribe({"build", (scan / "scan.json").string(), "--tolerance", "0.1", "--out", out.string()});
+  INFO(built.out << built.err);
+  CHECK(built.exit_code == 0);
+  const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
+  CHECK(model.at("objects").back().at("shape").at("kind") == kind);
+  CHECK_FALSE(model.at("fallback").get<bool>());
+  for (const double size : sizes) {
+    // Some parameter holds the true size within three of its own sigmas.
+    bool held = false;
+    for (const auto& p : model.at("parameters"))
+      held |= std::abs(p.at("fitted").get<double>() - size) <= 3 * p.at("sigma").get<double>();
+    INFO("size " << size);
+    CHECK(held);
+  }
+  const auto verdict = nlohmann::json::parse(bytes_of(out / "verdict.json"));
+  CHECK(verdict.at("verdict") == "verified");
+  CHECK(verdict.at("artifacts").size() == 4);
+}
+
+}  // namespace
+
+TEST_CASE("shapes: a scanned ball is a sphere") { expect_found("sphere", "sphere", {}); }
+TEST_CASE("shapes: a scanned ellipsoid keeps its three half axes") {
+  expect_found("ellipsoid", "ellipsoid", {30, 20, 12});
+}
+TEST_CASE("shapes: a scanned block is a box") { expect_found("box", "box", {60, 40, 25.3}); }
+TEST_CASE("shapes: a scanned wedge is a wedge") { expect_found("wedge", "wedge", {}); }
+TEST_CASE("shapes: a scanned rod is a cylinder") { expect_found("cylinder", "cylinder", {12, 80}); }
+TEST_CASE("shapes: a scanned frustum is a cone") { expect_found("cone", "cone", {20, 5, 35}); }
+TEST_CASE("shapes: a scanned ring is a torus") { expect_found("torus", "torus", {}); }
+TEST_CASE("shapes: a scanned superellipsoid is one") { expect_found("superellipsoid", "superellipsoid", {}); }
+TEST_CASE("shapes: a scanned rounded square ring is a supertoroid") {
+  expect_found("supertoroid", "supertoroid", {30, 8, 5});
+}
+TEST_CASE("shapes: a scanned fillet keeps its legs") { expect_found("fillet", "fillet", {14, 10, 50}); }
+TEST_CASE("shapes: a scanned polyhedron is cut from half-spaces") { expect_found("half_spaces", "half_spaces", {}); }
+TEST_CASE("shapes: a scanned pin is turned") { expect_found("pin", "revolve", {15, 9, 10}); }
+TEST_CASE("shapes: a scanned vase is turned from a free profile") { expect_found("nurbs_vase", "revolve", {}); }
+TEST_CASE("shapes: a scanned tie bar is extruded") { expect_found("tie_bar", "extrude", {}); }
+
+}  // namespace partscribe::testing
