@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "core/number.h"
 #include "core/statistics.h"
 #include "verify/features/facets.h"
+#include "verify/features/feature_names.h"
 #include "verify/features/fit_facets.h"
-#include "verify/report/words.h"
 
 namespace partscribe::verify {
 namespace {
@@ -434,7 +433,7 @@ class Recogniser {
       for (const auto f : patches_[p].facets) patch_of_[f] = p;
   }
 
-  /// Facets that stand alone are flat faces; in a piece of many, those that are far larger than their company.
+  /// Isolated facets are flat faces; in a piece of many facets, those that are far larger than the others.
   void take_planes() {
     std::vector<std::uint32_t> company(parts_.facets.size(), 0);
     std::vector<double> typical(parts_.facets.size(), 0);
@@ -607,63 +606,10 @@ class Recogniser {
     feature.arc = 2 * pi * static_cast<double>(std::count(bins.begin(), bins.end(), 1)) / 720;
   }
 
-  // ---------------------------------------------------------------------------------------------------------- names
-
-  static std::string noun_of(const MeshFeature& f) {
-    if (f.kind == "cylinder") return f.hollow ? "hollow" : "cylinder";
-    if (f.kind == "sphere" && f.hollow) return "hollow sphere";
-    return f.kind;
-  }
-
-  static int rank_of(const std::string& kind) {
-    static const std::array<const char*, 11> order = {"plane", "hole",         "boss",       "cylinder",
-                                                      "cone",  "sphere",       "torus",      "fillet",
-                                                      "round", "free surface", "small faces"};
-    for (std::size_t i = 0; i < order.size(); ++i)
-      if (kind == order[i]) return static_cast<int>(i);
-    return 99;
-  }
-
-  static double size_of(const MeshFeature& f) {
-    if (!f.primitive || f.kind == "plane") return f.area;
-    return f.primitive->kind == PrimitiveKind::torus && f.kind != "torus" ? f.primitive->tube : f.primitive->radius;
-  }
-
-  std::string face_name(const MeshFeature& f) const {
-    const Vec3& n = f.primitive->axis;
-    Eigen::Index axis;
-    if (n.cwiseAbs().maxCoeff(&axis) < std::cos(radians(0.5))) return "slanted face";
-    return std::string("face ") + (n[axis] > 0 ? "+" : "-") + "xyz"[axis] + " at " +
-           print_number(snapped(f.middle[axis], 0.01));
-  }
-
   MeshFeatures named() {
     MeshFeatures result;
     for (std::uint32_t p = 0; p < patches_.size(); ++p) result.features.push_back(described(patches_[p], p));
-    auto key = [](const MeshFeature& f) {
-      auto r = [](double v) { return std::round(v * 100) / 100; };
-      return std::array<double, 5>{double(rank_of(f.kind)), -r(size_of(f)), r(f.middle.x()), r(f.middle.y()),
-                                   r(f.middle.z())};
-    };
-    std::stable_sort(result.features.begin(), result.features.end(),
-                     [&](const MeshFeature& a, const MeshFeature& b) { return key(a) < key(b); });
-    std::map<std::string, int> total, used;
-    for (auto& f : result.features) {
-      f.name = f.kind == "plane" ? face_name(f) : noun_of(f);
-      ++total[f.name];
-    }
-    for (auto& f : result.features) {
-      if (f.kind == "small faces") {
-        f.name = counted(small_count(), "small face");
-        continue;
-      }
-      const int number = ++used[f.name];
-      if (f.name.rfind("face ", 0) == 0) {
-        if (total[f.name] > 1) f.name += " (" + std::to_string(number) + ")";
-      } else {
-        f.name += " " + std::to_string(number);
-      }
-    }
+    name_features(result.features, small_count());
     result.feature_of.assign(mesh_.triangles.size(), 0);
     for (std::uint32_t i = 0; i < result.features.size(); ++i)
       for (const auto t : result.features[i].triangles) result.feature_of[t] = i;

@@ -1,3 +1,4 @@
+/// The table of functions that Alpha_1 brings along.
 #include "verify/scl/scl_natives.h"
 
 #include <Eigen/Geometry>
@@ -5,143 +6,16 @@
 #include <functional>
 
 #include "core/number.h"
+#include "verify/scl/scl_arguments.h"
 #include "verify/scl/scl_lexer.h"
 
 namespace partscribe::verify {
 namespace {
 
-using SclValues = std::vector<SclValue>;
 using Called = Result<SclValue>;
 using Native = std::function<Called(const SclValues&, SclCallContext&)>;
 
-/// Takes arguments one after the other; the first that does not fit is remembered, the rest then come out empty.
-class Arguments {
- public:
-  explicit Arguments(const SclValues& values) : values_(values) {}
-
-  double number() {
-    double n = 0;
-    if (!number_of(next(), n)) expected("a number");
-    // Beyond a kilometre times a thousand the kernel's tolerances mean nothing.
-    if (std::abs(n) > 1e9) expected("a number of at most 1000000000.0 in size"), n = 0;
-    return n;
-  }
-  int whole() {
-    const auto* n = next().as<std::int64_t>();
-    if (!n || *n < -1'000'000 || *n > 1'000'000) {
-      expected("a whole number");
-      return 0;
-    }
-    return static_cast<int>(*n);
-  }
-  bool truth() {
-    const auto* b = next().as<bool>();
-    if (!b) expected("true or false");
-    return b && *b;
-  }
-  std::string text() {
-    const auto* s = next().as<std::string>();
-    if (!s) expected("a string");
-    return s ? *s : std::string();
-  }
-  Vec3 point() {
-    const auto* p = next().as<SclPoint>();
-    if (!p) expected("a point");
-    return p ? p->at : Vec3(0, 0, 0);
-  }
-  Vec3 vector() {
-    const auto* v = next().as<SclVector>();
-    if (!v) expected("a vector");
-    return v ? v->along : Vec3(0, 0, 0);
-  }
-  SclGeometryPtr geometry() {
-    const auto* g = next().as<SclGeometryPtr>();
-    if (!g) expected("an object");
-    return g ? *g : nullptr;
-  }
-  SclGeometryPtr geometry(std::initializer_list<SclGeometryKind> kinds, const char* what) {
-    const auto* g = next().as<SclGeometryPtr>();
-    for (const auto kind : kinds)
-      if (g && kind_of(**g) == kind) return *g;
-    expected(what);
-    return nullptr;
-  }
-  const SclValue& any() { return next(); }
-  SclValues array(const char* what = "an array") {
-    const auto* a = next().as<SclArray>();
-    if (!a) expected(what);
-    return a ? **a : SclValues();
-  }
-  std::vector<double> numbers() {
-    std::vector<double> result;
-    for (const auto& v : array("an array of numbers")) {
-      double n = 0;
-      if (!number_of(v, n)) expected("numbers only in the array");
-      result.push_back(n);
-    }
-    return result;
-  }
-  std::vector<Vec3> points_of(const SclValue& value) {
-    std::vector<Vec3> result;
-    const auto* a = value.as<SclArray>();
-    if (!a) {
-      expected("an array of points");
-      return result;
-    }
-    for (const auto& v : **a) {
-      const auto* p = v.as<SclPoint>();
-      if (p)
-        result.push_back(p->at);
-      else
-        expected("points only in the array");
-    }
-    return result;
-  }
-  std::vector<std::vector<Vec3>> point_rows() {
-    std::vector<std::vector<Vec3>> rows;
-    for (const auto& row : array("an array of arrays of points")) rows.push_back(points_of(row));
-    return rows;
-  }
-  std::vector<SclGeometryPtr> geometries(const char* what) {
-    std::vector<SclGeometryPtr> result;
-    const SclValue& value = next();
-    if (const auto* one = value.as<SclGeometryPtr>()) return {*one};
-    const auto* a = value.as<SclArray>();
-    if (!a)
-      expected(what);
-    else
-      for (const auto& v : **a) {
-        const auto* g = v.as<SclGeometryPtr>();
-        if (g)
-          result.push_back(*g);
-        else
-          expected(what);
-      }
-    return result;
-  }
-
-  bool ok() const { return trouble_.empty(); }
-  Error error() const { return bad_input(trouble_); }
-  /// Remembers the first misfit, with the number of the argument last taken.
-  void expected(const std::string& what) {
-    if (!trouble_.empty()) return;
-    const SclValue& found = at_ <= values_.size() && at_ > 0 ? values_[at_ - 1] : nothing_;
-    trouble_ = "argument " + std::to_string(at_) + ": expected " + what + ", found " + description_of(found);
-  }
-  bool more() const { return at_ < values_.size(); }
-
- private:
-  const SclValue& next() {
-    if (at_ >= values_.size()) return ++at_, nothing_;
-    return values_[at_++];
-  }
-  const SclValues& values_;
-  const SclValue nothing_;
-  std::size_t at_ = 0;
-  std::string trouble_;
-};
-
-Called wrapped(const Arguments& a, const std::function<SclMade()>& make) {
+Called wrapped(const SclArguments& a, const std::function<SclMade()>& make) {
   if (!a.ok()) return a.error();
   auto result = make();
   if (!result.ok()) return result.error();
@@ -210,7 +84,7 @@ Called transform_call(const SclValues& values, SclCallContext&) {
   return transformed(values[0], t, budget);
 }
 
-SclDirection direction(Arguments& a) {
+SclDirection direction(SclArguments& a) {
   SclDirection d;
   d.order = a.whole();
   const std::string end = a.text();
@@ -242,14 +116,14 @@ SclDirection direction(Arguments& a) {
 }
 
 Called surface_call(const SclValues& values, SclCallContext&) {
-  Arguments a(values);
+  SclArguments a(values);
   const SclDirection u = direction(a), v = direction(a);
   const auto mesh = a.point_rows();
   return wrapped(a, [&] { return scl_surface(u, v, mesh); });
 }
 
 Called refine_call(const SclValues& values, SclCallContext&) {
-  Arguments a(values);
+  SclArguments a(values);
   const auto surface = a.geometry({SclGeometryKind::surface}, "a surface");
   const std::string way = a.text();
   if (way != "row" && way != "col") a.expected("\"row\" or \"col\"");
@@ -260,7 +134,7 @@ Called refine_call(const SclValues& values, SclCallContext&) {
 
 Called profile_call(const SclValues& values, SclCallContext&) {
   std::vector<SclCorner> corners;
-  Arguments a(values);
+  SclArguments a(values);
   for (const auto& v : values) {
     const SclValue& taken = a.any();
     if (const auto* p = v.as<SclPoint>())
@@ -276,7 +150,7 @@ Called profile_call(const SclValues& values, SclCallContext&) {
   return wrapped(a, [&] { return scl_profile(corners); });
 }
 
-std::vector<SclGeometryPtr> profiles(Arguments& a) {
+std::vector<SclGeometryPtr> profiles(SclArguments& a) {
   auto result = a.geometries("a profile or an array of profiles");
   for (const auto& p : result)
     if (kind_of(*p) != SclGeometryKind::profile) a.expected("a profile or an array of profiles");
@@ -284,7 +158,7 @@ std::vector<SclGeometryPtr> profiles(Arguments& a) {
 }
 
 Called combine_call(const SclValues& values, SclCallContext& context) {
-  Arguments a(values);
+  SclArguments a(values);
   const std::string name = a.text();
   SclOperation operation = SclOperation::unite;
   if (name == "difference")
@@ -298,7 +172,7 @@ Called combine_call(const SclValues& values, SclCallContext& context) {
 }
 
 Called dump_call(const SclValues& values, SclCallContext& context) {
-  Arguments a(values);
+  SclArguments a(values);
   auto objects = a.geometries("an array of objects");
   a.text();
   if (!a.ok()) return a.error();
@@ -308,7 +182,7 @@ Called dump_call(const SclValues& values, SclCallContext& context) {
 }
 
 Called show_call(const SclValues& values, SclCallContext& context) {
-  Arguments a(values);
+  SclArguments a(values);
   std::vector<SclGeometryPtr> objects;
   while (a.more())
     for (auto& g : a.geometries("objects")) objects.push_back(std::move(g));
@@ -340,7 +214,7 @@ const std::map<std::string, Entry>& natives() {
       {"pt",
        {2, 3,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double x = a.number(), y = a.number(), z = v.size() == 3 ? a.number() : 0;
           if (!a.ok()) return a.error();
           return SclValue(SclPoint{Vec3(x, y, z), static_cast<int>(v.size())});
@@ -348,7 +222,7 @@ const std::map<std::string, Entry>& natives() {
       {"vec",
        {2, 3,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double x = a.number(), y = a.number(), z = v.size() == 3 ? a.number() : 0;
           if (!a.ok()) return a.error();
           return SclValue(SclVector{Vec3(x, y, z)});
@@ -359,7 +233,7 @@ const std::map<std::string, Entry>& natives() {
       {"e2",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 p = a.point();
           if (!a.ok()) return a.error();
           return SclValue(SclPoint{Vec3(p.x(), p.y(), 0), 2});
@@ -367,7 +241,7 @@ const std::map<std::string, Entry>& natives() {
       {"e3",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 p = a.point();
           if (!a.ok()) return a.error();
           return SclValue(SclPoint{p, 3});
@@ -376,35 +250,35 @@ const std::map<std::string, Entry>& natives() {
       {"linethru2pts",
        {2, 2,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 p = a.point(), q = a.point();
           return wrapped(a, [&] { return scl_line(p, q); });
         }}},
       {"arcthru3pts",
        {3, 3,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 p = a.point(), q = a.point(), r = a.point();
           return wrapped(a, [&] { return scl_arc_through(p, q, r); });
         }}},
       {"arcendcenterend",
        {3, 3,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 p = a.point(), c = a.point(), q = a.point();
           return wrapped(a, [&] { return scl_arc_about(p, c, q); });
         }}},
       {"crvfromarc",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const auto arc = a.geometry({SclGeometryKind::arc}, "an arc");
           return wrapped(a, [&] { return scl_curve_of(arc); });
         }}},
       {"crvfromcircle",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const auto circle = a.geometry({SclGeometryKind::circle}, "a circle");
           return wrapped(a, [&] { return scl_curve_of(circle); });
         }}},
@@ -416,21 +290,21 @@ const std::map<std::string, Entry>& natives() {
       {"box",
        {4, 4,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 o = a.point(), x = a.vector(), y = a.vector(), z = a.vector();
           return wrapped(a, [&] { return scl_box(o, x, y, z); });
         }}},
       {"rightanglewedge",
        {4, 4,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 o = a.point(), x = a.vector(), y = a.vector(), z = a.vector();
           return wrapped(a, [&] { return scl_wedge(o, x, y, z); });
         }}},
       {"rightcircylinder",
        {3, 3,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const Vec3 base = a.point(), axis = a.vector();
           const double radius = a.number();
           return wrapped(a, [&] { return scl_cylinder(base, axis, radius); });
@@ -438,7 +312,7 @@ const std::map<std::string, Entry>& natives() {
       {"makegeom",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const auto g = a.geometry({SclGeometryKind::primitive, SclGeometryKind::shell}, "a primitive");
           return wrapped(a, [&] { return scl_shell_of(g); });
         }}},
@@ -448,7 +322,7 @@ const std::map<std::string, Entry>& natives() {
       {"tx",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double d = a.number();
           if (!a.ok()) return a.error();
           return SclValue(shifted(0, d));
@@ -456,7 +330,7 @@ const std::map<std::string, Entry>& natives() {
       {"ty",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double d = a.number();
           if (!a.ok()) return a.error();
           return SclValue(shifted(1, d));
@@ -464,7 +338,7 @@ const std::map<std::string, Entry>& natives() {
       {"tz",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double d = a.number();
           if (!a.ok()) return a.error();
           return SclValue(shifted(2, d));
@@ -472,7 +346,7 @@ const std::map<std::string, Entry>& natives() {
       {"rx",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double d = a.number();
           if (!a.ok()) return a.error();
           return SclValue(turned(0, d));
@@ -480,7 +354,7 @@ const std::map<std::string, Entry>& natives() {
       {"ry",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double d = a.number();
           if (!a.ok()) return a.error();
           return SclValue(turned(1, d));
@@ -488,7 +362,7 @@ const std::map<std::string, Entry>& natives() {
       {"rz",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const double d = a.number();
           if (!a.ok()) return a.error();
           return SclValue(turned(2, d));
@@ -496,7 +370,7 @@ const std::map<std::string, Entry>& natives() {
       {"sg",
        {1, 1,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           SclTransform t;
           t.linear *= a.number();
           if (!a.ok()) return a.error();
@@ -505,7 +379,7 @@ const std::map<std::string, Entry>& natives() {
       {"sxyz",
        {3, 3,
         [](const SclValues& v, SclCallContext&) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           SclTransform t;
           for (int i = 0; i < 3; ++i) t.linear(i, i) = a.number();
           if (!a.ok()) return a.error();
@@ -514,7 +388,7 @@ const std::map<std::string, Entry>& natives() {
       {"group",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           auto members = a.geometries("an array of objects");
           return wrapped(a, [&] { return scl_group(members); });
         }}},
@@ -522,7 +396,7 @@ const std::map<std::string, Entry>& natives() {
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
           // Shells always face outward here, so reversing one changes nothing that can be measured.
-          Arguments a(v);
+          SclArguments a(v);
           const auto g = a.geometry({SclGeometryKind::shell, SclGeometryKind::surface}, "a shell or surface");
           return wrapped(a, [&] { return SclMade(g); });
         }}},
@@ -530,7 +404,7 @@ const std::map<std::string, Entry>& natives() {
       {"setattr",
        {3, 3,
         [](const SclValues& v, SclCallContext& c) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const auto g = a.geometry();
           const std::string name = a.text();
           if (!a.ok()) return a.error();
@@ -540,7 +414,7 @@ const std::map<std::string, Entry>& natives() {
       {"getattr",
        {2, 2,
         [](const SclValues& v, SclCallContext& c) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const auto g = a.geometry();
           const std::string name = a.text();
           if (!a.ok()) return a.error();
@@ -552,7 +426,7 @@ const std::map<std::string, Entry>& natives() {
       {"setcolor",
        {2, 2,
         [](const SclValues& v, SclCallContext& c) -> Called {
-          Arguments a(v);
+          SclArguments a(v);
           const auto g = a.geometry();
           a.text();
           if (!a.ok()) return a.error();
@@ -568,14 +442,14 @@ const std::map<std::string, Entry>& natives() {
       {"surfrev",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const auto p = profiles(a);
           return wrapped(a, [&] { return scl_revolved(p); });
         }}},
       {"extrudeprofiles",
        {2, 2,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const auto p = profiles(a);
           const double height = a.number();
           return wrapped(a, [&] { return scl_extruded(p, height); });
@@ -583,7 +457,7 @@ const std::map<std::string, Entry>& natives() {
       {"nurbscrv",
        {4, 4,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const int order = a.whole();
           const auto knots = a.numbers();
           const auto points = a.points_of(a.any());
@@ -593,21 +467,21 @@ const std::map<std::string, Entry>& natives() {
       {"shellofsurfaces",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const auto surfaces = a.geometries("an array of surfaces");
           return wrapped(a, [&] { return scl_sewn(surfaces); });
         }}},
       {"shelloffacets",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           const auto facets = a.point_rows();
           return wrapped(a, [&] { return scl_facets(facets); });
         }}},
       {"shellofhalfspaces",
        {1, 1,
         [](const SclValues& v, SclCallContext&) {
-          Arguments a(v);
+          SclArguments a(v);
           std::vector<std::array<double, 4>> planes;
           for (const auto& row : a.array("an array of half-spaces")) {
             const auto* four = row.as<SclArray>();
@@ -624,37 +498,6 @@ const std::map<std::string, Entry>& natives() {
 }
 
 }  // namespace
-
-std::string description_of(const SclValue& value) {
-  switch (value.value.index()) {
-    case 0:
-      return "nothing";
-    case 1:
-      return *value.as<bool>() ? "true" : "false";
-    case 2:
-      return "the number " + std::to_string(*value.as<std::int64_t>());
-    case 3:
-      return "the number " + print_real(*value.as<double>());
-    case 4:
-      return "the string \"" + value.as<std::string>()->substr(0, 40) + "\"";
-    case 5:
-      return "a point";
-    case 6:
-      return "a vector";
-    case 7:
-      return "a transformation";
-    case 8:
-      return "an array";
-    default:
-      return name_of(kind_of(**value.as<SclGeometryPtr>()));
-  }
-}
-
-bool number_of(const SclValue& value, double& number) {
-  if (const auto* n = value.as<std::int64_t>()) return number = static_cast<double>(*n), true;
-  if (const auto* n = value.as<double>()) return number = *n, true;
-  return false;
-}
 
 bool is_scl_native(const std::string& name) { return natives().contains(name); }
 
