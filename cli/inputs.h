@@ -43,7 +43,7 @@ struct ChosenTolerance {
   std::string reason;    ///< one line for the user
 };
 
-/// --tolerance, or five times the noise of the scan but at least a thousandth of its diagonal (stray points
+/// --tolerance, or five times the noise of the scan but at least a thousandth of its diagonal (outliers
 /// aside), rounded up. Five, because a fit judged at twice the local noise is still an honest verdict.
 ChosenTolerance tolerance_for(const Scan& scan, Session& session);
 

@@ -5,7 +5,7 @@
 
 #include "core/number.h"
 #include "fit/input/prepare.h"
-#include "fit/outliers/strays.h"
+#include "fit/outliers/outliers.h"
 #include "fit/refine/tidy.h"
 #include "fit/search/rivals.h"
 #include "fit/search/search.h"
@@ -20,7 +20,8 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
   for (std::size_t i = 0; i < scan.files.size(); ++i)
     p.sources.push_back({scan.files[i], i < scan.sha256.size() ? scan.sha256[i] : ""});
   p.points = scan.cloud.size();
-  // Strays are told among the points of the fit: each of these speaks for as many of the scan.
+  // Outliers are recognised among the thinned points of the fit; each of these stands for an equal number of points of
+  // the scan.
   const auto rejected = static_cast<std::size_t>(std::count(scan.cloud.rejected.begin(), scan.cloud.rejected.end(), 1));
   const std::size_t aside = input.set_aside.size(), looked_at = input.cloud.size() + aside,
                     kept = scan.cloud.size() - rejected + aside;
@@ -39,39 +40,40 @@ Provenance provenance_of(const Scan& scan, const FitInput& input, const BuildOpt
 
 double rounded(double v) { return v > 0 ? snapped(v, power_of_ten_below(v / 1000)) : 0; }
 
-/// A scan, with or without its strays, and what was found in it.
+/// A scan, with or without its outliers, and what was found in it.
 struct Attempt {
   FitInput input;
   std::vector<std::uint8_t> rejected;  ///< of the scan's points
   ProcedureSearch search;
 };
 
-/// The scan without its strays. The planes that tell them from surfaces also give better normals and
-/// noise than neighbourhoods that hold them.
-std::optional<Attempt> without_strays(const Scan& scan, FitInput input, Context& context) {
-  constexpr std::size_t least_strays = 9;  // fewer never judge a candidate
+/// The scan without its outliers. The planes by which outliers are recognised also give better normals and a better
+/// estimate of the noise than neighbourhoods that contain outliers.
+std::optional<Attempt> without_outliers(const Scan& scan, FitInput input, Context& context) {
+  constexpr std::size_t least_outliers = 9;  // fewer never judge a candidate
   if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return std::nullopt;
   const SurfacePoints found = surface_points_of(input.cloud.points, input.cloud.rays, input.sampling.sigma, context);
   PointCloud& cloud = input.cloud;
   const std::size_t n = cloud.size();
-  if (found.strays < least_strays || n - found.strays < 50) return std::nullopt;
-  context.say("strays: " + print_number(double(found.strays)) + " of " + print_number(double(n)) + " points set aside");
+  if (found.outliers < least_outliers || n - found.outliers < 50) return std::nullopt;
+  context.say("outliers: " + print_number(double(found.outliers)) + " of " + print_number(double(n)) +
+              " points set aside");
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3& towards = cloud.rays.size() == n ? Vec3(-cloud.rays[i]) : cloud.normals[i];
     cloud.normals[i] = found.normals[i].dot(towards) < 0 ? Vec3(-found.normals[i]) : found.normals[i];
   }
   std::vector<std::uint8_t> surface(n);
-  for (std::size_t i = 0; i < n; ++i) surface[i] = !found.stray[i];
+  for (std::size_t i = 0; i < n; ++i) surface[i] = !found.outlier[i];
   input.set_aside = cloud;
-  keep_points(input.set_aside, found.stray);
+  keep_points(input.set_aside, found.outlier);
   std::vector<std::uint8_t> rejected = points_at(scan.cloud, input.set_aside.points);
   for (std::size_t i = 0; i < scan.cloud.rejected.size(); ++i) rejected[i] |= scan.cloud.rejected[i];
   keep_points(cloud, surface);
   for (std::size_t i = 0; i < n; ++i)
     if (surface[i]) input.surface_share.push_back(found.share[i]);
-  input.stray_share = double(found.strays) / double(n);
+  input.outlier_share = double(found.outliers) / double(n);
   input.sampling.sigma = std::min(input.sampling.sigma, found.sigma);
-  input.sampling.rejected += found.strays;
+  input.sampling.rejected += found.outliers;
   input.bounds = cloud.bounds();
   input.surroundings = surroundings_of(input, context);
   return Attempt{std::move(input), std::move(rejected), {}};
@@ -81,8 +83,7 @@ Rival rival_of(const Judged& j, const CandidateEvidence& evidence, const std::st
   return {j.candidate.procedure, j.meets, rounded(evidence.local_max), std::round(evidence.total()), reason};
 }
 
-/// A model's last touches: where it comes from, what speaks for it, what else was considered. `refused` are named
-/// first.
+/// Completes a model: its provenance, its evidence, its rivals. `refused` are named first.
 Result<CheckedModel> finished(Model model, const CandidateEvidence& found, double covered, const Attempt& attempt,
                               const std::vector<Rival>& refused, const Scan& scan, const BuildOptions& options,
                               Context& context) {
@@ -172,11 +173,11 @@ class Offers {
     return reason;
   }
 
-  /// Each costs a verdict: a part that so many procedures miss is none of theirs.
+  /// Each trial costs a verification; after so many no procedure describes the part.
   bool enough() const { return refused_.size() >= 3; }
   const std::vector<Rival>& refused() const { return refused_; }
 
-  /// What was taken; else what was offered first, which says most about the part.
+  /// The accepted model; else the first one, which was the best candidate.
   CheckedModel answer() {
     if (answer_) return std::move(*answer_);
     ensure(first_.has_value(), "a build that offered no model");
@@ -202,8 +203,8 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   auto prepared = prepare(scan, options.tolerance, context);
   if (!prepared) return prepared.error();
   const FitInput input = std::move(*prepared);
-  // Strays keep procedures away, or bend them; but telling them from surfaces takes time and costs small and strongly
-  // bent faces. A scan of which many points were rejected holds more of them; any other has its turn as it is.
+  // Outliers hide procedures or bias them; but recognising them takes time and removes small and strongly curved faces.
+  // A scan of which many points were rejected contains more of them; any other scan is tried as it is first.
   constexpr double many = 0.005;
   const bool littered = double(input.sampling.rejected) > many * double(scan.cloud.size());
   const std::vector<std::uint8_t> rejected = scan.cloud.rejected;
@@ -216,9 +217,9 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   const auto done = [&](const Result<bool>& taken) { return !taken || *taken || context.cancelled || offers.enough(); };
   Result<bool> taken = false;
   for (const bool without : {littered, !littered}) {
-    auto next = without ? without_strays(scan, input, context) : std::optional(Attempt{input, rejected, {}});
+    auto next = without ? without_outliers(scan, input, context) : std::optional(Attempt{input, rejected, {}});
     if (!next) continue;
-    if (!attempts.empty() && !without) next->input.strays_left = attempts.front().input.stray_share;
+    if (!attempts.empty() && !without) next->input.outliers_left = attempts.front().input.outlier_share;
     attempts.push_back(std::move(*next));
     Attempt& attempt = attempts.back();
     search(attempt, false);
@@ -232,9 +233,9 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   }
   if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
   if (!taken) return taken.error();
-  // Where nothing was found the scan is taken as it is, unless many points were rejected and strays are a good part of
-  // the others.
-  const Attempt& rest = attempts[attempts.size() == 2 && littered && !among_strays(attempts[0].input) ? 1 : 0];
+  // If nothing was found the scan is taken as it is, unless many points were rejected and a good part of the others are
+  // outliers.
+  const Attempt& rest = attempts[attempts.size() == 2 && littered && !among_outliers(attempts[0].input) ? 1 : 0];
   if (!*taken && !options.triangulate) {
     const auto& judged = rest.search.judged;
     const std::string best =
@@ -245,7 +246,7 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
   if (!*taken) {
     scan.cloud.rejected = rest.rejected;
     auto mesh = triangulated(rest, offers.refused(), scan, options, context);
-    // Where a triangulation fails as well, a procedure that was refused says more than no model.
+    // If a triangulation fails as well, a refused procedure is still better than no model.
     if (!mesh && (offers.refused().empty() || mesh.error().kind == ErrorKind::stopped)) return mesh.error();
     if (mesh)
       if (const auto offered = offers.offer(std::move(*mesh)); !offered) return offered.error();

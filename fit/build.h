@@ -17,9 +17,9 @@ struct BuildOptions {
   bool nominal = true;        ///< replace a fitted value by a nominal one where the data cannot tell them apart
   bool triangulate = true;    ///< false: fail where no procedure meets the tolerance, instead of a triangulation
   std::string force = {};     ///< only this procedure ("revolve", "extrude", ...); empty: the best
-  /// Asked of each model before it becomes the answer: why it is none (no CAD system can build it, its verdict refuses
-  /// it), or nothing. One that is refused gives way to the next best, and at last to a triangulation. Empty: none is
-  /// refused.
+  /// Called with each model before it is returned. Answers why the model must be rejected (no CAD system can build it,
+  /// the verifier refuses it), or nothing. After a rejection the next best model is tried, and finally a triangulation.
+  /// Empty: no model is rejected.
   std::function<Result<std::string>(const CheckedModel&)> refusal = {};
 };
 

@@ -14,7 +14,8 @@
 
 namespace partscribe::fit {
 
-/// Of every point of a cloud those that show the same place of the surface, nearest first. The same for all candidates.
+/// For every point of a cloud, the neighbours that lie on the same piece of surface, nearest first. The same for all
+/// candidates.
 struct Surroundings {
   std::vector<std::size_t> first;  ///< into `index`, one more than there are points
   std::vector<std::uint32_t> index;
@@ -30,22 +31,24 @@ struct FitInput {
   double tolerance = 0.1;    ///< mm
   Box3 bounds;
   const Scan* scan = nullptr;  ///< the whole thing, for procedures that need the mesh or all points
-  std::vector<float>
-      surface_share;       ///< of a point's neighbours, how many lie on one plane with it; empty: no strays about
-  double stray_share = 0;  ///< of the points that were set aside as strays
-  double strays_left = 0;  ///< of the points that are strays and still among `cloud`, as far as another search knows
-  PointCloud set_aside;    ///< these strays, with all that is known of them
-  std::vector<float>
-      facet_depth;  ///< mm: how far a point's facet may lie below the true surface; empty: no coarse mesh
+  /// share of a point's neighbours that lie on one plane with it; empty: there are no outliers
+  std::vector<float> surface_share;
+  double outlier_share = 0;  ///< of the points that were set aside as outliers
+  /// share of the points that are outliers but still in `cloud`, as another search estimated it
+  double outliers_left = 0;
+  PointCloud set_aside;  ///< these outliers, with all that is known of them
+  /// mm: how far a point's facet may lie below the true surface; empty: no coarse mesh
+  std::vector<float> facet_depth;
   std::shared_ptr<const Surroundings> surroundings;  ///< of `cloud` (surroundings_of); found anew where it is missing
   bool oriented = false;                             ///< normals point outward (rays or a mesh told so)
   bool closed = false;                               ///< a mesh that bounds a solid: nothing of its surface is unseen
 };
 
-constexpr double many_strays = 0.1;  ///< share of the points: some are left then, and any shape explains some
-inline bool among_strays(const FitInput& input) { return input.stray_share > many_strays; }
+/// share of the points; above it some outliers remain undetected, and any shape passes through a few of them
+constexpr double many_outliers = 0.1;
+inline bool among_outliers(const FitInput& input) { return input.outlier_share > many_outliers; }
 
-/// A length that only the end of the data fixes: no residual speaks about it but those of strays.
+/// A length that only the end of the data determines: no residual depends on it except those of outliers.
 struct HeldParameter {
   std::string name;
   double sigma = 0;  ///< mm
@@ -61,9 +64,10 @@ struct Candidate {
   Pose scan_from_part;
   int extra_numbers = 0;            ///< numbers that are no parameters (control points, triangles)
   std::vector<HeldParameter> held;  ///< what a fit must not move
-  std::shared_ptr<const Candidate>
-      otherwise;       ///< what may do where this one leaves the data: longer, to the last of them
-  std::string unseen;  ///< what makes the shape what it is and was hardly seen: a rival then, never the model
+  /// used if this candidate does not fit: the same with a longer extent, up to the last points
+  std::shared_ptr<const Candidate> otherwise;
+  std::string unseen;  ///< the defining feature of the shape if it was hardly seen: such a candidate is named as a
+                       ///< rival, never chosen
 };
 
 }  // namespace partscribe::fit

@@ -331,8 +331,8 @@ struct TrialSummary {
   double noise_coverage = 0;  ///< share of 95 % intervals from sigma_noise that hold the truth
   double total_coverage = 0;  ///< from sigma
   double worst_coverage = 1;  ///< of the parameter that does worst, from sigma
-  double noise_ratio =
-      0;  ///< rms of sigma_noise / rms error, quadratic mean; parameters a tenth of the bound exact left out
+  /// rms of sigma_noise / rms error, quadratic mean; parameters a tenth of the bound exact left out
+  double noise_ratio = 0;
   double total_ratio = 0;      ///< rms of sigma / rms error
   double worst_ratio = 0;      ///< of the parameter with the widest intervals
   double effective_share = 0;  ///< independent points / points, mean

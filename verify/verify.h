@@ -60,8 +60,8 @@ struct FeatureDimension {
 
 struct FeatureVerdict {
   std::string name;  ///< "hole 3", "left bore": unique in the artifact
-  std::string
-      kind;  ///< as in verify/features/features.h: "plane", "hole", ...; empty if no one feature makes up the row
+  /// as in verify/features/features.h: "plane", "hole", ...; empty if no one feature makes up the row
+  std::string kind;
   std::vector<FeatureDimension> dimensions;
   std::size_t points = 0;
   double rms = 0, max = 0;  ///< mm; max of the local robust mean

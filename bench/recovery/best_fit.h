@@ -1,4 +1,4 @@
-/// What a fit makes of a case that knows which points are strays, how noisy each other one is, and the truth to start
+/// What a fit makes of a case that knows which points are outliers, how noisy each other one is, and the truth to start
 /// from.
 #pragma once
 

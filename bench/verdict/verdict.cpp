@@ -69,12 +69,12 @@ int main(int argc, char** argv) {
   const int runs = argc > 1 ? std::atoi(argv[1]) : 50, only = argc > 2 ? std::atoi(argv[2]) : 0;
   const Row rows[] = {
       {"ideal, at the smallest honest T", 0.05, 1.0, 0, 0, 0, false},
-      {"strays 0.5 %, mixed pixels", 0.05, 1.0, 0.005, 0.3, 0, false},
-      {"uneven density, strays", 0.05, 1.0, 0.005, 0.3, 0, true},
-      {"views 0.5 sigma apart, strays", 0.05, 1.0, 0.005, 0.3, 0.025, false},
-      {"views 2 sigma apart, strays", 0.05, 1.0, 0.005, 0.3, 0.1, false},
-      {"T 3 times that, strays 1 %", 0.05, 3.0, 0.01, 0.3, 0, false},
-      {"T 5 times that, strays 1 %, uneven", 0.02, 5.0, 0.01, 0.3, 0, true},
+      {"outliers 0.5 %, mixed pixels", 0.05, 1.0, 0.005, 0.3, 0, false},
+      {"uneven density, outliers", 0.05, 1.0, 0.005, 0.3, 0, true},
+      {"views 0.5 sigma apart, outliers", 0.05, 1.0, 0.005, 0.3, 0.025, false},
+      {"views 2 sigma apart, outliers", 0.05, 1.0, 0.005, 0.3, 0.1, false},
+      {"T 3 times that, outliers 1 %", 0.05, 3.0, 0.01, 0.3, 0, false},
+      {"T 5 times that, outliers 1 %, uneven", 0.02, 5.0, 0.01, 0.3, 0, true},
   };
   constexpr double raised_by[] = {1.25, 1.5, 2};  // T
   // A refusal takes longer than a pass, since it is explained.

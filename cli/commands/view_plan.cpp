@@ -20,9 +20,10 @@ constexpr const char* help =
   partscribe views --plan dodecahedron             twenty views for a part with many recesses
   partscribe views --scan folder/scan.json         what is still unseen, and from where it is seen best
 
-Directions point from the part to the sensor: azimuth in the xy plane from x, elevation above it, in degrees. The corners of
-the regular polyhedra see all sides alike: 4, 6, 8, 12 or 20 views. With --scan the views so far are taken into account: space
-that no view looked into may hold more of the part, and views are named until they add less than half a percent.)";
+Directions point from the part to the sensor: azimuth in the xy plane from x, elevation above it, in degrees. The
+corners of the regular polyhedra see all sides alike: 4, 6, 8, 12 or 20 views. With --scan the views so far are taken
+into account: space that no view looked into may hold more of the part, and views are named until they add less than
+half a percent.)";
 
 struct Options {
   std::string plan = "octahedron";

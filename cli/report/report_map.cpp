@@ -103,13 +103,13 @@ MapData map_data(const ReportScene& scene, const MapOptions& options) {
     append_index(features, static_cast<std::uint32_t>(scene.features[i] + 1));
   }
   // Points that were set aside, as far as they lie near the part: at most a few thousand, evenly taken.
-  std::vector<std::uint32_t> strays;
+  std::vector<std::uint32_t> outliers;
   for (std::uint32_t i = 0; i < cloud.size(); ++i)
     if (!std::isfinite(scene.deviations[i]) && ((cloud.points[i] - q.center).cwiseAbs() / q.step).maxCoeff() < 32767)
-      strays.push_back(i);
-  const std::size_t stride = strays.size() / static_cast<std::size_t>(std::max(1.0, 3000 * scene.detail)) + 1;
-  for (std::size_t k = 0; k < strays.size(); k += stride) {
-    q.place(aside, cloud.points[strays[k]]);
+      outliers.push_back(i);
+  const std::size_t stride = outliers.size() / static_cast<std::size_t>(std::max(1.0, 3000 * scene.detail)) + 1;
+  for (std::size_t k = 0; k < outliers.size(); k += stride) {
+    q.place(aside, cloud.points[outliers[k]]);
     append(aside, 0);
   }
   std::string ramp;

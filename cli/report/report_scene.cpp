@@ -78,7 +78,7 @@ std::vector<float> deviations_of(const PointCloud& cloud, const ArtifactVerdict*
   if (!artifact) return {};
   const auto& given = artifact->point_deviation;
   std::vector<float> result(cloud.size(), std::numeric_limits<float>::quiet_NaN());
-  // What is farther off than the largest judged deviation was not judged: the verifier set it aside as stray.
+  // What is farther off than the largest judged deviation was not judged: the verifier set it aside as an outlier.
   const double judged = artifact->data_to_model.points ? artifact->data_to_model.local_max * (1 + 1e-6) + 1e-9
                                                        : std::numeric_limits<double>::infinity();
   std::size_t next = 0;

@@ -20,8 +20,8 @@ struct ReportView {
 /// Refers to the cloud and the verdict it was made from, which must outlive it.
 struct ReportScene {
   const PointCloud* cloud = nullptr;
-  const ArtifactVerdict* artifact =
-      nullptr;  ///< whose geometry is drawn: the first that has some, then `others`; null if none ran
+  /// whose geometry is drawn: the first that has some, then `others`; null if none ran
+  const ArtifactVerdict* artifact = nullptr;
   double tolerance = 0.1;
   double spacing = 0;                  ///< mm, median distance between scanned points
   std::vector<float> deviations;       ///< per point of the cloud; NaN: set aside; empty: nothing was judged
@@ -39,8 +39,8 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
 /// The artifact whose geometry is drawn: the first that has a mesh; null if none ran.
 const ArtifactVerdict* drawn_artifact(const Verdict& verdict);
 
-/// Signed local deviations of all points of the cloud; NaN for points that were set aside by a filter or found stray
-/// by the verifier; empty if nothing was judged.
+/// Signed local deviations of all points of the cloud; NaN for points that were set aside by a filter or found to be
+/// outliers by the verifier; empty if nothing was judged.
 std::vector<float> deviations_of(const PointCloud& cloud, const ArtifactVerdict* artifact);
 
 }  // namespace partscribe::cli

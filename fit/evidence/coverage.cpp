@@ -22,8 +22,8 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
   const double reach = 4 * input.thin_spacing + input.tolerance;
   std::optional<MeshDistance> source;
   if (input.closed) source.emplace(input.scan->mesh);
-  // A wall or a slot thinner than the band that noise makes of a face puts half the points on either side and explains
-  // noise; so does a sheet folded within that band, of which either end of it says nothing.
+  // A wall or a slot thinner than the noise lets half of the points lie on either side and so fits noise; so does a
+  // sheet that is folded within the noise.
   const double depth = 3 * input.sampling.sigma;
   std::vector<char> seen(samples, 2), off(samples, 0), thin(samples, 0);
   parallel_for(

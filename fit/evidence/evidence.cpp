@@ -19,8 +19,8 @@ namespace {
 constexpr std::size_t local_points = 25;
 constexpr double facet_margin = 1.25;  // the depth of a facet is known from its bends to some 20 %
 
-/// A cloud of points rather than a surface: half of those nearest to a place are farther from their common plane than
-/// noise puts them.
+/// True for a cloud of points rather than a surface: half of the points nearest to a place are farther from their
+/// common plane than noise explains.
 bool is_dust(const std::vector<Neighbour>& near, const std::vector<Vec3>& points, double sigma) {
   Vec3 mean = Vec3::Zero();
   for (const auto& k : near) mean += points[k.index] / double(near.size());
@@ -93,7 +93,7 @@ std::shared_ptr<const Surroundings> surroundings_of(const FitInput& input, Conte
     const double cosine = cloud.normals[a].dot(cloud.normals[b]);
     return input.oriented ? cosine : std::abs(cosine);
   };
-  // Farther points are another place; a point without like-minded neighbours nearby is no surface.
+  // Farther points belong to another place; a point without neighbours of similar normal is not on a surface.
   const double sq_reach = std::pow(6 * input.thin_spacing, 2);
   std::vector<std::uint32_t> slots(n * local_points);
   std::vector<std::uint8_t> count(n, 0);
@@ -162,19 +162,19 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     weigh(d[i], u);
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
   }
-  // A face of which little was seen may have been set aside whole: of candidates that reach as far, the one with that
-  // face in its place is likelier. Of many strays some lie near any.
-  if (!among_strays(input))
+  // All points of a face that was hardly seen may have been set aside as outliers: of candidates of the same extent the
+  // one with a face there is likelier. Not if there are many outliers: some lie near any face.
+  if (!among_outliers(input))
     for (const double off : distances_of(input.set_aside.points)) weigh(off, off / sigma);
-  // Where strays were set aside, some are left: what lies on no plane with its neighbours does not judge a candidate,
-  // nor do the few worst points, a tenth of the share of the strays that were recognised.
-  const bool strays = input.surface_share.size() == n;
+  // Where outliers were set aside, some remain: points that lie on no plane with their neighbours are not used to judge
+  // a candidate, nor are the worst points, a tenth of the share of the recognised outliers.
+  const bool outliers = input.surface_share.size() == n;
   std::vector<std::pair<double, std::size_t>> judging;
   std::optional<KdTree> tree;
   std::vector<Neighbour> near;
   for (std::size_t i = 0; i < n; ++i) {
-    if (strays && input.surface_share[i] < 0.8f) continue;
-    if (strays && std::abs(local[i]) > input.tolerance) {
+    if (outliers && input.surface_share[i] < 0.8f) continue;
+    if (outliers && std::abs(local[i]) > input.tolerance) {
       if (!tree) tree.emplace(cloud.points);
       tree->nearest(cloud.points[i], local_points, near);
       if (is_dust(near, cloud.points, input.sampling.sigma)) continue;
@@ -182,7 +182,7 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     judging.emplace_back(-std::abs(local[i]), i);
   }
   const std::size_t skipped =
-      strays ? static_cast<std::size_t>(std::min(0.02, 0.1 * input.stray_share) * double(n)) : 0;
+      outliers ? static_cast<std::size_t>(std::min(0.02, 0.1 * input.outlier_share) * double(n)) : 0;
   if (judging.size() > skipped) {
     const auto at = judging.begin() + static_cast<std::ptrdiff_t>(skipped);
     std::nth_element(judging.begin(), at, judging.end());
@@ -190,8 +190,9 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   }
   result.rms = count > 0 ? std::sqrt(sum / count) : 0;
   result.description = description_length(candidate, n);
-  // A block and the plane that cuts it: of a block and a wedge of as many numbers strays would choose.
-  if (among_strays(input) && std::holds_alternative<Wedge>(candidate.shape)) result.description += 4;
+  // A wedge is a block and the plane that cuts it; with equal numbers of parameters, outliers would decide between the
+  // two.
+  if (among_outliers(input) && std::holds_alternative<Wedge>(candidate.shape)) result.description += 4;
   return result;
 }
 

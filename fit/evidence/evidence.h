@@ -16,36 +16,40 @@ struct CandidateEvidence {
   double local_max = 0;       ///< mm, largest local robust mean of the signed distance
   Vec3 worst = Vec3::Zero();  ///< where
   double misfit = 0;          ///< nats: sum of min(u^2 / 2, 12) / 2 over the points (neighbours are correlated)
-  double far_out =
-      0;  ///< nats: the share of points beyond 2.5 sigmas in the misfit; noise alone puts one in eighty there
+  /// nats: the share of points beyond 2.5 sigmas in the misfit; noise alone puts one in eighty there
+  double far_out = 0;
   std::size_t unexplained = 0;  ///< points beyond the tolerance and 4 sigmas
   double description = 0;       ///< nats: what writing the procedure down costs
   double total() const { return misfit + description; }
 };
 
-constexpr double nats_per_stray = 6;  ///< what a point costs that a shape leaves to chance: the bound of the misfit
+/// cost of a point that a shape does not explain: the upper bound of its misfit
+constexpr double nats_per_outlier = 6;
 
-constexpr double more_likely = 20;  ///< nats by which a longer description must follow its own points better
+constexpr double more_likely = 20;  ///< nats by which a longer description must fit its own points better
 
-/// The same where it is of another procedure: a body of another kind bends to strays in all its places.
-inline double far_more_likely(double stray_share, std::size_t points) {
-  return more_likely + 0.1 * stray_share * double(points);
+/// The same for another procedure: a body of another kind can fit outliers everywhere on its surface.
+inline double far_more_likely(double outlier_share, std::size_t points) {
+  return more_likely + 0.1 * outlier_share * double(points);
 }
-inline double far_more_likely(const FitInput& input) { return far_more_likely(input.stray_share, input.cloud.size()); }
+inline double far_more_likely(const FitInput& input) {
+  return far_more_likely(input.outlier_share, input.cloud.size());
+}
 
-/// By how many points a shape must explain more than a simpler one: where there are many strays, any shape explains
+/// By how many points a shape must explain more than a simpler one: where there are many outliers, any shape explains
 /// some.
 inline double worth_a_shape(const FitInput& input) {
   const double points = double(input.cloud.size());
-  return std::max(20.0, points / 200) + 0.05 * input.stray_share * points;
+  return std::max(20.0, points / 200) + 0.05 * input.outlier_share * points;
 }
 
-/// Nats by which one may be ahead of another for strays alone: those that lie on it and that the other leaves to
-/// chance, and among strays all that are farther from the other than noise puts a point. Curtains and heaps begin at
-/// the surface.
-inline double gained_by_strays(const CandidateEvidence& ahead, const CandidateEvidence& other, const FitInput& input) {
-  const double left = nats_per_stray * (double(other.unexplained) - double(ahead.unexplained));
-  return std::max({left, among_strays(input) ? other.far_out - ahead.far_out : 0, 0.0});
+/// Nats by which one candidate may be better than another because of outliers alone: outliers that lie on it and not on
+/// the other, and, if there are many outliers, all points that are farther from the other than noise explains. Curtains
+/// and heaps start at the surface.
+inline double gained_by_outliers(const CandidateEvidence& ahead, const CandidateEvidence& other,
+                                 const FitInput& input) {
+  const double left = nats_per_outlier * (double(other.unexplained) - double(ahead.unexplained));
+  return std::max({left, among_outliers(input) ? other.far_out - ahead.far_out : 0, 0.0});
 }
 
 /// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.

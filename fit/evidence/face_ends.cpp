@@ -69,7 +69,7 @@ std::optional<SeenFace> seen_face(const FacePlane& plane, const FitInput& input)
   return face;
 }
 
-/// Places where the face of `ends` does, one per stretch of `neighbours` points, by what the points say there.
+/// Nats for the places where the face of `ends` ends, one per stretch of `neighbours` points.
 struct EndsSeen {
   double supported = 0, silent = 0, contradicted = 0;
 };
@@ -127,11 +127,11 @@ EndsSeen ends_seen(const SeenFace& face, const Body& ends, const Body& other) {
   return seen;
 }
 
-/// Nats; none for ends of which little was seen.
+/// Nats; nothing for borders that were hardly seen.
 double value_of(const std::vector<EndsSeen>& faces) {
   constexpr double per_place = 1.4,
                    per_shadow = 12;  // its outline goes on into one of four directions; it begins at some place
-  constexpr double most_silent = 1, least = 4;  // times those that speak for it; places
+  constexpr double most_silent = 1, least = 4;  // times the places that support it; places
   EndsSeen all;
   double shadows = 0;
   for (const EndsSeen& f : faces) {

@@ -5,11 +5,11 @@
 
 namespace partscribe::fit {
 
-/// Nats by which `a` explains where scanned plane faces end better than `b` does. Where a body goes on and the points
-/// of its face do not, there is a shadow, whose outline could run anywhere: it has to be told place by place, once for
-/// every two or three points along it. A body that ends there needs no shadow. Where points go on beyond its end that
-/// body is wrong; where they stop before, its end may be anywhere. Asked of the flat faces of boxes and wedges and of
-/// the ends of extrusions; 0 where most of the ends in question were not seen.
+/// Nats by which `a` explains the borders of scanned plane faces better than `b`. Where a body continues beyond the
+/// points of its face there must be a shadow, whose outline could run anywhere: describing it costs nats for every two
+/// or three points along it. A body that ends there needs no shadow. Where points continue beyond the end of a body,
+/// that body is wrong; where they stop before it, its end is not determined. Computed for the flat faces of boxes and
+/// wedges and the ends of extrusions; 0 where most of these borders were not seen.
 double face_ends_told(const Candidate& a, const Candidate& b, const FitInput& input);
 
 }  // namespace partscribe::fit

@@ -1,4 +1,4 @@
-/// Of which points a body would have stood in the way.
+/// Points that a body would have hidden from the sensor.
 #pragma once
 
 #include "fit/candidate.h"

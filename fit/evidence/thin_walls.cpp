@@ -10,9 +10,9 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr double looks_away = -0.5;    // cosine between the normals of the two sides of a wall
-constexpr double beyond_doubt = 0.8;   // probability
-constexpr double least_strays = 1e-3;  // their density over that of the surface; keeps the logarithm finite
+constexpr double looks_away = -0.5;      // cosine between the normals of the two sides of a wall
+constexpr double beyond_doubt = 0.8;     // probability
+constexpr double least_outliers = 1e-3;  // their density over that of the surface; keeps the logarithm finite
 
 Vec3 gradient(const ModelDistance& distance, const Vec3& q, double at, double h) {
   Vec3 g;
@@ -20,7 +20,7 @@ Vec3 gradient(const ModelDistance& distance, const Vec3& q, double at, double h)
   return g;
 }
 
-double strays_of(const AllPoints& all) { return std::max({all.kernel.before, all.kernel.behind, least_strays}); }
+double outliers_of(const AllPoints& all) { return std::max({all.kernel.before, all.kernel.behind, least_outliers}); }
 
 /// How likely a residual is, as a share of the most likely.
 double bell(double u) { return std::exp(-0.5 * u * u); }
@@ -100,7 +100,7 @@ void share_out_pairs(AllPoints& all) {
   std::map<std::pair<int, int>, std::vector<std::size_t>> walls;
   for (std::size_t p = 0; p < all.pairs.size(); ++p)
     walls[std::minmax(all.at.face[all.pairs[p].near], all.at.face[all.pairs[p].far])].push_back(p);
-  const double strays = strays_of(all);
+  const double outliers = outliers_of(all);
   for (const auto& [faces, members] : walls) {
     const int first = faces.first;
     double share = 0.5;  // of the first face
@@ -112,7 +112,7 @@ void share_out_pairs(AllPoints& all) {
         pair.share = near_is_first ? share : 1 - share;
         const double a = pair.share * bell(all.at.value[pair.near] / all.sigma[pair.near]);
         const double b = (1 - pair.share) * bell(all.at.value[pair.far] / all.sigma[pair.far]);
-        const double sum = a + b + strays;
+        const double sum = a + b + outliers;
         all.say[pair.near] = a / sum, all.say[pair.far] = b / sum;
         mine += (near_is_first ? a : b) / sum, both += (a + b) / sum;
       }
@@ -124,13 +124,14 @@ void share_out_pairs(AllPoints& all) {
 double pair_loss(const AllPoints& all, std::size_t pair, const std::vector<double>& value) {
   const auto& p = all.pairs[pair];
   return -std::log(p.share * bell(value[p.near] / all.sigma[p.near]) +
-                   (1 - p.share) * bell(value[p.far] / all.sigma[p.far]) + strays_of(all));
+                   (1 - p.share) * bell(value[p.far] / all.sigma[p.far]) + outliers_of(all));
 }
 
 void drop_pairs(AllPoints& all) {
   if (all.pairs.empty()) return;
   const std::size_t n = all.points.size() - all.pairs.size(), nodes = all.nodes.size() - all.pairs.size();
-  // Those that belong to their nearest side beyond doubt stay; so do all of a face that would lose most of its points.
+  // Points that almost certainly belong to their nearest side stay there; so do all points of a face that would lose
+  // most of its points.
   std::map<int, std::pair<std::size_t, std::size_t>> faces;
   for (std::size_t i = 0; i < n; ++i) faces[all.at.face[i]].first += all.used[i];
   for (const auto& p : all.pairs) faces[all.at.face[p.near]].second += all.say[p.near] < beyond_doubt;

@@ -1,5 +1,5 @@
-/// Walls thinner than the noise, where no ray tells from which side a point was seen: it speaks for both, by how likely
-/// each is.
+/// Walls thinner than the noise, where no ray tells from which side a point was seen: the point counts for both sides,
+/// weighted by their probabilities.
 #pragma once
 
 #include "fit/refine/all_points.h"
@@ -18,16 +18,16 @@ enum class Beside {
 Beside beside(const ModelDistance& distance, const Pose& part_from_scan, const Vec3& foot, const Vec3& normal,
               double reach, int face);
 
-/// Every point listed comes to speak for the far side of its wall as well, behind its foot: a second entry of `all`,
-/// after all others, and a pair that knows both.
+/// Every listed point is also assigned to the far side of its wall, behind its foot: a second entry of `all`, after all
+/// others, and a pair that refers to both.
 void add_far_sides(AllPoints& all, const std::vector<std::size_t>& points, double reach_sigmas,
                    const Candidate& candidate, const Unknowns& unknowns, const ModelDistance& distance, int threads);
 
 /// Distances of paired entries, each from its own face, into `value`.
 void measure_pairs(const AllPoints& all, const Candidate& candidate, std::vector<double>& value, int threads);
 
-/// How likely each entry of a pair is, by EM: Gaussians about both faces whose shares of a pair of faces' points are
-/// estimated from them, and strays. Into all.say.
+/// The probability of each entry of a pair, by EM: Gaussians about both faces, whose shares are estimated from the
+/// points of that pair of faces, and outliers. Into all.say.
 void share_out_pairs(AllPoints& all);
 
 /// The negative log likelihood of a pair.

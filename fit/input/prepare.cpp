@@ -13,7 +13,7 @@
 namespace partscribe::fit {
 namespace {
 
-/// Of what is curved, weighted by area: so far a fit to facets may stay away from any of them.
+/// Mean depth of the facets of curved faces, weighted by area: a fit may stay this far away from any facet.
 double mean_depth(const TriangleMesh& mesh, const std::vector<double>& depths) {
   double sum = 0, curved = 0;
   for (std::size_t t = 0; t < depths.size(); ++t) {

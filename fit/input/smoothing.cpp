@@ -37,8 +37,8 @@ Sample sample_at(const ModelDistance& distance, const Vec3& place, const Vec3& n
 SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& all, double variance,
                                  const ModelDistance& distance, int threads) {
   constexpr int directions = 8;
-  constexpr double reach =
-      1.5;  // of the circle that stands for the mean: a mean over 3 x 3 pixels takes in so much more
+  // of the circle that stands for the mean: a mean over 3 x 3 pixels takes in so much more
+  constexpr double reach = 1.5;
   // On a slope a pixel covers more surface; far down, filters that keep steps do not reach across.
   constexpr double least_cosine = 0.6;
   const Pose part_from_scan = candidate.scan_from_part.inverse();
@@ -84,11 +84,12 @@ std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<dou
       (rim[k] == 0 ? inner : outer).push_back(std::abs(residuals[i]) / all.sigma[i]);
       if (rim[k] != 0) predicted.push_back(std::abs(rim[k]) / all.sigma[i]);
     }
-  // How far a filter reaches over an edge is its maker's secret.
+  // How far a filter reaches across an edge is not documented.
   constexpr std::array<double, 5> reaches = {0.4, 0.6, 0.8, 1.0, 1.2};
   if (double(outer.size()) < least_points) return std::nullopt;
   const double depth = quantile(predicted, share), at_rims = quantile(outer, share);
-  if (double(inner.size()) < least_points)  // all is rim: a filter must at least have left its mark
+  // All points are near rims: a filter must at least have had a visible effect.
+  if (double(inner.size()) < least_points)
     return at_rims < reaches.front() * depth ? std::optional<double>(0) : std::nullopt;
   const double usual = quantile(inner, share), found = std::log(at_rims / usual);
   // Magnitudes are correlated by the square of what their Gaussians are.
@@ -124,7 +125,7 @@ SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, doub
 
 SmoothingModel rim_model(const AllPoints& all, const Deviation& rim, const Deviation& one_sided, double chance,
                          double noise) {
-  constexpr std::size_t most_faces = 40;  // a face beyond shares an unknown with another
+  constexpr std::size_t most_faces = 40;  // further faces share an unknown with another face
   constexpr double least_depth = 1e-3;    // of the noise of one point: less moves nothing
   std::map<int, std::size_t> columns;
   double sum = 0, count = 0;

@@ -1,4 +1,4 @@
-/// Noise that hangs together: whether it was smoothed, and what that did to the surface.
+/// Correlated noise: whether a smoothing filter caused it, and how that filter displaced the surface.
 #pragma once
 
 #include <optional>
@@ -23,26 +23,26 @@ struct SmoothingEffect {
 SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& all, double variance,
                                  const ModelDistance& distance, int threads);
 
-/// How likely the noise was smoothed, by a filter or in the making of a mesh, rather than born so; even odds
-/// beforehand. Only smoothing disturbs rims: it rounds edges off, and beside a step or a silhouette it takes its mean
-/// from one side. `residuals` of the points, mm. Nothing if there are too few rims to tell; where all is rim, 0 or
-/// nothing.
+/// Probability that the correlation comes from smoothing, by a filter or when the mesh was made, and not from the
+/// sensor; prior 1/2. Only smoothing disturbs rims: it rounds edges off, and beside a step or a silhouette it averages
+/// over one side only. `residuals` of the points, mm. Nothing if there are too few points near rims to decide; 0 or
+/// nothing if all points are near rims.
 std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<double>& residuals, const Deviation& rim,
                                      double points_per_independent);
 
-/// The Jacobian with what a smoothing does as further unknowns, so that neither the fit nor the views are held
-/// responsible.
+/// The Jacobian with the effect of smoothing as further unknowns, so that it is attributed neither to the fit nor to
+/// the poses of views.
 struct SmoothingModel {
   Matrix rows;
   Eigen::Index further = 0;  ///< columns at the end
-  double precision = 0;      ///< of a further unknown beforehand: about as deep as predicted, either way
+  double precision = 0;      ///< prior precision of a further unknown: about the predicted depth, of either sign
 };
 
-/// The effect on faces, one unknown for each of `bins` of incidence: how deep a filter goes on a slope is its maker's
-/// secret.
+/// The effect on faces, one unknown for each of `bins` of the angle of incidence, because how a filter acts on slopes
+/// is not documented.
 SmoothingModel smoothing_model(const AllPoints& all, const Deviation& face, double noise, int bins);
 
-/// The effect on rims, one unknown for every face, as far as it is believed (`chance`).
+/// The effect on rims, one unknown for every face, weighted by the probability `chance` that there was smoothing.
 SmoothingModel rim_model(const AllPoints& all, const Deviation& rim, const Deviation& one_sided, double chance,
                          double noise);
 

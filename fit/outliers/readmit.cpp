@@ -11,9 +11,9 @@
 namespace partscribe::fit {
 namespace {
 
-// A narrower band cuts off noise at a slant. Where the last steps weigh a point by the odds that it is a stray
-// (all_points.h), they read these off what lies beyond the noise.
-constexpr double near_sigmas = 8, near_sigmas_among_strays = 5;
+// A narrower band would truncate noise unevenly. Where the last steps weight a point by the probability that it is an
+// outlier (all_points.h), they estimate it from the points beyond the noise.
+constexpr double near_sigmas = 8, near_sigmas_among_outliers = 5;
 constexpr int rounds = 3;
 
 template <class T>
@@ -56,17 +56,17 @@ Scan with_back(const Scan& scan, std::vector<Vec3> places) {
 
 }  // namespace
 
-bool hangs_on_slopes(const Shape& shape) {
+bool axes_from_slopes(const Shape& shape) {
   return std::holds_alternative<Ellipsoid>(shape) || std::holds_alternative<Superellipsoid>(shape);
 }
 
-RefineReport refine_with_strays_near(Candidate& candidate, const FitInput& input, const RefineOptions& options,
-                                     Context& context) {
-  if (input.set_aside.empty() || (among_strays(input) && !hangs_on_slopes(candidate.shape)))
+RefineReport refine_with_outliers_near(Candidate& candidate, const FitInput& input, const RefineOptions& options,
+                                       Context& context) {
+  if (input.set_aside.empty() || (among_outliers(input) && !axes_from_slopes(candidate.shape)))
     return refine(candidate, input, options, context);
   RefineOptions quick = options;
   quick.points = std::min<std::size_t>(options.points, 6000), quick.iterations = 25, quick.uncertainty = false;
-  const double reach = (among_strays(input) ? near_sigmas_among_strays : near_sigmas) * input.sampling.sigma;
+  const double reach = (among_outliers(input) ? near_sigmas_among_outliers : near_sigmas) * input.sampling.sigma;
   std::vector<std::uint8_t> back;
   for (int round = 0; round < rounds && !context.cancelled; ++round) {
     if (round > 0) refine(candidate, with_back(input, back), quick, context);

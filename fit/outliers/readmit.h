@@ -1,4 +1,4 @@
-/// The last refinement of what was found among strays, on the points near it as well that were taken for some.
+/// The last refinement of a candidate, with the points near it that had been taken for outliers.
 #pragma once
 
 #include "fit/candidate.h"
@@ -6,17 +6,18 @@
 
 namespace partscribe::fit {
 
-/// Its half axes are told apart by how its slopes fall off; a narrow kernel cuts off noise at a slant.
-bool hangs_on_slopes(const Shape& shape);
+/// True for shapes whose half axes are determined by how the surface curves away at its sides; a narrow kernel
+/// truncates noise unevenly there.
+bool axes_from_slopes(const Shape& shape);
 
-/// Strays are told from surfaces by local planes. That costs sparse, steep and strongly bent places and small faces a
-/// part of their points, those farther out first, and draws a fit to the others inwards. Those of `input` near the
-/// candidate come back, in turns with a quick refinement; then all numbers are refined as by refine(). Among few strays
-/// all that lie within eight sigmas do, and the last steps give each the odds that it is none of them. Where more than
-/// a tenth were strays, only an ellipsoid or superellipsoid has its points back, which has its half axes from such
-/// slopes, those within five sigmas: where flat faces or a single radius fix the numbers, what comes back there is more
-/// mixed pixels than surface.
-RefineReport refine_with_strays_near(Candidate& candidate, const FitInput& input, const RefineOptions& options,
-                                     Context& context);
+/// Outliers are recognised by local planes. Sparse, steep and strongly curved places and small faces lose some of their
+/// own points by this, the outer ones first, which biases a fit inwards. Therefore points that were set aside near the
+/// candidate are used again, alternating with a quick refinement; then all numbers are refined as by refine(). With few
+/// outliers, all points within eight sigmas are used, and the last steps weight each by the probability that it belongs
+/// to the surface. With more than a tenth of outliers, only ellipsoids and superellipsoids get points back, those
+/// within five sigmas, because their half axes depend on the sides; where flat faces or a single radius determine the
+/// numbers, the points nearby are mostly mixed pixels.
+RefineReport refine_with_outliers_near(Candidate& candidate, const FitInput& input, const RefineOptions& options,
+                                       Context& context);
 
 }  // namespace partscribe::fit

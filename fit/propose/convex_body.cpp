@@ -168,7 +168,7 @@ std::vector<ConvexFace> planes_of(const FitInput& input, const Vec3& middle, dou
   return faces;
 }
 
-/// The body, if it is bounded and no larger than the data: walls that are parallel but for noise meet far away.
+/// The body, if it is bounded and no larger than the data: walls that are parallel except for noise meet far away.
 std::optional<ConvexPolyhedron> body_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
   auto body = convex_polyhedron(planes_only(faces));
   if (!body) return std::nullopt;
@@ -249,8 +249,8 @@ double turn_last(std::vector<ConvexFace>& faces, const std::vector<Vec3>& on, co
   return best;
 }
 
-/// The smallest body around the points: unscanned faces, each where it cuts most off the scanned ones. Where the hidden
-/// side has more faces than these, nothing in the data tells.
+/// The smallest body around the points: each unscanned face is put where it cuts most off the scanned ones. Whether the
+/// hidden side has more faces cannot be determined from the data.
 bool close_freely(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
   constexpr std::size_t most_added = 5;
   constexpr int directions = 80;
@@ -348,15 +348,15 @@ bool close_regularly(std::vector<ConvexFace>& faces, const FitInput& input, doub
     }
   }
 
-  // Shadows hide edges as well: where there are strays, there were shadows.
-  double best = input.stray_share > 0 ? 0.45 : 0.6;
+  // Shadows hide edges as well: where there are outliers, there were shadows.
+  double best = input.outlier_share > 0 ? 0.45 : 0.6;
   std::vector<ConvexFace> closed;
   for (const auto& added : trials) {
     std::vector<ConvexFace> all = faces;
     all.insert(all.end(), added.begin(), added.end());
     const auto body = body_of(all, input);
     if (!body) continue;
-    // A face more must be worth it.
+    // A further face must reduce the cost enough.
     const double share = edges_reached(*body, all, input, reach) - 0.04 * double(added.size() - 1);
     if (share > best + 0.02) best = share, closed = all;
   }
@@ -371,8 +371,8 @@ std::size_t least_members(std::size_t points) { return std::max<std::size_t>(20,
 /// Together: every point belongs to the face it is outermost of; faces with few points are dropped.
 void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
   const auto& points = input.cloud.points;
-  const bool strays = among_strays(input);
-  for (int round = 0; round < (strays ? 12 : 3); ++round) {
+  const bool outliers = among_outliers(input);
+  for (int round = 0; round < (outliers ? 12 : 3); ++round) {
     std::vector<std::vector<Vec3>> members(faces.size()), inner(faces.size());
     for (const Vec3& p : points) {
       std::size_t f = 0;
@@ -384,11 +384,11 @@ void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach)
     std::vector<ConvexFace> kept;
     for (std::size_t f = 0; f < faces.size(); ++f) {
       if (members[f].size() < least_members(points.size())) continue;
-      // Real edges are rounded and tilt narrow faces, so the plane is taken from the points away from them. Strays tilt
-      // it more, and most where few points are left.
-      const auto& used = !strays && 5 * inner[f].size() > 2 * members[f].size() ? inner[f] : members[f];
+      // Real edges are rounded and tilt narrow faces, so the plane is taken from the points away from them. Outliers
+      // tilt it more, and most where few points are left.
+      const auto& used = !outliers && 5 * inner[f].size() > 2 * members[f].size() ? inner[f] : members[f];
       fit_plane(faces[f], used,
-                strays ? 1.2 * input.sampling.sigma : std::max(input.sampling.sigma * 2, 0.5 * input.tolerance), 6);
+                outliers ? 1.2 * input.sampling.sigma : std::max(input.sampling.sigma * 2, 0.5 * input.tolerance), 6);
       faces[f].points = members[f].size();
       kept.push_back(faces[f]);
     }
@@ -396,7 +396,7 @@ void settle(std::vector<ConvexFace>& faces, const FitInput& input, double reach)
   }
 }
 
-/// Drops faces whose points the others explain nearly as well: bevels that strays beside an edge make, and twins.
+/// Drops faces whose points the others explain nearly as well: bevels that outliers beside an edge make, and twins.
 void drop_superfluous(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
   constexpr double least_gain = 2;  // nats per point; a true face has 2.5 to 6
   while (faces.size() > 2) {
@@ -434,13 +434,13 @@ std::vector<ConvexFace> scanned_faces(const FitInput& input, Context& context) {
   std::vector<ConvexFace> faces = planes_of(input, robust_middle(points), reach);
   context.report("plane faces", 0.5);
   context.say("plane faces: " + print_number(double(faces.size())) + " directions");
-  // A face is a supporting plane: one with many points outside it belongs to a hollow. Strays have no say.
+  // A face is a supporting plane: one with many points outside it belongs to a hollow. Outliers are not counted.
   std::vector<char> surface(points.size(), 1);
   std::size_t surface_points = points.size();
   if (input.surface_share.size() == points.size())
     for (std::size_t i = 0; i < points.size(); ++i)
       if (input.surface_share[i] < 0.8f) surface[i] = 0, --surface_points;
-  const double allowed = 0.02 + std::min(0.06, 0.3 * input.stray_share);
+  const double allowed = 0.02 + std::min(0.06, 0.3 * input.outlier_share);
   for (std::size_t i = faces.size(); i-- > 0;) {
     std::size_t beyond = 0;
     for (std::size_t k = 0; k < points.size(); ++k)
@@ -448,7 +448,7 @@ std::vector<ConvexFace> scanned_faces(const FitInput& input, Context& context) {
     if (double(beyond) > allowed * double(surface_points)) faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(i));
   }
   settle(faces, input, reach);
-  if (among_strays(input)) drop_superfluous(faces, input, reach);
+  if (among_outliers(input)) drop_superfluous(faces, input, reach);
   std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.points > b.points; });
   std::size_t on = 0;
   for (std::size_t k = 0; k < points.size(); ++k)
@@ -483,7 +483,7 @@ std::vector<ConvexFace> with_a_face_more(std::vector<ConvexFace> scanned, const 
     n.normalize();
     if (n.dot(a - middle) < 0) n = -n;
     const double offset = n.dot(a);
-    // Every point beyond speaks against a face as much as one on it for it.
+    // Every point beyond a face counts against it as much as a point on it counts for it.
     std::ptrdiff_t score = 0;
     for (const Vec3& p : open) score += std::abs(n.dot(p) - offset) < reach;
     if (score <= most) continue;

@@ -26,9 +26,9 @@ namespace {
 
 constexpr double end_cosine = 0.98, side_sine = 0.2;  // of 11.5 degrees
 
-/// Of the points, at least this many have normals along or across the sweep. Noise and strays spoil normals.
+/// Of the points, at least this many have normals along or across the sweep. Noise and outliers spoil normals.
 double least_share(const FitInput& input) {
-  const bool spoilt = input.stray_share > 0 || input.sampling.sigma > 0.003 * input.bounds.diagonal();
+  const bool spoilt = input.outlier_share > 0 || input.sampling.sigma > 0.003 * input.bounds.diagonal();
   return spoilt ? 0.65 : 0.85;
 }
 
@@ -36,12 +36,12 @@ double least_share(const FitInput& input) {
 struct Sweep {
   Vec3 direction;
   double low = 0, high = 0, share = 0;
-  double open_end =
-      0;  ///< mm, how well the end is known of which no face was seen; 0: both were, or no strays lie beyond
+  /// mm, standard deviation of the end whose face was not seen; 0: both were seen, or no outliers lie beyond
+  double open_end = 0;
   bool opens_below = false;
   double last = 0;  ///< height of the last points at the open end
 
-  /// To these points: a curtain of strays behind the edges is a wall to the data.
+  /// Extended to these points: the data cannot tell a curtain of outliers behind the edges from a wall.
   Sweep to_last() const {
     Sweep s = *this;
     (opens_below ? s.low : s.high) = last, s.open_end = std::max(open_end, (s.high - s.low) - (high - low));
@@ -54,8 +54,8 @@ struct FarEnd {
   double at = 0, sigma = 0;  // mm
 };
 
-/// Where no face was seen at their other end and strays lie beyond: where the points become few (the likeliest change
-/// of a constant density); else the last of them.
+/// If no face was seen at the other end and outliers lie beyond: the place where the density drops (the likeliest
+/// change point between two constant densities); else the last point.
 FarEnd far_end(const std::vector<double>& heights, double from, double sign, double last) {
   constexpr double fewer = 4, least = 0.1;  // times, share of the way to the last
   std::vector<double> way;
@@ -74,8 +74,8 @@ FarEnd far_end(const std::vector<double>& heights, double from, double sign, dou
   return {from + sign * end, 3 * gap};
 }
 
-/// The height of the outermost face across the sweep, towards `sign`, beyond which hardly a wall goes on: strays do.
-/// Both lists are sorted.
+/// The height of the outermost face across the sweep, towards `sign`, beyond which there are hardly any wall points
+/// except outliers. Both lists are sorted.
 std::optional<double> outermost_face(const std::vector<double>& ends, const std::vector<double>& sides, double sign,
                                      double width) {
   constexpr double some = 0.05, hardly_any = 0.02;  // shares
@@ -114,9 +114,9 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
     const Vec3 next = eigen.eigenvectors().col(0);
     a = next.dot(a) < 0 ? Vec3(-next) : next;
   }
-  // Which end is the bottom is anybody's choice. Among strays the sense that was found stays: where they make an end
-  // doubtful the random draws of another frame may find another plate.
-  if (input.stray_share == 0) a = nearest_sense(a);
+  // Which end is the bottom is arbitrary. With many outliers the sense that was found is kept: where they make an end
+  // uncertain, random draws in another frame could give another plate.
+  if (input.outlier_share == 0) a = nearest_sense(a);
   Sweep sweep;
   sweep.direction = a;
   std::vector<double> ends, sides;
@@ -131,7 +131,7 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   sweep.share = double(ends.size() + sides.size()) / n;
   if (sweep.share < least_share(input) || double(sides.size()) < 0.03 * n) return {};
   double low = quantile(sides, 0.002), high = quantile(sides, 0.998);
-  if (input.stray_share > 0) {
+  if (input.outlier_share > 0) {
     std::sort(ends.begin(), ends.end()), std::sort(sides.begin(), sides.end());
     const double width = std::max(input.tolerance, 4 * input.sampling.sigma);
     if (const auto face = outermost_face(ends, sides, -1, width)) low = *face;
@@ -139,20 +139,20 @@ std::optional<Sweep> measured_sweep(const FitInput& input, Vec3 a) {
   }
   const double middle = 0.5 * (low + high), reach = std::max(3 * input.tolerance, 0.03 * (high - low));
   std::vector<double> bottom, top;
-  std::size_t stray = 0;
+  std::size_t outlier = 0;
   for (const double h : ends) {
     if (h < middle && std::abs(h - low) < reach)
       bottom.push_back(h);
     else if (h > middle && std::abs(h - high) < reach)
       top.push_back(h);
     else
-      ++stray;
+      ++outlier;
   }
-  if (double(stray) > (input.stray_share > 0 ? 0.1 : 0.05) * n) return {};
+  if (double(outlier) > (input.outlier_share > 0 ? 0.1 : 0.05) * n) return {};
   if (bottom.size() > 20) low = quantile(bottom, 0.5);
   if (top.size() > 20) high = quantile(top, 0.5);
   if (bottom.size() <= 20 && top.size() <= 20) return {};
-  if (input.stray_share > 0 && std::min(bottom.size(), top.size()) <= 20) {
+  if (input.outlier_share > 0 && std::min(bottom.size(), top.size()) <= 20) {
     const bool below = bottom.size() <= 20;
     const FarEnd end = below ? far_end(sides, high, -1, low) : far_end(sides, low, 1, high);
     sweep.opens_below = below, sweep.last = below ? low : high;
@@ -219,7 +219,7 @@ void turn(ProfileSegment& s, double angle) {
   for (auto& c : s.curve.control) c = r * c;
 }
 
-/// What the length of the extrusion is to a body with a plainer name.
+/// What the length of the extrusion is called in a box or wedge.
 void call_height(Candidate& candidate, const char* note) {
   for (auto& p : candidate.parameters)
     if (p.name == "height") p.note = note;
@@ -311,7 +311,7 @@ Chain ring_of(const PlaneCircle& circle, double noise) {
   return ring;
 }
 
-/// Of the rims of both end faces what may stand for a wall that was not seen: nothing lies farther out, no wall is
+/// The points of the rims of both end faces that may replace an unseen wall: nothing lies farther out, and no wall is
 /// near.
 std::vector<PlanePoint> outer_rims(const std::vector<Vec2> (&ends)[2], const std::vector<PlanePoint>& walls,
                                    double cell) {
@@ -376,7 +376,7 @@ double along_longest_edge(const LoopPieces& outline, const Mat3& frame, double t
   return std::atan2(d.y(), d.x());
 }
 
-/// Holes by size and those of one size by place, so that their numbers do not hang on noise.
+/// Holes ordered by size and those of one size by place, so that their numbers do not depend on noise.
 void order_holes(std::vector<LoopPieces>& loops, double tolerance) {
   if (loops.size() < 3) return;
   std::vector<Vec2> places;
@@ -538,10 +538,11 @@ std::vector<LoopPieces> with_holes(const LoopPieces& outline, const std::vector<
   return loops;
 }
 
-/// Sides about which hardly a wall point speaks stay where the end faces put them: a fit would move them after strays.
+/// Sides that depend on hardly any wall point stay where the end faces put them: a fit would move them towards
+/// outliers.
 void hold_unseen(Candidate& candidate, const FitInput& input) {
   constexpr double speaks = 0.1;  // of the distance, per unit of the parameter
-  if (among_strays(input) || input.closed) return;
+  if (among_outliers(input) || input.closed) return;
   const double near = std::max(4 * input.sampling.sigma, input.tolerance), h = 1e-4 * input.bounds.diagonal();
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   const ModelDistance distance(bare_model(candidate));
@@ -570,7 +571,8 @@ void add_common_outlines(const FitInput& input, const Section& s, double band, s
   constexpr double dearer = 1.5;
   const OutlineData data = outline_data(input, s, band);
   const auto outlines = common_outlines(data);
-  // The walls of its holes make a link cheaper than any other that has yet to find them.
+  // Because the walls of its holes are explained already, a link costs less than any outline whose holes are still to
+  // be found.
   const auto first = std::find_if(outlines.begin(), outlines.end(),
                                   [](const CommonOutline& o) { return o.form != OutlineForm::link; });
   for (const auto& o : outlines) {
@@ -580,8 +582,8 @@ void add_common_outlines(const FitInput& input, const Section& s, double band, s
       if (o.distance(p) < -2 * band) inside.push_back(p);
     const auto add = [&](const std::vector<PlaneCircle>& holes) {
       candidates.push_back(extrusion_of(with_holes(o.loop(), holes), input, s.sweep, s.frame));
-      const bool straight =
-          o.form == OutlineForm::rectangle || o.form == OutlineForm::ell;  // a round tells of the sides beside it
+      // a round determines the sides beside it
+      const bool straight = o.form == OutlineForm::rectangle || o.form == OutlineForm::ell;
       if (straight && drawable(candidates.back())) hold_unseen(candidates.back(), input);
     };
     if (o.form == OutlineForm::link) {
@@ -642,8 +644,8 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     return makes_sense(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance;
   };
   const bool any_near = std::any_of(candidates.begin(), candidates.end(), near);
-  if (any_near && input.stray_share == 0) return candidates;
-  // Some walls were not seen, or strays lie beside them.
+  if (any_near && input.outlier_share == 0) return candidates;
+  // Some walls were not seen, or outliers lie beside them.
   for (const Section& s : sections) {
     const double band = std::max(2.5 * s.noise, 0.3 * input.tolerance);
     add_outlines_by_cells(input, s, band, candidates);

@@ -173,15 +173,15 @@ bool ends_reach_legs(const Start& start, const FitInput& input, double near, std
   return all > least && 2 * double(std::min(low_x, low_y)) > share_beside * double(all);
 }
 
-/// The concave side explains points far better than the sides of the block around it would, facing their way, and
-/// enough lie on a leg, or on ends up to both: without its concave side it is a block like any other, without its legs
-/// any bent patch. Among many strays only what slants to both legs counts: along a leg some always lie as its tip
-/// would.
+/// True if the concave side explains points, with matching normals, far better than the sides of the block around it
+/// would, and enough points lie on a leg, or on ends that reach both legs. Without its concave side a fillet cannot be
+/// told from a block, without its legs from any curved patch. With many outliers only points whose normals slant to
+/// both legs count: some outliers always lie along a leg as its thin tip would.
 bool shows_itself(const Start& start, const FitInput& input) {
   constexpr std::size_t least_points = 40;  // fewer lie there by chance
   constexpr double facing = 0.8, on_leg = 0.98, slanting = 0.35,
                    outlier = 12;         // cosines; half the square of a residual in sigmas
-  constexpr double legs_share = 0.0125;  // of the points; strays put 0.008 there
+  constexpr double legs_share = 0.0125;  // of the points; outliers put 0.008 there
   const PointCloud& cloud = input.cloud;
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance), n_points = double(cloud.size());
   const Pose part_from_scan = start.scan_from_part.inverse();
@@ -194,18 +194,18 @@ bool shows_itself(const Start& start, const FitInput& input) {
     const Concave side = concave_side(q, size);
     const double into = std::min(q.minCoeff(), (size - q).minCoeff());
     const double cosine = n.head<2>().dot(side.normal);
-    const bool counts = !among_strays(input) || side.normal.minCoeff() > slanting;
+    const bool counts = !among_outliers(input) || side.normal.minCoeff() > slanting;
     if (counts && into > std::abs(side.into) && (input.oriented ? cosine : std::abs(cosine)) > facing)
       gain += misfit(into) - misfit(side.into), ++concave;
-    // Where a leg and the concave side run into each other a point speaks for neither.
+    // Near the line where a leg meets the concave side, a point supports neither.
     if (std::abs(into) < 3 * sigma && std::min(std::abs(q.x()), std::abs(q.y())) < 3 * sigma &&
         std::abs(side.into) > 3 * sigma)
       legs += std::max(std::abs(n.x()), std::abs(n.y())) > on_leg;
   }
-  if (concave < least_points || !(gain > 20 + 0.1 * input.stray_share * n_points)) return false;
+  if (concave < least_points || !(gain > 20 + 0.1 * input.outlier_share * n_points)) return false;
   const double least_on_legs = legs_share * n_points;
   return double(legs) > least_on_legs ||
-         (!among_strays(input) && ends_reach_legs(start, input, 3 * sigma, std::size_t(least_on_legs)));
+         (!among_outliers(input) && ends_reach_legs(start, input, 3 * sigma, std::size_t(least_on_legs)));
 }
 
 /// Puts the ends on their faces. An end of which no face was seen stays beyond the points of the sides: that leaves
@@ -228,7 +228,7 @@ void settle_ends(Start& start, const FitInput& input) {
   }
   if (sides.size() < least_points) return;
   // An end of which little was seen may have been set aside whole.
-  if (!among_strays(input))
+  if (!among_outliers(input))
     for (const Vec3& p : input.set_aside.points) {
       const Vec3 q = part_from_scan * p;
       if (q.head<2>().minCoeff() > -near && concave_side(q, start.size).into < near &&
@@ -338,8 +338,9 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
   for (std::size_t i = 0; i < cloud.size(); i += step)
     if (cloud.normals[i].squaredNorm() > 0.5)
       sample.points.push_back(cloud.points[i]), sample.normals.push_back(cloud.normals[i]);
-  // Where the concave side was hardly seen many fillets explain the rest: which of them best, only all points tell.
-  const std::size_t most = among_strays(input) ? 3 : 1;
+  // If the concave side was hardly seen, many fillets explain the rest; which is best can only be decided with all
+  // points.
+  const std::size_t most = among_outliers(input) ? 3 : 1;
   std::vector<Candidate> result;
   for (Start& start : best_starts(sample, input, most, context)) {
     if (!(start.cost < most_unexplained)) continue;
@@ -349,7 +350,7 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
       if (std::abs(start.size.x() - start.size.y()) < 0.1 * (start.size.x() + start.size.y()))
         result.push_back(candidate_from(start, true));
       result.push_back(std::move(any));
-    } else if (among_strays(input)) {
+    } else if (among_outliers(input)) {
       any.unseen = "its concave side was hardly seen";
       result.push_back(std::move(any));
     }

@@ -89,7 +89,7 @@ std::optional<Candidate> box_of(const std::vector<ConvexFace>& faces, const FitI
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
   const auto way = [&](std::size_t k) { return Vec3(faces[pairs[k].first].normal.cwiseAbs()); };
   const auto equal = [&](std::size_t k, std::size_t l) { return size[order[k]] - size[order[l]] < input.tolerance; };
-  // The shortest first: which way is up says most.
+  // The shortest first: the vertical direction matters most.
   const std::size_t last = equal(0, 2)   ? nearest_to_scan({way(order[2]), way(order[1]), way(order[0])})
                            : equal(1, 2) ? nearest_to_scan({way(order[2]), way(order[1])})
                                          : 0;
@@ -133,8 +133,8 @@ std::optional<Candidate> box_of(const std::vector<ConvexFace>& faces, const FitI
   return c;
 }
 
-/// A block by the two largest faces that are square to each other, whatever the others say: a weak face may be a
-/// curtain's or lean. Sides that were not scanned are put where the data end.
+/// A block from the two largest faces that are square to each other, without regard to the others: a face of few points
+/// may be a curtain or be tilted. Sides that were not scanned are put where the data end.
 std::optional<Candidate> block_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
   constexpr double nearly = 0.12;  // of a right angle, 7 degrees
   if (faces.size() < 2) return std::nullopt;
@@ -152,13 +152,13 @@ std::optional<Candidate> block_of(const std::vector<ConvexFace>& faces, const Fi
           sides.push_back(f);
           break;
         }
-  // A face beside these that is more than strays make is none of a block.
+  // If there is a further face with more points than outliers explain, the body is not a block.
   const auto points = [](const std::vector<ConvexFace>& list) {
     double sum = 0;
     for (const ConvexFace& f : list) sum += double(f.points);
     return sum;
   };
-  if (points(sides) < (1 - input.stray_share) * points(faces)) return std::nullopt;
+  if (points(sides) < (1 - input.outlier_share) * points(faces)) return std::nullopt;
   const double reach = reach_of(input);
   const std::vector<Vec3> on = points_on(sides, input, reach);
   for (int k = 0; k < 3; ++k)
@@ -323,9 +323,9 @@ std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context
   std::vector<ConvexFace> scanned = scanned_faces(input, context);
   std::vector<ConvexFace> faces = closed_body(scanned, input, context);
   auto box = box_of(faces, input);
-  // A face that few points show was none to begin with; sides that nobody saw then cut across it. Strays make such
+  // A face that few points show was none to begin with; sides that nobody saw then cut across it. Outliers make such
   // faces too.
-  if (!box && !faces.empty() && !among_strays(input))
+  if (!box && !faces.empty() && !among_outliers(input))
     if (auto more = with_a_face_more(scanned, faces, input, context); !more.empty())
       if (auto closed = closed_body(more, input, context); !closed.empty())
         scanned = std::move(more), faces = std::move(closed);
@@ -334,8 +334,8 @@ std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context
   if (box) {
     result.push_back(*box);
   } else {
-    const bool strays = input.stray_share > 0;
-    if (auto block = strays ? block_of(scanned, input) : std::nullopt) result.push_back(*block);
+    const bool outliers = input.outlier_share > 0;
+    if (auto block = outliers ? block_of(scanned, input) : std::nullopt) result.push_back(*block);
     if (auto wedge = wedge_of(faces, input)) result.push_back(*wedge);
   }
   if (faces.size() >= 4)
@@ -343,7 +343,7 @@ std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context
   // A side that was not scanned may lean as well, and of several the data's ends may name others than a wedge has.
   std::vector<ConvexFace> ends;
   std::ranges::copy_if(faces, std::back_inserter(ends), [](const ConvexFace& f) { return f.points == 0; });
-  if (among_strays(input) || !ends.empty())
+  if (among_outliers(input) || !ends.empty())
     for (Candidate& wedge : propose_wedges(scanned, ends, input, context)) result.push_back(std::move(wedge));
   return result;
 }

@@ -21,7 +21,7 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double on_axis = 0.02;  // of the half diagonal; nearer to the axis a normal says nothing
+constexpr double on_axis = 0.02;  // of the half diagonal; nearer to the axis a normal gives no information
 
 /// Of the normals, those that meet the axis as well as their noise lets them.
 double share_of_normals(const FitInput& input, const Axis& axis) {
@@ -29,7 +29,8 @@ double share_of_normals(const FitInput& input, const Axis& axis) {
   std::vector<double> misses;
   double near = 0;
   for (std::size_t i = 0; i < input.cloud.size(); ++i) {
-    if (input.surface_share.size() == input.cloud.size() && input.surface_share[i] < 0.8f) continue;  // perhaps a stray
+    if (input.surface_share.size() == input.cloud.size() && input.surface_share[i] < 0.8f)
+      continue;  // perhaps an outlier
     const Vec3 across = axis.direction.cross(input.cloud.points[i] - axis.point);
     const double rho = across.norm();
     if (rho < least)
@@ -133,8 +134,8 @@ void take_out_profile(std::vector<AxisRow>& rows) {
   }
 }
 
-/// The axis about which the points near each place of the profile scatter least: normals' noise leaves it some
-/// hundredths of the size off, which splits straight walls of the profile.
+/// The axis about which the points near each place of the profile scatter least. The axis from noisy normals is off by
+/// some hundredths of the size, which would split straight walls of the profile.
 Axis settled_axis(const FitInput& input, Axis axis) {
   constexpr int rounds = 8, classes = 4;
   constexpr std::size_t least_points = 12;
@@ -302,8 +303,8 @@ std::optional<LoopPieces> loop_of(Chain chain, const ProfileOptions& o, double c
   return loop;
 }
 
-/// The same without faces at its two ends, where these lie much nearer to each other than to the axis: there is a rim
-/// of which nobody saw enough. Nothing if the profile has no two such ends.
+/// The same without faces at its two ends, if these lie much nearer to each other than to the axis: there is a rim that
+/// was hardly seen. Nothing if the profile has no two such ends.
 std::optional<LoopPieces> closed_at_rim(const LoopPieces& loop) {
   constexpr double near = 0.5;
   if (!loop.axis_to_axis || loop.segments.size() < 5 || loop.segments.front().supported ||
@@ -318,8 +319,8 @@ std::optional<LoopPieces> closed_at_rim(const LoopPieces& loop) {
 }
 
 /// The same with another step on top of its last face (`sign` 1) or below its first one (-1): one whose wall was taken
-/// for strays, `places` of which are given as radii and heights. Nothing if there is none, or if the profile ends there
-/// in no flat face.
+/// for outliers, `places` of which are given as radii and heights. Nothing if there is none, or if the profile ends
+/// there in no flat face.
 std::optional<LoopPieces> with_step_aside(const LoopPieces& loop, const std::vector<Vec2>& places, double sign,
                                           double noise, std::size_t least) {
   if (!loop.axis_to_axis || loop.segments.size() < 3) return {};
@@ -371,8 +372,8 @@ std::optional<LoopPieces> with_unseen_necks(const LoopPieces& loop, double least
   return result;
 }
 
-/// What noise makes of steps and corners made square again: a piece shorter than `blur` mm between two walls becomes a
-/// shoulder; one between a wall and a flat is left out, unless `corners_stay`. Nothing if there is none.
+/// Steps and corners that noise has rounded are made square again: a piece shorter than `blur` mm between two walls
+/// becomes a shoulder; one between a wall and a flat face is left out, unless `corners_stay`. Nothing if there is none.
 std::optional<LoopPieces> with_square_steps(const LoopPieces& loop, double blur, bool corners_stay) {
   const auto runs_along = [](const ProfileSegment& s, int axis) {
     return !s.arc && !s.spline && std::abs(s.direction[axis]) > 0.98;
@@ -612,7 +613,7 @@ std::vector<Axis> revolution_axes(const FitInput& input, const std::vector<Vec3>
 
 std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector<Vec3>& start_directions,
                                         Context& context) {
-  constexpr double band_widths = 4, most_aside = 0.01, of_strays = 0.04, sparse = 3;
+  constexpr double band_widths = 4, most_aside = 0.01, of_outliers = 0.04, sparse = 3;
   std::vector<Candidate> candidates;
   std::vector<Axis> axes = revolution_axes(input, start_directions);
   if (axes.size() > 2) axes.resize(2);
@@ -641,7 +642,7 @@ std::vector<Candidate> propose_revolves(const FitInput& input, const std::vector
     const auto points = wide ? sharpened(data.points, band) : data.points;
     const Chain chain = add_profiles(input, axis, points, outline, {fine, noise, blur}, candidates);
     // Of walls that were seen at a slant too few points may be left for every node to hold some.
-    if (left_aside(data.points, chain, fine) > most_aside + of_strays * input.stray_share)
+    if (left_aside(data.points, chain, fine) > most_aside + of_outliers * input.outlier_share)
       add_profiles(input, axis, wide ? sharpened(data.points, sparse * band, 0) : data.points, outline,
                    {sparse * fine, noise, blur}, candidates);
     // A real part's wall is no line but a band as wide as its dents: look at it with nodes that span the band too.

@@ -1,4 +1,4 @@
-/// The step of a turned part of which so few points were seen that they pass for strays.
+/// A step of a turned part that so few points show that they were taken for outliers.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct SparseStep {
 
 /// `places`: radii (x) and heights (y) about the axis of what belongs to nothing else; `from`: the height at which the
 /// rest of the part ends, beyond which, towards `sign`, the step would lie. Its wall is the window, five sigmas of the
-/// noise wide, that holds more of the places beyond than strays strewn evenly through that room put into the best of
+/// noise wide, that holds more of the places beyond than outliers strewn evenly through that room put into the best of
 /// all windows (Chernoff's bound, odds of a thousand). Nothing if there is none with `least` places.
 std::optional<SparseStep> step_beyond(const std::vector<Vec2>& places, double from, double sign, double noise,
                                       std::size_t least);

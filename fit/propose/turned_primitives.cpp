@@ -134,7 +134,7 @@ std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Ax
     for (const auto& p : points)
       if (std::abs(n.dot(p.position - wall.point)) < band && std::abs(n.dot(p.normal)) > 0.9)
         heights.push_back(p.position.y()), radii.push_back(p.position.x());
-    // The outermost may be strays in the wall's continuation.
+    // The outermost may be outliers in the wall's continuation.
     double low = quantile(heights, 0.003), high = quantile(heights, 0.997);
     const double reach = std::max(0.06 * size, 2 * band);
     bool low_seen = false, high_seen = false;

@@ -8,7 +8,7 @@
 namespace partscribe::fit {
 
 /// Starts that need no closed profile: the line or the circle in (radius, height) that holds most points, with ends
-/// where its points end. Survives strays and walls of which only pieces were seen. Empty for other parts.
+/// where its points end. Survives outliers and walls of which only pieces were seen. Empty for other parts.
 std::vector<Candidate> propose_turned_primitives(const FitInput& input, const Axis& axis);
 
 }  // namespace partscribe::fit

@@ -110,7 +110,7 @@ Start start_in(const Start& block, const Sample& sample, bool oriented, double t
   return best;
 }
 
-/// Wedges whose slope lies where the data end: of a slope that was hardly seen, or set aside with the strays, the
+/// Wedges whose slope lies where the data end: of a slope that was hardly seen, or set aside with the outliers, the
 /// border of a cheek is left.
 std::vector<Start> starts_at_ends(const Start& block, const std::vector<ConvexFace>& ends, const Sample& sample,
                                   bool oriented, double thick) {
@@ -181,7 +181,7 @@ std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, co
   for (const Mat3& frame : frames_of(scanned)) {
     const Start block = block_around(frame, sample);
     starts.push_back(start_in(block, sample, input.oriented, coarse * size));
-    if (among_strays(input)) continue;  // the data end anywhere
+    if (among_outliers(input)) continue;  // the data end anywhere
     for (const Start& start : starts_at_ends(block, ends, sample, input.oriented, coarse * size))
       at_ends.push_back(start);
   }

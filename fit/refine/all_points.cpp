@@ -16,7 +16,7 @@ namespace {
 
 constexpr int most_groups = 24;    // views beyond are pooled
 constexpr double edge_sigmas = 3;  // nearer to an edge than this, noise decides which face a point is counted to
-constexpr double edge_sigmas_on_rays = 1;  // a ray knows its face; pixels on both sides of an edge do not
+constexpr double edge_sigmas_on_rays = 1;  // with a ray the face is known; only pixels that cover an edge are uncertain
 constexpr double most_excluded = 0.5;
 constexpr double reach_sigmas = 8;  // outliers are not looked for along their rays
 
@@ -50,7 +50,7 @@ std::vector<Entry> entries_of(const PointCloud& cloud, const Box3& bounds, doubl
   return entries;
 }
 
-/// Eight octants about the centre: where no views are known, regions err together.
+/// Eight octants about the centre: where no views are known, systematic errors are attributed to regions.
 int octant(const Vec3& d) { return (d.x() > 0) + 2 * (d.y() > 0) + 4 * (d.z() > 0); }
 
 void assign_traits(AllPoints& all, const PointCloud& cloud, const std::vector<Entry>& entries, const Vec3& center) {
@@ -179,7 +179,7 @@ std::vector<std::size_t> exclude_edges(AllPoints& all, const ModelDistance& dist
   std::vector<std::size_t> walls;
   for (std::size_t i = 0; i < all.points.size(); ++i)
     if (thin[i]) walls.push_back(i);
-  // A face that is all edge would be lost: it keeps its points.
+  // A narrow face, all of whose points are near an edge, would be lost: it keeps its points.
   std::map<int, std::pair<std::size_t, std::size_t>> faces;
   for (std::size_t i = 0; i < all.points.size(); ++i)
     ++faces[all.at.face[i]].first, faces[all.at.face[i]].second += !all.used[i];
@@ -190,11 +190,11 @@ std::vector<std::size_t> exclude_edges(AllPoints& all, const ModelDistance& dist
   return walls;
 }
 
-/// The kernel as it is asked for; where it may be, with the density of strays on either side, from what lies beyond the
-/// noise.
-void estimate_strays(AllPoints& all, const AllPointsOptions& options) {
+/// The requested kernel; if the options allow it, with the density of outliers on either side, estimated from the
+/// points beyond the noise.
+void estimate_outliers(AllPoints& all, const AllPointsOptions& options) {
   all.kernel = options.kernel;
-  if (!options.strays_near || !all.pairs.empty()) return;
+  if (!options.outliers_near || !all.pairs.empty()) return;
   constexpr double from = 4, to = 8, most = 0.05;  // sigmas
   double on = 0, before = 0.5, behind = 0.5;
   for (std::size_t i = 0; i < all.points.size(); ++i) {
@@ -210,7 +210,7 @@ void estimate_strays(AllPoints& all, const AllPointsOptions& options) {
 }  // namespace
 
 void learn_noise(AllPoints& all, const std::vector<double>& residuals, std::vector<char> told, double least_sigma) {
-  // Octants are no reason for noise to differ.
+  // Noise does not differ between octants.
   NoiseTraits traits;
   if (all.by_view) traits.group = all.group, traits.group_count = all.group_count;
   traits.face = all.at.face, traits.cosine = all.cosine, traits.relative = all.relative, traits.told = std::move(told);
@@ -232,7 +232,7 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   assign_traits(all, cloud, entries, unknowns.center());
   RayFeet feet = measured(candidate, unknowns, all, context.threads);
   all.at = std::move(feet.at), all.foot = std::move(feet.foot), all.cosine = std::move(feet.cosine);
-  // By where the surface was met: the region of a measured point hangs on its error.
+  // By the place on the surface: the region of a measured point would depend on its error.
   for (std::size_t i = 0; i < all.foot.size() && !all.by_view; ++i)
     all.group[i] = octant(all.foot[i] - unknowns.center());
   make_nodes(all, entries, single);
@@ -250,7 +250,7 @@ AllPoints all_points(const Candidate& candidate, const FitInput& input, const Un
   // Runs that share a row of the Jacobian know one side only.
   const bool pairs = single && all.rays.empty();
   const auto walls = exclude_edges(all, distance, part_from_scan, spacing, pairs, context.threads);
-  estimate_strays(all, options);
+  estimate_outliers(all, options);
   add_far_sides(all, walls, edge_sigmas, candidate, unknowns, distance, context.threads);
   return all;
 }
@@ -322,7 +322,7 @@ double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, do
     if (!all.pairs.empty() && unrest < settled) break;
     // The sides of thin walls are told apart by the noise as it was learned first.
     if (step == 0 && all.pairs.empty()) learn_noise(all, all.at.value, {}, least_sigma);
-    if (step == 0) estimate_strays(all, options);
+    if (step == 0) estimate_outliers(all, options);
   }
   drop_pairs(all);
   return improvement;

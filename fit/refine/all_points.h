@@ -1,4 +1,4 @@
-/// The last steps of a fit: every point of the scan has its say, at the cost of a distance or two.
+/// The last steps of a fit use every point of the scan, at the cost of one or two distances per point.
 #pragma once
 
 #include "core/context.h"
@@ -22,7 +22,7 @@ struct AllPoints {
   std::vector<double> relative;         ///< sigma that came with the data
   Distances at;               ///< of the points, at the present candidate; along the rays where these are known
   std::vector<double> sigma;  ///< of each point, mm
-  Welsch kernel;              ///< as asked for, with the density of strays where it was counted
+  Welsch kernel;              ///< as asked for, with the density of outliers where it was counted
   std::vector<char> used;     ///< 0: too near to an edge to tell which face it belongs to
 
   /// A cell's points of one face: points[begin .. end), all with the derivatives at `place`.
@@ -32,7 +32,7 @@ struct AllPoints {
   };
   std::vector<Node> nodes;
 
-  /// A point of a wall thinner than noise: it speaks for either side (thin_walls.h).
+  /// A point of a wall thinner than the noise: it counts for both sides (thin_walls.h).
   struct Pair {
     std::size_t near = 0, far = 0;  ///< its entries; the far ones come after all others
     Vec3 before, behind;            ///< places to whose nearest faces the two belong
@@ -40,7 +40,7 @@ struct AllPoints {
   };
   std::vector<Pair> pairs;
   bool chords_corrected = false;  ///< the residuals are those of the corners of a mesh (chords.h)
-  std::vector<double> say;        ///< of each entry, where there are pairs; 1 for what is in none
+  std::vector<double> say;        ///< weight of each entry, if there are pairs; 1 for entries in no pair
   Jacobian jacobian;              ///< one row per node
 };
 
@@ -48,7 +48,8 @@ struct AllPointsOptions {
   std::size_t nodes = 16000;      ///< rows of the Jacobian, about; fewer blur it at the rims of small faces
   std::size_t points = 20000000;  ///< scans with more fall back on the thinned points
   Welsch kernel{3};
-  bool strays_near = false;  ///< the points hold all strays about the surface, so that their density can be counted
+  /// the points contain all outliers near the surface, so that the density of outliers can be estimated
+  bool outliers_near = false;
 };
 
 /// All usable points of the scan behind `input` (of a mesh, or where there is none: the thinned ones), with distances,

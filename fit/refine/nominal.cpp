@@ -213,7 +213,7 @@ struct Offers {
   double sum = 0;
 };
 
-/// The round value that a person would think of first and that the measurement misses.
+/// The most obvious round value, which the measurement misses.
 std::optional<NominalEvidence> near_miss(const std::vector<Hit>& hits, double fitted, double sigma) {
   const Hit* coarsest = nullptr;
   for (const auto& h : hits)

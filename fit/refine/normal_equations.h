@@ -1,4 +1,4 @@
-/// Weighted normal equations, summed so that the number of threads never shows.
+/// Weighted normal equations, summed in an order that does not depend on the number of threads.
 #pragma once
 
 #include <vector>
@@ -23,13 +23,13 @@ Matrix pseudo_inverse(const Matrix& h);
 /// Welsch's redescending kernel at u = residual / scale, tuned by c (Holland & Welsch 1977). Against least squares on
 /// Gaussian data it loses (1 + 1/c^2)^3 (1 + 2/c^2)^(-3/2) of variance: 2.9 % for c = 2.5, 1.5 % for 3.
 ///
-/// Where the density of strays about the surface is known, a residual has as much say as the odds that it is none of
-/// them (EM of a Gaussian and an even background on either side): all of it up to three sigmas, next to nothing from
-/// four on, and no pull to the side that has more strays.
+/// If the density of outliers near the surface is known, a residual is weighted by the probability that it is not one
+/// (EM of a Gaussian and a uniform background on either side): nearly 1 up to three sigmas, nearly 0 from four on, and
+/// without bias to the side with more outliers.
 struct Welsch {
   double c = 2.5;
   double before = 0,
-         behind = 0;  ///< density of strays over that of the surface's points where it is highest; 0: not known
+         behind = 0;  ///< density of outliers over that of the surface's points where it is highest; 0: not known
   double weight(double u) const;  ///< psi / u
   double psi(double u) const { return u * weight(u); }
   double slope(double u) const;  ///< psi'

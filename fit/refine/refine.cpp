@@ -28,8 +28,8 @@ double median_scale(std::vector<double> d) {
   return 1.4826 * median_in_place(d);
 }
 
-/// Scale of the residuals for each point: that of all, but in the first rounds that of its face where it is larger. A
-/// small face that starts out of place would else be taken for outliers and stay there.
+/// Scale of the residuals for each point: the common one, but in the first rounds that of its face if it is larger.
+/// Otherwise the points of a small face that starts in the wrong place would be taken for outliers.
 std::vector<double> scales_of(const Distances& d, double scale, bool by_face) {
   constexpr std::size_t least_points = 10;
   std::vector<double> result(d.value.size(), scale);
@@ -95,7 +95,7 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
     if (!improved || (largest < 1e-7 * size && scale_settled)) {
       report.converged = true;
       if (!by_face) break;
-      // The common scale has the last word.
+      // The last rounds use the common scale.
       report.iterations = rounds_by_face - 1;
     }
   }
@@ -113,13 +113,12 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
   report.inlier_share = double(inliers) / double(d.value.size());
 }
 
-/// By how much the numbers hang on how much say is left to points that may be strays: half the range, in their own
-/// units, over three answers. In one nearly all that is off loses its say, in another hardly anything does, and in the
-/// third the points that were set aside as strays speak as well. Noise alone moves the numbers by less than its own
-/// sigma.
-std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& unknowns,
-                                   const std::vector<Vec3>& points, const std::vector<Vec3>& set_aside, double noise,
-                                   Context& context) {
+/// How much the numbers depend on the weight of points that may be outliers: half the range, in their own units, of
+/// three fits. In one nearly all distant points lose their weight, in another hardly any, and in the third the points
+/// that were set aside as outliers are used as well. Noise alone moves the numbers by less than its own sigma.
+std::vector<double> sway_of_outliers(const Candidate& candidate, const Unknowns& unknowns,
+                                     const std::vector<Vec3>& points, const std::vector<Vec3>& set_aside, double noise,
+                                     Context& context) {
   constexpr double little = 1.5, much = 4;
   std::vector<Candidate> ends;
   const auto answer = [&](double welsch, const std::vector<Vec3>& from) {
@@ -145,7 +144,7 @@ std::vector<double> sway_of_strays(const Candidate& candidate, const Unknowns& u
   return result;
 }
 
-/// How many points speak about each parameter.
+/// How many points each parameter depends on.
 void count_points(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns, double points_per_independent) {
   const auto& free = unknowns.free_parameters();
   for (std::size_t k = 0; k < free.size(); ++k) {
@@ -179,9 +178,9 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   RefineReport report;
   std::vector<std::string> fixed = options.fixed;
   for (const auto& h : candidate.held) fixed.push_back(h.name);
-  // Among strays each plane of a polyhedron was fitted alone; a turn of all would follow strays near faces that nobody
-  // saw.
-  const bool moves = !(std::holds_alternative<HalfSpaces>(candidate.shape) && among_strays(input));
+  // Among outliers each plane of a polyhedron was fitted alone; a turn of all would follow outliers near faces that
+  // nobody saw.
+  const bool moves = !(std::holds_alternative<HalfSpaces>(candidate.shape) && among_outliers(input));
   const Unknowns unknowns(candidate, fixed, input.bounds.center(), std::max(0.5 * input.bounds.diagonal(), 1e-9),
                           moves);
   const double noise = std::max(input.sampling.sigma, 1e-7 * unknowns.size());
@@ -199,7 +198,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   constexpr double settled = 0.5;  // of the log likelihood: less than a sigma
   AllPointsOptions everything;
   everything.kernel.c = options.welsch < RefineOptions{}.welsch ? options.welsch : std::max(options.welsch, 3.0);
-  everything.strays_near = input.stray_share > 0 && !among_strays(input);
+  everything.outliers_near = input.outlier_share > 0 && !among_outliers(input);
   // A distance found by Newton's method in three unknowns costs as much as a hundred others.
   if (std::holds_alternative<Superellipsoid>(candidate.shape)) everything.nodes = 4000, everything.points = 40000;
   const double least = std::max(0.3 * input.sampling.sigma, 1e-7 * unknowns.size());
@@ -219,12 +218,12 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
   report.rms = u.rms;
   report.points_per_independent = u.points_per_independent;
   const auto& free = unknowns.free_parameters();
-  std::vector<double> strays = input.stray_share > 0
-                                   ? sway_of_strays(candidate, unknowns, points, input.set_aside.points, noise, context)
-                                   : std::vector<double>(free.size(), 0);
+  std::vector<double> outliers =
+      input.outlier_share > 0 ? sway_of_outliers(candidate, unknowns, points, input.set_aside.points, noise, context)
+                              : std::vector<double>(free.size(), 0);
   for (std::size_t k = 0; k < free.size(); ++k)  // nothing holds an open end there
     for (const OpenEnd& end : ends)
-      if (end.parameter == free[k] && end.unlimited) strays[k] = std::min(strays[k], end.reach);
+      if (end.parameter == free[k] && end.unlimited) outliers[k] = std::min(outliers[k], end.reach);
   for (std::size_t k = 0; k < free.size(); ++k) {
     auto& p = candidate.parameters[free[k]];
     p.fitted = p.value;
@@ -232,7 +231,7 @@ RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOpt
     const double least_known = std::max(u.floor, input.precision);
     const double floor = p.quantity == Quantity::length ? least_known : least_known / unknowns.size();
     p.sigma_systematic = std::hypot(std::hypot(u.views[k], u.poses[k], u.facets[k]),
-                                    std::hypot(u.filter[k], u.slant[k]), std::hypot(strays[k], floor));
+                                    std::hypot(u.filter[k], u.slant[k]), std::hypot(outliers[k], floor));
     p.sigma = std::hypot(p.sigma_noise, p.sigma_systematic);
   }
   for (const auto& h : candidate.held)

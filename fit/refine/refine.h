@@ -10,10 +10,10 @@ namespace partscribe::fit {
 struct RefineOptions {
   std::size_t points = 20000;  ///< of the search, at most; the last steps take all points of the scan
   int iterations = 40;
-  double welsch =
-      2.5;  ///< residuals beyond some 2 * welsch sigmas lose their say; the last steps take 3 unless it is narrower
-  bool near =
-      false;  ///< every face starts in its place; else those far out of it are caught, and strays by faces hardly seen
+  /// residuals beyond some 2 * welsch sigmas get no weight; the last steps take 3 unless it is narrower
+  double welsch = 2.5;
+  bool near = false;  ///< true: every face starts near its place; false: faces that start far off are found too, but
+                      ///< may be attracted by outliers hardly seen
   bool uncertainty = true;         ///< false: skip the last steps on all points, and sigma
   std::vector<std::string> fixed;  ///< parameters that keep their value
 };
@@ -24,11 +24,12 @@ struct RefineReport {
   double inlier_share = 0;  ///< residuals within 4 sigmas
   int iterations = 0;
   bool converged = false;
-  double points_per_independent = 1;   ///< above 1 where neighbouring points err together
-  std::vector<std::string> unlimited;  ///< lengths that may grow as they like: the data end there
+  double points_per_independent = 1;   ///< above 1 where the errors of neighbouring points are correlated
+  std::vector<std::string> unlimited;  ///< lengths without an upper limit: the data end there
 };
 
-constexpr std::size_t hardly_any_points = 10;  ///< fewer fix no number: strays or noise alone may be they
+/// fewer points do not determine a number: they may be outliers or noise
+constexpr std::size_t hardly_any_points = 10;
 
 /// Levenberg-Marquardt on Welsch-weighted signed distances of thinned points (reference equations: orthogonal distance
 /// regression, Forbes 1989, Ahn 2004), then Gauss-Newton on all points (all_points.h). Directions that the data leave

@@ -25,7 +25,7 @@ void square_up(HalfSpace& plane, const TidyOptions& options) {
   for (int k = 0; k < 3; ++k) *parts[k] = Expr(snapped(n[k], 1e-8));
 }
 
-/// How much of a turn a shape feels.
+/// How much a turn changes a shape.
 enum class Symmetry { none, about_z, all };
 
 Symmetry symmetry_of(const Shape& shape) {
@@ -92,7 +92,7 @@ Model model_of(const Candidate& candidate, const FitInput& input) {
   }
   for (int k = 0; k < 3; ++k) {
     double d = degrees(angles[k]);
-    // Nobody sees a turn that moves nothing by a tenth of the tolerance.
+    // A turn that moves nothing by a tenth of the tolerance cannot be seen.
     const double right = std::round(d / 90) * 90;
     if (radians(std::abs(d - right)) * size < input.tolerance / 10) d = right;
     angles[k] = radians(snapped(d, turn_step));

@@ -85,8 +85,8 @@ std::optional<RayFoot> foot_along(const ModelDistance& distance, const Vec3& poi
   const double exact = 1e-10 * size, h = 1e-6 * size;
   RayFoot foot;
   if (std::abs(start) > exact) {
-    // A ray knows its face. Left to the nearest one, points that noise pushed past the middle of a thin wall or tip
-    // would speak for its back, and what is left of the front's noise would push the front outward.
+    // The ray determines the face. Assigned to the nearest face, points that noise pushed past the middle of a thin
+    // wall or tip would count for its back, and the truncated noise of the front would bias the front outward.
     auto way = met_from(distance, point, ray, start, reach / grazing, exact);
     if (!way) way = entered_before(distance, point, ray, start, 2 * reach, exact);
     if (!way) return std::nullopt;

@@ -54,7 +54,7 @@ class Unknowns {
   RayFeet along_rays(const Candidate& c, const std::vector<Vec3>& points, const std::vector<Vec3>& rays,
                      Distances orthogonal, double reach, int threads) const;
   /// By differences of the exact distance. A parameter that moves none of some dozens of a face's points moves none of
-  /// the others: only faces that answer are asked in full.
+  /// the others: only for the other faces all points are evaluated.
   Jacobian jacobian(const Candidate& c, const std::vector<Vec3>& points, const Distances& at, int threads) const;
   /// Parameters stop at the ends of their domains.
   Candidate stepped(const Candidate& c, const Vector& step) const;

@@ -162,37 +162,38 @@ std::string simpler_kind(const Candidate& refined) {
   return {};
 }
 
-std::string off_where_strays_are(const CandidateEvidence& winner, const CandidateEvidence& rival,
-                                 const FitInput& input) {
+std::string off_where_outliers_are(const CandidateEvidence& winner, const CandidateEvidence& rival,
+                                   const FitInput& input) {
   const double less = winner.total() - rival.total();
   const bool makes_sense = rival.description > 0;
-  if (!among_strays(input) || !makes_sense || !(rival.local_max > input.tolerance) || !(less > 0)) return {};
-  return "the data cannot tell whether what it leaves out are strays: costs " + print_number(std::round(less)) +
+  if (!among_outliers(input) || !makes_sense || !(rival.local_max > input.tolerance) || !(less > 0)) return {};
+  return "the data cannot tell whether what it leaves out are outliers: costs " + print_number(std::round(less)) +
          " nats less in all";
 }
 
-std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input) {
-  constexpr double most_left_out =
-      0.2;  // times the strays that were set aside: 95 % of true shapes leave fewer others unexplained
+std::string leaves_out_outliers(const CandidateEvidence& winner, const CandidateEvidence& rival,
+                                const FitInput& input) {
+  // times the outliers that were set aside: 95 % of true shapes leave fewer others unexplained
+  constexpr double most_left_out = 0.2;
   const double left = double(rival.unexplained) - double(winner.unexplained),
-               strays = input.stray_share * double(input.cloud.size());
+               outliers = input.outlier_share * double(input.cloud.size());
   const bool makes_sense = rival.description > 0;
-  if (!among_strays(input) || !makes_sense || rival.description >= winner.description) return {};
-  if (!(left > 0 && left < most_left_out * strays)) return {};
-  if (rival.total() - winner.total() - gained_by_strays(winner, rival, input) >= far_more_likely(input)) return {};
-  return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are strays";
+  if (!among_outliers(input) || !makes_sense || rival.description >= winner.description) return {};
+  if (!(left > 0 && left < most_left_out * outliers)) return {};
+  if (rival.total() - winner.total() - gained_by_outliers(winner, rival, input) >= far_more_likely(input)) return {};
+  return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are outliers";
 }
 
 std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input) {
   constexpr double of_noise = 0.25, rough = 2;  // nats per point; times as much
-  const double share = std::max(input.stray_share, input.strays_left), more = rival.total() - winner.total();
+  const double share = std::max(input.outlier_share, input.outliers_left), more = rival.total() - winner.total();
   const double times = winner.misfit / (of_noise * std::max(double(input.cloud.size()), 1.0));
-  const bool strays = share > many_strays && std::abs(more) < far_more_likely(share, input.cloud.size());
+  const bool outliers = share > many_outliers && std::abs(more) < far_more_likely(share, input.cloud.size());
   const bool roughly = times > rough && std::abs(more) < more_likely * times;
-  if (!strays && !roughly) return {};
+  if (!outliers && !roughly) return {};
   const std::string costs = "the data cannot tell: costs " + print_number(std::round(std::abs(more))) +
                             (more < 0 ? " nats less" : " nats more") + " in all, ";
-  return costs + (strays ? "as strays may have it" : "where neither follows them as closely as noise allows");
+  return costs + (outliers ? "as outliers may have it" : "where neither follows them as closely as noise allows");
 }
 
 std::vector<Expr> radii_of(const Shape& shape) {
@@ -269,7 +270,7 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
   const bool flat = std::holds_alternative<Box>(winner.shape) || std::holds_alternative<Wedge>(winner.shape) ||
                     std::holds_alternative<Extrude>(winner.shape);
   const bool round = std::holds_alternative<Cylinder>(winner.shape) || std::holds_alternative<Cone>(winner.shape);
-  if (!last_resort && !((flat || round) && among_strays(input))) return {};
+  if (!last_resort && !((flat || round) && among_outliers(input))) return {};
   const auto faces = scanned_faces(input, context);
   if (faces.size() < (last_resort ? 2 : 1)) return {};
   if (!last_resort) {

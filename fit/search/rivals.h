@@ -18,21 +18,21 @@ std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInp
 /// is zero within two of them. Empty for anything else.
 std::string simpler_kind(const Candidate& refined);
 
-/// For a rival that was refused because it is off by more than the tolerance somewhere, among strays: a crowd of them
-/// is off at one place, and what bends to it costs more everywhere else. Says so where the rival costs less in all;
-/// else empty.
-std::string off_where_strays_are(const CandidateEvidence& winner, const CandidateEvidence& rival,
-                                 const FitInput& input);
+/// For a rival that was refused because it is off by more than the tolerance at some place, in a scan with many
+/// outliers: the place may be a cluster of outliers, and a shape that fits the cluster costs more everywhere else. Says
+/// so if the rival costs less in all; else empty.
+std::string off_where_outliers_are(const CandidateEvidence& winner, const CandidateEvidence& rival,
+                                   const FitInput& input);
 
-/// What a shorter rival says for itself where the points that it leaves to chance and the winner does not may be strays
-/// like those set aside: they are few beside these, and without them it is hardly less likely. Else empty.
-std::string leaves_out_strays(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
+/// Says so if a shorter rival may be the truth because the points that it does not explain and the winner does may be
+/// outliers: they are few compared with those that were set aside, and without them the rival is hardly less likely.
+/// Else empty.
+std::string leaves_out_outliers(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
 
-/// For a rival of another procedure within the tolerance: whichever of two costs less is not shown to be the part by
-/// fewer nats than a choice between kinds takes among strays, where a body of another kind bends to them in all its
-/// places (far_more_likely), nor by fewer than odds of 20 nats where even the winner is twice as far off as noise, or
-/// more: residuals that noise does not explain count for as much less as they are larger. Says so; empty where it is
-/// decided.
+/// For a rival of another procedure within the tolerance. The cheaper of the two is not certain if the difference is
+/// smaller than a choice between kinds requires with many outliers, which a body of another kind can fit everywhere on
+/// its surface (far_more_likely), or smaller than 20 nats where even the winner's residuals are twice the noise or
+/// more; such nats are scaled down by how much larger than noise the residuals are. Says so; empty where it is decided.
 std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
 
 /// All radii of a ball, ellipsoid, cylinder or cone, some of which may be plain numbers; none of any other shape.
@@ -44,8 +44,8 @@ std::string unknown_radius(const Candidate& refined);
 
 /// Why a refined extrusion is none, whatever it follows: a wall between two parallel sides of its outline may as well
 /// be of no thickness
-/// ("a wall of 0.9 +- 1.1 mm may be none"), although points speak about it. Such a wall is the band that noise makes of
-/// a face, or strays beside one; of a side that was not seen the far sigma says so. Else empty.
+/// ("a wall of 0.9 +- 1.1 mm may be none"), although points depend on it. Such a wall is the noise of one face, or
+/// outliers beside it; for a side that was not seen, its large sigma says so. Else empty.
 std::string unknown_wall(const Candidate& refined);
 
 /// Twelve of the rivals, in their order: those that may be the truth ("cannot tell", "fits as well") before all others,
@@ -56,11 +56,11 @@ std::vector<Rival> worth_naming(std::vector<Rival> all);
 /// flat faces won although nearly all points lie on one sheet that bends by more than three sigmas; empty otherwise.
 std::string bent_sheet(const Candidate& winner, const FitInput& input);
 
-/// What a convex polyhedron would say whose plane faces hold the points, if their end was not scanned; else empty. For
-/// a superellipsoid or supertoroid, which serve where no procedure of the trade does; among strays also for a winner
-/// with plane faces, of `cost` nats, where there are but one to three, and three cost less alone or are all across one
-/// plane, so that nothing closes the body along it, and for a cylinder, cone or wedge that costs no less than they do
-/// but for what strays may have done (far_more_likely): any body with such faces may be the truth.
+/// Says so if a few plane faces contain nearly all points and the ends of these faces were not scanned, so that any
+/// convex polyhedron with such faces may be the truth; else empty. For a superellipsoid or supertoroid, which are used
+/// only where no other procedure fits. With many outliers also for a winner with plane faces, of `cost` nats, if there
+/// are only one to three faces, and three cost less alone or are all perpendicular to one plane, so that nothing closes
+/// the body along it; and for a cylinder, cone or wedge that is not clearly cheaper than the faces (far_more_likely).
 std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context);
 
 }  // namespace partscribe::fit

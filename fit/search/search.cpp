@@ -44,22 +44,23 @@ bool hardly_bends(const Candidate& c, double size) {
   return !radii.empty() && std::ranges::all_of(radii, large);
 }
 
-/// Of the walls of a shape, how many may be thinner than noise can tell. Bodies that run out in a tip have some; where
-/// a plate is that thin, two sheets share the noise of one face and follow it more closely than the truth.
+/// Share of a shape's walls that may be thinner than the noise. Bodies that end in a tip have some; in a plate that is
+/// as thin as this, two sheets share the noise of one face and fit it more closely than the truth does.
 double most_thin(const Candidate& c) {
   return std::holds_alternative<Extrude>(c.shape) || std::holds_alternative<Box>(c.shape) ? 0.12 : 0.3;
 }
 
-/// Of the points on a shape, how many may have been seen through it: strays beside it may, of a true shape 3 % where a
-/// third of all are strays.
+/// Share of the points on a shape that may have been seen through it: outliers next to it may, 3 % for a true shape
+/// where a third of all points are outliers.
 constexpr double most_through = 0.1;
 
-/// Welsch constants among strays, of the search and of the last steps: strays beside the surface draw less, and at 1.5
-/// the error that noise alone makes grows by 8 % only. A search as narrow as that would stay where it starts.
+/// Welsch constants for scans with many outliers, of the search and of the last steps: outliers next to the surface get
+/// less weight, and at 1.5 the error due to noise grows by 8 % only. With such a narrow kernel a search would stay
+/// where it starts.
 constexpr double narrow = 2, narrow_last = 1.5;
 
 double kernel_for(const Candidate& c, double among, const FitInput& input) {
-  return among_strays(input) && !hangs_on_slopes(c.shape) ? among : RefineOptions{}.welsch;
+  return among_outliers(input) && !axes_from_slopes(c.shape) ? among : RefineOptions{}.welsch;
 }
 
 Judged judge(Candidate candidate, const FitInput& input, Context& context) {
@@ -87,8 +88,8 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   quick.iterations = 25;
   quick.uncertainty = false;
   quick.welsch = kernel_for(candidate, narrow, input);
-  quick.near =
-      among_strays(input) && !is_slow(candidate) && evidence_of(candidate, input, context).local_max <= input.tolerance;
+  quick.near = among_outliers(input) && !is_slow(candidate) &&
+               evidence_of(candidate, input, context).local_max <= input.tolerance;
   refine(candidate, input, quick, context);
   if (senseless()) {
     j.candidate = std::move(candidate);
@@ -124,50 +125,50 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   return j;
 }
 
-/// Nats by which `a` explains better than `b` where their flat faces end. Among strays, where sparse points were set
-/// aside as well, that says little; nor does it outweigh much that either is ahead in everything else.
+/// Nats by which `a` explains the borders of its flat faces better than `b`. With many outliers, where sparse points
+/// were set aside as well, this is weak evidence; nor does it outweigh a large difference in everything else.
 double ends_told(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double at_most = 200;
   const auto flat = [](const Candidate& c) {
     return std::holds_alternative<Box>(c.shape) || std::holds_alternative<Wedge>(c.shape) ||
            std::holds_alternative<Extrude>(c.shape);
   };
-  if (among_strays(input) || !flat(a.candidate) || !flat(b.candidate) ||
+  if (among_outliers(input) || !flat(a.candidate) || !flat(b.candidate) ||
       std::abs(b.evidence.total() - a.evidence.total()) > at_most)
     return 0;
   return face_ends_told(a.candidate, b.candidate, input);
 }
 
-/// True if a longer description is worth its length: it must cost less in total, and come clearly closer to the data
-/// everywhere (among strays, where noise alone brings a body of another kind closer, only to one that is off by more
-/// than noise), or explain points that the shorter one leaves to chance, or, where the tolerance is not much wider than
-/// the noise, be far more likely without the help of such points. Of equally long ones the closer is better. A body
-/// that ends where the points of its flat faces do is closer than one that needs a shadow there.
-bool pays(const Judged& a, const Judged& b, const FitInput& input) {
+/// True if a longer description is worth its length: it must cost less in total. In addition it must be clearly closer
+/// to the data everywhere (with many outliers, where a body of another kind comes closer by fitting noise, only if the
+/// shorter one is off by more than noise), or explain points that the shorter one does not, or, where the tolerance is
+/// not much wider than the noise, be far more likely without such points. Of two equally long ones the closer is
+/// better. A body that ends where the points of its flat faces end counts as closer than one that needs a shadow there.
+bool worth_its_length(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
   const double told = ends_told(a, b, input), gain = shorter.total() - longer.total() + told;
   const double explained = double(shorter.unexplained) - double(longer.unexplained);
-  // What ends where the points of its faces do needs no shadow. That strays lie near a face too many says nothing for
-  // it.
-  if (told > 0 && gain - nats_per_stray * explained > 0 && explained > -few_points) return true;
+  // A body that ends where the points of its faces end needs no shadow. That outliers lie near a superfluous face is no
+  // evidence for it.
+  if (told > 0 && gain - nats_per_outlier * explained > 0 && explained > -few_points) return true;
   if (!(gain > 0)) return false;
   const bool same = a.candidate.procedure == b.candidate.procedure;
-  const bool off = same || !among_strays(input) || shorter.local_max > more_than_noise * input.sampling.sigma;
+  const bool off = same || !among_outliers(input) || shorter.local_max > more_than_noise * input.sampling.sigma;
   if (longer.description < shorter.description + 0.1 || (off && longer.local_max < clearly * shorter.local_max))
     return true;
   if (explained > worth_a_shape(input)) return true;
-  // The same in about as many words.
+  // About equally long.
   if (same && longer.description < shorter.description + a_number && gain > more_likely) return true;
-  // A hole of which a few points of its wall were seen: too few to be a body of another kind, too many for chance.
+  // A hole with a few points on its wall: too few to justify a body of another kind, too many for chance.
   if (same && explained > few_points && gain > surely * far_more_likely(input)) return true;
   const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
   const double enough = same ? more_likely : far_more_likely(input);
-  return only_noise && gain - gained_by_strays(longer, shorter, input) > enough;
+  return only_noise && gain - gained_by_outliers(longer, shorter, input) > enough;
 }
 
-/// Of those that each were best until the next one paid, the last; but what the ends of faces say of three bodies may
-/// go round in a circle, so that one before pays against the last, which does not against that one. Then the last that
+/// Each candidate of the list was preferred to the one before it; the last one is the choice. But the evidence from the
+/// borders of faces need not be transitive: an earlier candidate may be preferred to the last one. Then the last that
 /// is not clearly behind another.
 std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::size_t>& led, const FitInput& input) {
   std::size_t best = led.back();
@@ -175,7 +176,8 @@ std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::si
   for (auto at = led.rbegin(); at != led.rend() && least > more_likely; ++at) {
     double behind = 0;
     for (const std::size_t other : led)
-      if (other != *at && pays(judged[other], judged[*at], input) && !pays(judged[*at], judged[other], input))
+      if (other != *at && worth_its_length(judged[other], judged[*at], input) &&
+          !worth_its_length(judged[*at], judged[other], input))
         behind = std::max(behind, judged[*at].evidence.total() - judged[other].evidence.total() +
                                       ends_told(judged[other], judged[*at], input));
     if (behind < least) best = *at, least = behind;
@@ -183,12 +185,12 @@ std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::si
   return best;
 }
 
-/// Of those from `first` on the shortest description that meets the tolerance comes first, unless a longer one pays.
-/// They are sorted by description.
+/// Of the candidates from `first` on, the shortest description that meets the tolerance comes first, unless a longer
+/// one is worth its length. They are sorted by description.
 void put_best_first(std::vector<Judged>& judged, std::size_t first, const FitInput& input) {
   std::vector<std::size_t> led{first};
   for (std::size_t i = first + 1; i < judged.size() && judged[i].meets; ++i)
-    if (pays(judged[i], judged[led.back()], input)) led.push_back(i);
+    if (worth_its_length(judged[i], judged[led.back()], input)) led.push_back(i);
   const std::size_t best = best_of(judged, led, input);
   const auto begin = judged.begin();
   if (best > first)
@@ -197,14 +199,14 @@ void put_best_first(std::vector<Judged>& judged, std::size_t first, const FitInp
 
 /// Why a rival that meets the tolerance is not the model.
 std::string why_not(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
-  const double told_apart =
-      among_strays(input) ? more_likely : 6;  // nats of misfit; odds of 400 where strays do not bend both
+  // nats of misfit; odds of 400 where outliers do not bias both
+  const double told_apart = among_outliers(input) ? more_likely : 6;
   const std::string by_size = told_apart_by(winner.candidate, rival.candidate, input, context);
   if (!by_size.empty()) return by_size;
   const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
   const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
-  const bool everywhere = among_strays(input);
-  if (const std::string open = leaves_out_strays(w, r, input); !open.empty()) return open;
+  const bool everywhere = among_outliers(input);
+  if (const std::string open = leaves_out_outliers(w, r, input); !open.empty()) return open;
   const std::string alike =
       winner.candidate.procedure == rival.candidate.procedure ? "" : hardly_told_apart(w, r, input);
   if (r.description < w.description && alike.empty()) {
@@ -220,11 +222,11 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
   if (std::abs(r.misfit - w.misfit) < told_apart) return "fits as well, takes " + longer + " to describe";
   if (r.total() < w.total() && r.unexplained < w.unexplained)
     return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) +
-           " points that lie on it are strays";
+           " points that lie on it are outliers";
   if (!alike.empty()) return alike;
   if (everywhere && r.total() < w.total())
     return "the data cannot tell: costs " + print_number(std::round(w.total() - r.total())) +
-           " nats less in all, as strays may have it";
+           " nats less in all, as outliers may have it";
   return "describes the part in " + longer;
 }
 
@@ -254,7 +256,7 @@ const std::vector<Maker>& makers() {
   return list;
 }
 
-/// A ring that a torus or a turned part says better.
+/// A ring that is better described as a torus or a turned part.
 bool is_round_ring(const Candidate& c) {
   const auto* ring = std::get_if<Supertoroid>(&c.shape);
   return ring && std::any_of(c.parameters.begin(), c.parameters.end(), [&](const Parameter& p) {
@@ -262,7 +264,7 @@ bool is_round_ring(const Candidate& c) {
          });
 }
 
-/// True if the same was proposed before, in the same or other words.
+/// True if an equivalent candidate was proposed before.
 bool said_before(const Judged& j, const std::vector<Judged>& judged, double tolerance) {
   const auto sorted_values = [](const Candidate& c) {
     std::vector<double> values;
@@ -316,11 +318,11 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
   put_best_first(search.judged, 0, input);
 }
 
-/// Refined with all points. A length that then turns out to have hardly any, and no limit, stays where the search,
-/// which met no strays beside it, saw the data end: those few would move it across points of other faces.
+/// Refined with all points. A length that hardly any point depends on, and that has no limit, keeps the value of the
+/// search, which had set outliers aside: those few points would move it across points of other faces.
 RefineReport make_exact(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context) {
   Candidate held = candidate;
-  RefineReport report = refine_with_strays_near(candidate, input, options, context);
+  RefineReport report = refine_with_outliers_near(candidate, input, options, context);
   for (const Parameter& p : candidate.parameters) {
     const bool unlimited =
         std::find(report.unlimited.begin(), report.unlimited.end(), p.name) != report.unlimited.end();
@@ -331,26 +333,26 @@ RefineReport make_exact(Candidate& candidate, const FitInput& input, const Refin
   }
   if (held.held.size() == candidate.held.size() || context.cancelled) return report;
   candidate = std::move(held);
-  return refine_with_strays_near(candidate, input, options, context);
+  return refine_with_outliers_near(candidate, input, options, context);
 }
 
-/// Says of lengths that are open, or that hardly a point speaks about, where they come from.
+/// Adds a note on their origin to lengths that are open or that hardly any point depends on.
 void name_unseen(Candidate& candidate, const std::vector<std::string>& open, const FitInput& input) {
-  constexpr double on_any_face = 0.05;  // share of the strays
+  constexpr double on_any_face = 0.05;  // share of the outliers
   if (input.closed) return;
-  const double strays = input.stray_share * double(input.cloud.size());
+  const double outliers = input.outlier_share * double(input.cloud.size());
   for (auto& p : candidate.parameters) {
     const double points = double(p.points);
     if (p.quantity != Quantity::length || p.note.find("not scanned") != std::string::npos) continue;
     if (points < hardly_any_points || std::find(open.begin(), open.end(), p.name) != open.end())
       p.note += "; its face was not scanned, the data end there";
-    else if (points < hardly_any_points + on_any_face * strays)
-      p.note += "; its face was not scanned or hardly, " + print_number(points) + " points may be strays";
+    else if (points < hardly_any_points + on_any_face * outliers)
+      p.note += "; its face was not scanned or hardly, " + print_number(points) + " points may be outliers";
   }
 }
 
-/// Where the one that says the same as a refined candidate in fewer numbers, as far as its sigmas tell, stands in the
-/// list behind it; the list's size if none meets the tolerance or if it is far less likely.
+/// Index of the later candidate that describes the same surface with fewer numbers, within the sigmas of a refined
+/// candidate; the list's size if none meets the tolerance or if it is far less likely.
 std::size_t simpler_than(const std::vector<Judged>& judged, std::size_t at, const Candidate& refined,
                          const FitInput& input) {
   const std::string kind = simpler_kind(refined);
@@ -361,25 +363,26 @@ std::size_t simpler_than(const std::vector<Judged>& judged, std::size_t at, cons
   return judged.size();
 }
 
-/// True if it is far off somewhere itself, and another of the same procedure costs less and is refused only for a place
-/// where strays may be: then what won follows strays, with numbers that are not the part's.
-bool bent_by_strays(const ProcedureSearch& search, std::size_t at, const FitInput& input) {
+/// True if the winner itself is far off at some place, and another candidate of the same procedure costs less and was
+/// refused only for a place where outliers may be: then the winner fits outliers, and its numbers are not those of the
+/// part.
+bool bent_by_outliers(const ProcedureSearch& search, std::size_t at, const FitInput& input) {
   constexpr double far_off = 0.6;
   const Judged& winner = search.judged[at];
   if (!(winner.evidence.local_max > far_off * input.tolerance)) return false;
   return std::any_of(search.judged.begin(), search.judged.end(), [&](const Judged& j) {
     const bool same = j.candidate.procedure == winner.candidate.procedure;
-    return !j.meets && same && !off_where_strays_are(winner.evidence, j.evidence, input).empty();
+    return !j.meets && same && !off_where_outliers_are(winner.evidence, j.evidence, input).empty();
   });
 }
 
-/// Refuses one that follows the data, but whose numbers they do not fix. Among strays those that follow them far less
-/// closely are none in its place.
+/// Refuses a candidate that fits the data if the data do not determine its numbers. With many outliers the
+/// candidates that fit far less closely are refused as well.
 void refuse(ProcedureSearch& search, std::size_t at, const std::string& reason, const FitInput& input) {
   Judged& refused = search.judged[at];
   refused.meets = false, refused.open = true, refused.reason = reason;
   const auto next = search.judged.begin() + static_cast<std::ptrdiff_t>(at) + 1;
-  for (auto j = next; j != search.judged.end() && among_strays(input); ++j)
+  for (auto j = next; j != search.judged.end() && among_outliers(input); ++j)
     if (j->meets && j->evidence.total() > refused.evidence.total() + far_more_likely(input))
       j->meets = false, j->reason = "follows the data far less closely than a shape whose numbers they do not fix";
   std::stable_partition(next, search.judged.end(), [](const Judged& j) { return j.meets; });
@@ -394,10 +397,11 @@ struct Printed {
   double covered = 0;
 };
 
-/// Among strays the last steps, to which what lies beside the surface says less, may lead elsewhere than the search
-/// did: to what costs more than another of the same procedure. Moves that one behind it; false if there is none.
+/// With many outliers the last steps, which give points beside the surface less weight, may end elsewhere than the
+/// search: at a higher cost than another candidate of the same procedure. Moves that other one next in the list; false
+/// if there is none.
 bool puts_cheaper_next(ProcedureSearch& search, const FitInput& input) {
-  if (!among_strays(input)) return false;
+  if (!among_outliers(input)) return false;
   const std::size_t at = search.winner;
   const auto& judged = search.judged;
   std::size_t cheapest = judged.size();
@@ -413,7 +417,7 @@ bool puts_cheaper_next(ProcedureSearch& search, const FitInput& input) {
   return true;
 }
 
-/// Why one that was made exact is none, whatever it follows; else empty.
+/// Why a refined candidate is rejected however well it fits; else empty.
 std::string numbers_unknown(const Candidate& exact, const FitInput& input) {
   if (hardly_bends(exact, input.bounds.diagonal())) return bends_too_little;
   const std::string radius = unknown_radius(exact);
@@ -426,15 +430,15 @@ void choose(ProcedureSearch& search, const FitInput& input, const BuildOptions& 
   search.winner = search.judged.size(), search.found = false;
   std::optional<Printed> dearer;  // unless the next costs more
   for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets; ++i) {
-    if (bent_by_strays(search, i, input)) {
+    if (bent_by_outliers(search, i, input)) {
       search.judged[i].meets = false,
-      search.judged[i].reason = "costs more than another that strays keep from being within tolerance";
-      break;  // the next would follow them as well
+      search.judged[i].reason = "costs more than another that outliers keep from being within tolerance";
+      break;  // the next would fit them as well
     }
     Candidate exact = search.judged[i].candidate;
     RefineOptions full;
     full.points = is_slow(exact) ? 2000 : 30000;
-    full.near = among_strays(input);
+    full.near = among_outliers(input);
     full.welsch = kernel_for(exact, narrow_last, input);
     RefineReport report = make_exact(exact, input, full, context);
     if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
@@ -454,7 +458,7 @@ void choose(ProcedureSearch& search, const FitInput& input, const BuildOptions& 
       if (nominal && !options.nominal) continue;
       Candidate tidy = exact;
       snap_parameters(tidy, {options.tolerance, input.bounds.diagonal(), nominal});
-      // Round numbers shift what hangs on them: let the rest settle around them once more.
+      // Round numbers shift what depends on them: the rest is refined once more.
       Candidate settled = tidy;
       RefineOptions rest;
       rest.points = 6000, rest.iterations = 8, rest.uncertainty = false;
@@ -495,34 +499,34 @@ void choose(ProcedureSearch& search, const FitInput& input, const BuildOptions& 
 
 std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
   if (rival.reason.empty()) return why_not(winner, rival, input, context);
-  const double margin = among_strays(input) ? far_more_likely(input) : 0;
+  const double margin = among_outliers(input) ? far_more_likely(input) : 0;
   if (rival.open && rival.evidence.total() < winner.evidence.total() + margin)
     return "the data cannot tell: " + rival.reason;
-  std::string open = off_where_strays_are(winner.evidence, rival.evidence, input);
-  if (open.empty()) open = leaves_out_strays(winner.evidence, rival.evidence, input);
+  std::string open = off_where_outliers_are(winner.evidence, rival.evidence, input);
+  if (open.empty()) open = leaves_out_outliers(winner.evidence, rival.evidence, input);
   return open.empty() ? rival.reason : open + ", but " + rival.reason;
 }
 
 bool is_rough(const ProcedureSearch& search, const FitInput& input) {
   constexpr std::size_t many_faces = 9, some_faces = 7;
-  constexpr double rough = 0.31, rough_among_strays = 0.4;  // nats per point; 0.25 where there is only noise
-  constexpr double off_among_strays =
-      1;  // sigma: of the largest local deviation; the truth of three hard plates has 0.8 to 1
+  constexpr double rough = 0.31, rough_among_outliers = 0.4;  // nats per point; 0.25 where there is only noise
+  // sigma: of the largest local deviation; the truth of three hard plates has 0.8 to 1
+  constexpr double off_among_outliers = 1;
   const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
   const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
   if (!search.found) return false;
   const Shape& shape = search.judged[search.winner].candidate.shape;
   const auto* body = std::get_if<HalfSpaces>(&shape);
   const CandidateEvidence& e = search.evidence;
-  const double misfit = (e.misfit - nats_per_stray * double(e.unexplained)) / double(input.cloud.size());
+  const double misfit = (e.misfit - nats_per_outlier * double(e.unexplained)) / double(input.cloud.size());
   if (body && body->planes.size() >= some_faces && facets == 0 && misfit > rough) return true;
   const bool flat = body || std::holds_alternative<Box>(shape) || std::holds_alternative<Wedge>(shape);
   const bool plate = std::holds_alternative<Extrude>(shape);
-  if (among_strays(input)) {
+  if (among_outliers(input)) {
     // Flat faces cut the corners off a rounded block within the tolerance, and straight walls pass through a ring's
     // section.
-    if (flat && misfit > rough_among_strays) return true;
-    if ((flat || plate) && e.local_max > off_among_strays * input.sampling.sigma) return true;
+    if (flat && misfit > rough_among_outliers) return true;
+    if ((flat || plate) && e.local_max > off_among_outliers * input.sampling.sigma) return true;
   }
   if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
   return body ? body->planes.size() >= many_faces

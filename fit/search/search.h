@@ -20,7 +20,8 @@ struct Judged {
   CandidateEvidence evidence;
   Coverage coverage;
   bool meets = false;
-  bool open = false;     ///< within tolerance, but refused for what was not seen of it or noise hides
+  /// within tolerance, but refused because essential parts of it were not seen or are hidden by noise
+  bool open = false;
   bool refused = false;  ///< by what was asked after the fit
   std::string reason;
 };
@@ -41,12 +42,12 @@ struct ProcedureSearch {
 void search_procedure(ProcedureSearch& search, bool last_resort, const FitInput& input, const BuildOptions& options,
                       Context& context);
 
-/// Takes the winner out for a reason that its fit did not know, and chooses among the others.
+/// Removes the winner for a reason found after the fit, and chooses among the others.
 void choose_another(ProcedureSearch& search, const std::string& reason, const FitInput& input,
                     const BuildOptions& options, Context& context);
 
-/// True if what was found follows the data only roughly, by many flat faces, by straight walls or by a round form: a
-/// body with rounded corners, or a ring with such, may do better.
+/// True if the result fits the data only roughly, by many flat faces, by straight walls or by a round form: a body with
+/// rounded corners, or a ring with such, may fit better.
 bool is_rough(const ProcedureSearch& search, const FitInput& input);
 
 /// Why a rival is not the model. One that was refused for what was not seen may still be the truth.

@@ -76,7 +76,7 @@ class Seen {
   double size() const { return (high_ - low_).maxCoeff(); }
 
   double cost(const CommonOutline& o) const {
-    constexpr double stray = 4.5, outside = 2, unfilled = 0.3, by_area = 0.1, along = 0.85;
+    constexpr double outlier = 4.5, outside = 2, unfilled = 0.3, by_area = 0.1, along = 0.85;
     constexpr double impossible = 1e300;
     if (((o.high - o.low).array() < 2 * band_).any()) return impossible;
     if (o.form == OutlineForm::ell &&
@@ -84,16 +84,16 @@ class Seen {
       return impossible;
     if (o.form == OutlineForm::link && (o.eye < 2 * band_ || o.eye > o.radius() - 2 * band_)) return impossible;
     const Ruler distance(o);
-    const bool tells_side =
-        outward_ && o.form == OutlineForm::ell;  // the others are convex: none is another one turned inside out
+    // the others are convex: none is another one turned inside out
+    const bool tells_side = outward_ && o.form == OutlineForm::ell;
     double walls = 0, ends = 0;
     for (const auto& w : walls_) {
-      const double u = 2.5 * distance(w.position) / band_, off = std::min(0.5 * u * u, stray);
+      const double u = 2.5 * distance(w.position) / band_, off = std::min(0.5 * u * u, outlier);
       const auto faces_along = [&] {
         const double rise = distance(w.position + band_ * w.normal) - distance(w.position - band_ * w.normal);
         return (tells_side ? rise : std::abs(rise)) >= along * 2 * band_;
       };
-      walls += off < stray && faces_along() ? off : stray;
+      walls += off < outlier && faces_along() ? off : outlier;
     }
     for (const Vec2& e : ends_) ends += outside * std::clamp(distance(e) / band_ - 0.5, 0.0, 1.0);
     double empty = 0;
@@ -159,7 +159,7 @@ class Seen {
                ny = static_cast<std::size_t>(whole.y() / cell_) + 1;
     std::vector<bool> filled(nx * ny, false);
     for (const Vec2& e : ends) {
-      // Of many points the bounds are those of a selection: a stray may lie anywhere.
+      // Of many points the bounds are those of a selection: an outlier may lie anywhere.
       const Vec2 at = (e - low) / cell_;
       if ((at.array() < 0).any() || at.x() >= double(nx) || at.y() >= double(ny)) continue;
       filled[static_cast<std::size_t>(at.y()) * nx + static_cast<std::size_t>(at.x())] = true;

@@ -29,9 +29,10 @@ struct CommonOutline {
   LoopPieces loop() const;                ///< counter-clockwise, named "outline"
 };
 
-/// One of each form, the likeliest first. Robust: walls farther off than noise, or that face another way (of an L the
-/// inside too, where that is known), and a few points of the end faces outside, cost no more than being strays; area
-/// that end faces do not fill costs a little, which draws in a side of which no wall was seen.
+/// One of each form, the likeliest first. Robust: the cost of wall points that are farther off than noise or face
+/// another way (of an L also the wrong side, if it is known), and of a few points of the end faces outside, is limited
+/// to that of outliers. Area that end faces do not fill costs a little, which pulls a side without seen wall to the end
+/// of the data.
 std::vector<CommonOutline> common_outlines(const OutlineData& data);
 
 }  // namespace partscribe::fit

@@ -98,7 +98,7 @@ void refit(Primitive& f) {
 void find_primitives(std::vector<PlanePoint> points, double band, double size, std::size_t least,
                      std::vector<Primitive>& found) {
   constexpr int draws = 700;
-  constexpr double dearer = 1.15;  // a circle bends to strays that a line does not
+  constexpr double dearer = 1.15;  // a circle can fit outliers that a line cannot
   Random random(7);
   while (points.size() >= least && found.size() < most_primitives) {
     Primitive best;
@@ -172,7 +172,7 @@ void add_concentric(const std::vector<PlanePoint>& points, double band, double s
 /// what belongs to the next.
 void share_points(const std::vector<PlanePoint>& points, double band, std::size_t least,
                   std::vector<Primitive>& found) {
-  // One at a time goes that has no points of its own: of two that say the same, one stays.
+  // Primitives without points of their own are removed one at a time, so that of two equal ones one stays.
   for (int settled = 0; settled < 3;) {
     std::vector<std::size_t> alone(found.size(), 0);  // points that lie on no other
     for (auto& f : found) f.on.clear();

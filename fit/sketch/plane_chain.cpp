@@ -245,7 +245,7 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
     if (chained.root(link.a) == chained.root(link.b) && chained.size(link.a) < 8) continue;
     connect(link.a, link.b, sa, sb);
   }
-  // Short chains are stray points; drop them before gaps are bridged.
+  // Short chains are outliers; drop them before gaps are bridged.
   auto ends_of = [&](std::size_t i) { return int(next[0][i] == none) + int(next[1][i] == none); };
   std::vector<char> dropped(n, 0);
   for (std::size_t i = 0; i < n; ++i)

@@ -42,7 +42,7 @@ struct ChainOptions {
   double cell = 0;        ///< mm between nodes
   double noise = 0;       ///< mm, of one point
   double axis = -1;       ///< >= 0: ends within this of x = 0 end on the axis and are not joined to others
-  std::size_t least = 3;  ///< nodes; chains of fewer are strays
+  std::size_t least = 3;  ///< nodes; chains of fewer are outliers
 };
 
 /// Chains by decreasing length. Ends that face each other over missing data are joined, nearest first.
@@ -51,8 +51,8 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
 double length_of(const Chain& chain);
 
 /// The points moved onto the middle of the band that noise made of their curve, along the mean normal of those within
-/// `reach` mm that face the same way; points that stand almost alone, with less than the share `alone` of the company
-/// that the others have, are left out. Corners stay: the two sides of one face different ways.
+/// `reach` mm that face the same way; isolated points, with less than the share `alone` of the usual number of
+/// neighbours, are left out. Corners stay: the two sides of one face different ways.
 std::vector<PlanePoint> sharpened(std::vector<PlanePoint> points, double reach, double alone = 0.05);
 
 }  // namespace partscribe::fit

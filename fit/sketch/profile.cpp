@@ -258,7 +258,7 @@ std::vector<Piece> split(const std::vector<ChainNode>& nodes, const ProfileOptio
       if (best[i] >= 1e300) continue;
       const Moments m = sum[j] - sum[i];
       if (j - i < 2 && n > 2) {
-        // A lone node is paid for as an outlier, so that one bad node never costs two segments.
+        // A single deviating node costs as much as an outlier, so that one bad node never leads to two segments.
         const double cost = best[i] + 0.75 * o.line_cost;
         if (cost < best[j]) best[j] = cost, from[j] = i, is_arc[j] = 2;
         continue;
@@ -326,7 +326,7 @@ std::vector<ProfileSegment> segments_of(const Chain& chain, const ProfileOptions
   std::vector<ProfileSegment> segments;
   std::vector<Piece> behind;
   for (const auto& piece : split(nodes, o)) {
-    // A run that covers mostly corners says nothing of its own.
+    // A run that covers mostly corners carries no information.
     std::size_t good = 0;
     for (std::size_t i = piece.first; i <= piece.last; ++i) good += !nodes[i].corner;
     if (good < 2) continue;

@@ -65,22 +65,22 @@ double density_of(const std::vector<Vec2>& ends) {
   return double(ends.size()) / std::max((high - low).prod(), 1e-12);
 }
 
-constexpr double free_area = 0.3;  // what a point's share of the end faces speaks for a hole where it is left free
+constexpr double free_area = 0.3;  // evidence for a hole from a free area of one point's share of the end faces
 
-/// What speaks for a hole: wall on it, and the end faces left out by it, if `density` counts them; a few strays count
-/// little.
+/// Evidence for a hole: wall points on it, and the part of the end faces that it leaves out, if `density` is above 0; a
+/// few outliers count little.
 double worth_of(const PlaneCircle& c, const std::vector<Vec2>& between, const std::vector<Vec2>& ends, double density,
                 double band) {
-  constexpr double stray = 4.5, inside = 2;
+  constexpr double outlier = 4.5, inside = 2;
   double sum = 0;
   for (const Vec2& p : between) {
     const double u = 2.5 * ((p - c.center).norm() - c.radius) / band;
-    sum += stray - std::min(0.5 * u * u, stray);
+    sum += outlier - std::min(0.5 * u * u, outlier);
   }
   return sum + free_area * density * pi * c.radius * c.radius - inside * double(inside_of(c, ends, 0.5 * band));
 }
 
-/// Up to the nearest maximum of what speaks for it.
+/// Moves to the nearest maximum of the evidence.
 void climb(PlaneCircle& c, const std::vector<Vec2>& between, const std::vector<Vec2>& ends, double density,
            double band) {
   constexpr int halvings = 5, most_rounds = 40;

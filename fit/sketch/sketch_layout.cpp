@@ -114,7 +114,7 @@ void space_holes(SketchNumbers& numbers, const std::vector<Hole>& equal, int axi
   }
 }
 
-/// A round end between two edges tells their distance by its radius.
+/// The radius of a round end determines the distance of the two edges beside it.
 bool ends_round(const std::vector<SketchPiece>& outline, const Span& span, double same) {
   return std::any_of(outline.begin(), outline.end(), [&](const SketchPiece& p) {
     return p.s.arc && std::abs(2 * p.s.radius - span.size()) < 2 * same;

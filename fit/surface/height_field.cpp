@@ -39,8 +39,8 @@ Samples usable(const PointCloud& cloud) {
   return samples;
 }
 
-/// Every point moved along its normal to the robust mean of `count` like-minded neighbours; those without company
-/// are marked by an undefined place.
+/// Every point is moved along its normal to the robust mean of `count` neighbours with similar normals; points without
+/// such neighbours are marked by an undefined place.
 std::vector<Vec3> averaged(const Samples& s, const Projection& projection, std::size_t count, double spacing,
                            Context& context) {
   std::vector<Vec3> result(s.points.size());
@@ -308,7 +308,7 @@ class Insertion {
         if (const auto& next = corners[(i + 1) % corners.size()]; next != corners[i])
           sparse_.insert_constraint(corners[i], next);
     }
-    // Corners where simplified borders cross are nobody's samples.
+    // Corners where simplified borders cross belong to no sample.
     const std::size_t samples = picture_.size();
     const KdTree tree(flat_picture());
     for (auto v = sparse_.finite_vertices_begin(); v != sparse_.finite_vertices_end(); ++v) {
@@ -475,7 +475,7 @@ class Insertion {
       bool good = true;
       moved.clear();
       Face hint = beside->face();
-      // The vertex's own sample is the likeliest to object.
+      // The vertex's own sample is the most likely to violate the bound.
       for (std::size_t i = samples.size(); i-- > 0 && good;) {
         hint = sparse_.locate(at(samples[i]), hint);
         good = !sparse_.is_infinite(hint) && error(hint, samples[i]) <= bound_;
@@ -537,7 +537,7 @@ class Insertion {
   std::priority_queue<Entry> queue_;
 };
 
-/// Fans of triangles that share only a vertex become strangers: all but the largest leave it.
+/// Fans of triangles that share only a vertex are separated: all but the largest get a vertex of their own.
 void part_fans(TriangleMesh& mesh) {
   for (int round = 0; round < 10; ++round) {
     std::vector<std::vector<std::uint32_t>> fans(mesh.vertices.size());

@@ -76,7 +76,7 @@ Surfels averaged(const PointCloud& cloud, double edge) {
   return surfels;
 }
 
-/// Without those that no others continue: strays that the filter left, each of which would put up a wall of its own.
+/// Without those that no others continue: outliers that the filter left, each of which would put up a wall of its own.
 /// Where one view alone saw a place the next surfels are farther, and have to agree better.
 Surfels continued(Surfels surfels, double cell, double sigma, bool rays, Context& context) {
   struct Rule {
@@ -315,7 +315,7 @@ class Contour {
 
   /// What the sensors looked through is outside [Curless & Levoy 1996], where no points are, beyond the rim of a face,
   /// and where points next to it say otherwise by less than a cell. A ray that would have to pass deep through the part
-  /// belongs to a stray.
+  /// belongs to an outlier.
   void carve() {
     if (!has_rays(cloud_)) return;
     constexpr double start = 2, step = 0.45, touched = 0.35;  // cells
@@ -611,7 +611,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampl
   TriangleMesh mesh = contour.run();
   if (mesh.empty()) return result;
 
-  // Pieces that the continuation made up, and specks, go.
+  // Removes pieces that exist only by continuation, and specks.
   auto has_data = contour.supported(mesh, 2.6, -1);
   const MeshPieces pieces = pieces_of(mesh);
   const auto& whole = pieces.area;

@@ -1,4 +1,4 @@
-/// How far the noise of a scan hangs together: how many points are worth one independent one.
+/// Correlation of a scan's noise: how many points are worth one independent one.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,15 @@ namespace partscribe::fit {
 
 struct Correlation {
   double points_per_independent = 1;  ///< 1 for white noise
-  double smoothing =
-      0;  ///< mm^2, variance per axis of the filter that would correlate white noise so; 0: too little for one
+  /// mm^2, variance per axis of the filter that would correlate white noise so; 0: too little for one
+  double smoothing = 0;
 };
 
 /// Autocorrelation of `residuals` (any common scale) against the distance between points of the same `group` (views
 /// have separate noise), up to some six pixels. What has not decayed by then is no noise but a systematic deviation,
 /// and is left out. Lags count until the first that chance could explain, so that white noise gives 1. `places` are
-/// where the points would be without noise, at least up to what is the same for all: points that err alike lie closer
-/// together than others, which would look like correlation.
+/// where the points would be without noise, at least up to what is the same for all: points with similar errors lie
+/// closer together than others, which would look like correlation.
 Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<double>& residuals,
                            const std::vector<int>& group, int group_count, int threads);
 

@@ -11,7 +11,7 @@
 namespace partscribe::fit {
 namespace {
 
-/// Student's quantile over the Gaussian's for 95 % intervals (Abramowitz & Stegun 26.7.5).
+/// Student's quantile divided by the Gaussian's for 95 % intervals (Abramowitz & Stegun 26.7.5).
 double student_factor(double freedom) {
   const double z = 1.959964, z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z, f = std::max(freedom, 3.0);
   return 1 + ((z3 + z) / (4 * f) + (5 * z5 + 16 * z3 + 3 * z) / (96 * f * f) +

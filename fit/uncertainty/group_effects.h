@@ -25,10 +25,10 @@ struct GroupEffects {
 enum class Motions { apart, tied };
 
 /// Random effects: every group has a shift and a turn of its own, with variances common to all groups, estimated by
-/// restricted maximum likelihood (Patterson & Thompson 1971) from how the groups' residuals disagree. Compared with a
-/// jackknife over views, all six motions of all views tell one story, and a feature that only one view saw gets its
-/// share. `h_inverse` is the inverse of the normal matrix of the unknowns with the same weights, `noise` the variance
-/// of a residual of unit weight, correlation included.
+/// restricted maximum likelihood (Patterson & Thompson 1971) from how the groups' residuals disagree. Unlike a
+/// jackknife over views, this uses all six motions of all views together, and also covers a feature that only one view
+/// saw. `h_inverse` is the inverse of the normal matrix of the unknowns with the same weights, `noise` the variance of
+/// a residual of unit weight, correlation included.
 GroupEffects group_effects(const GroupSums& groups, const Matrix& h_inverse, double noise, Motions motions);
 
 /// Of the unknowns, mm^2: what such motions do to a fit whose inverse normal matrix is `h_inverse`.

@@ -18,8 +18,8 @@ struct PointSums {
 PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<double>& share, const Unknowns& unknowns,
                   const Welsch& kernel, double slope, int threads);
 
-/// Where nobody says which view a point is from: views from all around, each of which saw what faces it. A place takes
-/// the mean of the views that saw it, so that what they err is smaller there, and reaches farther, than what regions
+/// Where nobody says which view a point is from: views from all around, each of which saw what faces it. A place gets
+/// the mean of the views that saw it, so that their error is smaller there, and extends farther, than that of regions
 /// err.
 GroupSums sums_of_imagined_views(const AllPoints& all, const Matrix& rows, const PointSums& sums,
                                  const Unknowns& unknowns);

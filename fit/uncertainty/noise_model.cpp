@@ -42,7 +42,7 @@ std::vector<double> noise_of_points(const std::vector<double>& residuals, const 
   const std::size_t n = residuals.size();
   std::vector<double> sigma(n, 1);
   if (traits.relative.size() == n) {
-    // Numbers without spread say nothing.
+    // Numbers without spread carry no information.
     sigma = traits.relative;
     for (auto& s : sigma) s = s > 0 ? s : 1;
   }

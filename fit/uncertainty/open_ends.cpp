@@ -14,7 +14,7 @@ namespace {
 constexpr double objection = 2;  // nats: two sigmas
 const Welsch kernel{3};
 
-/// Orthonormal columns: the unknowns about which hardly a point speaks.
+/// Orthonormal columns: directions in the unknowns that hardly any point depends on.
 Matrix hardly_fixed(const AllPoints& all, double few, int threads) {
   std::vector<double> weight(all.nodes.size(), 0);
   for (std::size_t k = 0; k < all.nodes.size(); ++k)
@@ -28,7 +28,7 @@ Matrix hardly_fixed(const AllPoints& all, double few, int threads) {
   return eigen.vectors.leftCols(count);
 }
 
-/// What the points say along one way through the unknowns.
+/// The cost along one direction in the unknowns.
 class WayThrough {
  public:
   WayThrough(const Candidate& candidate, const Unknowns& unknowns, const Vector& direction,
@@ -106,12 +106,12 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
                                       const std::vector<Vec3>& points, const FitInput& input, double noise,
                                       Context& context) {
   constexpr double mostly = 0.01;  // square of what is left of a number
-  const int rounds = among_strays(input) ? 1 : 4;
+  const int rounds = among_outliers(input) ? 1 : 4;
   std::vector<OpenEnd> result;
   if (input.closed) return result;
-  // Noise throws so many of a wall's points beyond its end, as a share of all. There is none on a mesh; beside strays
+  // Noise throws so many of a wall's points beyond its end, as a share of all. There is none on a mesh; beside outliers
   // they may be these.
-  const double thrown = among_strays(input) || (input.scan && !input.scan->mesh.empty()) ? 0 : 0.01;
+  const double thrown = among_outliers(input) || (input.scan && !input.scan->mesh.empty()) ? 0 : 0.01;
   const Matrix loose = hardly_fixed(all, thrown, context.threads);
   const double points_each = double(all.points.size()) / double(points.size());
   for (std::size_t k = 0; k < unknowns.free_parameters().size(); ++k) {
@@ -126,7 +126,8 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
       const Candidate start = candidate;
       const WayThrough way(start, unknowns, direction, points, noise, points_each, context);
       std::tie(moved, end) = end_along(way, parameter, unknowns.size());
-      if (moved != 0 && !among_strays(input)) candidate = way.at(moved);  // among strays it would go on to them
+      if (moved != 0 && !among_outliers(input))
+        candidate = way.at(moved);  // with many outliers it would continue to those
     }
     if (end.unlimited) end.sigma = std::max(end.sigma, 0.5 * input.thin_spacing / direction.cwiseAbs().maxCoeff());
     result.push_back(end);

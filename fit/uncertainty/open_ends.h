@@ -15,13 +15,14 @@ struct OpenEnd {
   bool unlimited = false;     ///< ten points stand against it on one side only
 };
 
-/// None of a closed mesh. The free lengths, or what they are together with others, about which hardly_any_points or (of
-/// scans, but not among strays) a hundredth of all points speak at most, at the squares of their say (eigenvectors of
-/// the normal matrix). Points on the walls are taken to be as dense beyond the end as the last ten before it, so that
-/// an empty millimetre costs as many nats as it should have points. Where the wall goes on beyond the end, `candidate`
-/// is moved to the place that costs least (not among strays). sigma is a third of the range that holds the place in 95
-/// % (it is exponentially distributed); of a length that is limited on either side, a quarter of the two-sigma range.
-/// Nobody knows the place where data end to less than half the distance of neighbouring points. `noise` in mm.
+/// None of a closed mesh. The free lengths, or combinations with other numbers, that at most hardly_any_points or (of
+/// scans without many outliers) a hundredth of all points depend on, counted by squared derivatives (eigenvectors of
+/// the normal matrix). Points on the walls are assumed to be as dense beyond the end as the last ten before it, so that
+/// an empty millimetre costs as many nats as there should be points on it. If the wall continues beyond the end,
+/// `candidate` is moved to the place of least cost (not with many outliers). sigma is a third of the range that holds
+/// the place in 95 % (it is exponentially distributed); of a length that is limited on either side, a quarter of the
+/// two-sigma range. The end of the data is never known to less than half the distance of neighbouring points. `noise`
+/// in mm.
 std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns,
                                       const std::vector<Vec3>& points, const FitInput& input, double noise,
                                       Context& context);

@@ -1,4 +1,4 @@
-/// What noise along unknown viewing rays may have done to a fit.
+/// The bias of a fit due to noise along unknown viewing rays.
 #pragma once
 
 #include "fit/input/smoothing.h"

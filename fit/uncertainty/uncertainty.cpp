@@ -21,7 +21,7 @@ namespace {
 /// Of the noise of one point: what is left of it in an instrument's own scale and straightness.
 constexpr double floor_share = 0.05;
 
-/// How far a deviation of the data moves the unknowns. What the kernel would set aside counts for little.
+/// How far a deviation of the data moves the unknowns. Points to which the kernel gives little weight count for little.
 Vector effect_of(const Deviation& deviation, const AllPoints& all, const std::vector<double>& weight,
                  const Welsch& kernel, int threads) {
   constexpr int rounds = 3;
@@ -98,7 +98,7 @@ Residuals residuals_of(const AllPoints& all, const std::vector<double>& value, c
   return result;
 }
 
-/// A scan whose noise hangs together: the noise alone, and what a smoothing may have done.
+/// A scan with correlated noise: the noise alone, and what a smoothing may have done.
 struct SmoothedScan {
   SmoothingModel model;
   std::vector<char> inside;  ///< per node; 0 at rims, whose disturbance is neither noise nor views
@@ -112,7 +112,7 @@ struct SmoothedScan {
 
 std::vector<double> as_shares(const std::vector<char>& inside) { return {inside.begin(), inside.end()}; }
 
-/// How much say rims have: a point there errs by its noise and by about as much as a smoothing would disturb it.
+/// The weight of points near rims: their error is their noise plus about the effect that smoothing would have.
 std::vector<double> shares_at_rims(const AllPoints& all, const SmoothedScan& scan) {
   std::vector<double> share(all.nodes.size(), 1);
   for (std::size_t k = 0; k < scan.rim.size(); ++k) {
@@ -128,7 +128,7 @@ SmoothedScan account_for_smoothing(const Candidate& candidate, AllPoints& all, c
                                    const ModelDistance& distance, int threads) {
   constexpr double full_strength = 0.7;  // cosine; filters that keep steps are at their full strength there
   constexpr double enough = 1000;        // points to know a correlation by
-  constexpr double likely = 0.5;         // chance from which rims have no say about the noise
+  constexpr double likely = 0.5;         // probability from which points near rims are not used to estimate the noise
   SmoothedScan result;
   const double variance = raw.correlation.smoothing;
   const SmoothingEffect effect = smoothing_effect(candidate, all, variance, distance, threads);
@@ -153,7 +153,7 @@ SmoothedScan account_for_smoothing(const Candidate& candidate, AllPoints& all, c
   if (by_rims) {
     result.chance = *by_rims;
   } else if (!all.cosine.empty()) {
-    // Silhouettes say most about what a filter does on slopes.
+    // Silhouettes are the best evidence of what a filter does on slopes.
     std::vector<double> share(all.nodes.size());
     for (std::size_t k = 0; k < share.size(); ++k) share[k] = effect.rim[k] == 0;
     const SmoothingModel fine = smoothing_model(all, effect.face, raw.noise(unknowns.count()), fine_bins);
@@ -194,7 +194,7 @@ Vector spread_by_groups(const AllPoints& all, const Matrix& rows, const PointSum
   if (!all.by_view) {
     GroupSums imagined = sums_of_imagined_views(all, rows, whole, unknowns);
     imagined.pull -= imagined.coupling * fit.unknowns;
-    // Shifts show only where faces meet askew; turns tell what to expect of them.
+    // Shifts can be seen only where oblique faces meet; the turns give an estimate of them.
     const GroupEffects tied = group_effects(imagined, fit.inverse, noise, Motions::tied);
     variance = variance.cwiseMax(covariance_of(tied, imagined, fit.inverse).diagonal());
   }

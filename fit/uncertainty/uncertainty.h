@@ -7,15 +7,16 @@ namespace partscribe::fit {
 
 /// Standard deviations of the free parameters, in their own units, by cause.
 struct Uncertainty {
-  std::vector<double> noise;   ///< falls with the number of independent points
-  std::vector<double> views;   ///< views that disagree: registration, calibration; imagined ones where they are unknown
+  std::vector<double> noise;  ///< falls with the number of independent points
+  /// disagreement of views: registration, calibration; of hypothetical views where they are unknown
+  std::vector<double> views;
   std::vector<double> poses;   ///< where registered views may stand, as registration says
   std::vector<double> facets;  ///< chords of a coarse source mesh
-  std::vector<double>
-      filter;  ///< smoothing that flattened what curves, by how likely noise that hangs together was smoothed
-  std::vector<double> slant;  ///< noise along rays that nobody knows, on a curved part seen from one side (slant.h)
-  Vector correction;          ///< of the unknowns: without what a smoothing did to rims; empty: none
-  double floor = 0;           ///< mm, what no data can tell about the instrument
+  std::vector<double> filter;  ///< smoothing that flattened curved faces, weighted by the probability that correlated
+                               ///< noise comes from smoothing
+  std::vector<double> slant;   ///< noise along rays that nobody knows, on a curved part seen from one side (slant.h)
+  Vector correction;           ///< of the unknowns: removes the effect of smoothing on rims; empty: none
+  double floor = 0;            ///< mm, what no data can tell about the instrument
   double points_per_independent = 1;
   double rms = 0;  ///< mm, of the residuals that count
 };

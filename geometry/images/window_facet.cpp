@@ -71,9 +71,9 @@ void average(const Sides& sides, float least, WindowFacet& facet) {
 /// Of a few hundredths of all edges two planes say nothing (three faces meet, the edge is bent), and the sample alone
 /// tells.
 void doubt(WindowFacet& facet) {
-  constexpr double strays = 0.05;  // density of what they say then, in that of noise at its middle
+  constexpr double outliers = 0.05;  // density of what they say then, in that of noise at its middle
   const double v = facet.value, left = std::max(1 - static_cast<double>(facet.variance), 0.01);
-  const double wrong = strays / (strays + std::exp(-0.5 * v * v / left) / std::sqrt(left));
+  const double wrong = outliers / (outliers + std::exp(-0.5 * v * v / left) / std::sqrt(left));
   facet.value = static_cast<float>((1 - wrong) * v);
   facet.variance =
       static_cast<float>((1 - wrong) * static_cast<double>(facet.variance) + wrong + wrong * (1 - wrong) * v * v);

@@ -15,8 +15,8 @@
 namespace partscribe::geometry {
 namespace {
 
-/// Which cells of a grid hold points: what stands in the way of a straight line. A single one is a stray, of a surface
-/// a cell holds some four.
+/// Which cells of a grid hold points: what stands in the way of a straight line. A single one is an outlier, of a
+/// surface a cell holds some four.
 class Cells {
  public:
   /// Points outside of `box` stand in nobody's way.
@@ -77,8 +77,8 @@ std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector
   constexpr double facing = 0.7;                   // cosine between the normals of a thin wall's two sides
   constexpr int chance = 2;                        // lines that find a way out by chance
   constexpr double left_out = 0.005, more = 0.05;  // of the points; of the box of the others, on either side
-  constexpr std::size_t around =
-      64;  // points that are looked at for what stands before one: some 54 of an even surface are as near
+  // points that are looked at for what stands before one: some 54 of an even surface are as near
+  constexpr std::size_t around = 64;
   Box3 box = bulk_box(points, left_out);
   const Vec3 margin = more * box.size();
   box.low -= margin, box.high += margin;

@@ -1,4 +1,4 @@
-/// The box that nearly all points lie in: stray ones have no say.
+/// The box that nearly all points lie in: outliers have no say.
 #pragma once
 
 #include <vector>

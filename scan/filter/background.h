@@ -17,9 +17,9 @@ struct Foreground {
   double lost = 0;                 ///< mm above the plane that went with it, because noise hides what they are
   std::size_t support = 0;         ///< points on the plane
   std::size_t above = 0;           ///< points over it, within its outline
-  std::size_t behind = 0;  ///< points under it: strays beside a table, most of a body where the plane is a step of it
-  std::size_t covered =
-      0;  ///< points on it with as many others straight over them: a table is hidden there, a body's lowest face is not
+  std::size_t behind = 0;  ///< points under it: outliers beside a table, most of a body where the plane is a step of it
+  /// points on it with as many others straight over them: a table is hidden there, a body's lowest face is not
+  std::size_t covered = 0;
   std::vector<std::size_t> things;  ///< points of each, the largest first
 };
 

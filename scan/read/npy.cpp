@@ -13,7 +13,7 @@ namespace partscribe::scan {
 namespace {
 
 constexpr int largest_side = 65535;
-constexpr double farthest = 10;  // of the middle depth: a stray that far would make the steps coarse
+constexpr double farthest = 10;  // of the middle depth: an outlier that far would make the steps coarse
 
 /// What stands behind 'key': in the header, a Python dictionary.
 std::string_view value_of(std::string_view header, std::string_view key) {

@@ -238,7 +238,7 @@ bool is_broken(const Problem& problem, std::size_t a, const ContourPoint& border
                const Vec3& face) {
   constexpr double around = 2.5, inside = 0.05,
                    sigmas = 2;  // pixels; pixels and sigmas: of sharp edges one in ten is deeper
-  constexpr int enough = 2;     // places: one may be a stray
+  constexpr int enough = 2;     // places: one may be an outlier
   const Vec3 q = problem.poses[a] * border.point, own = problem.poses[a].rotation * border.normal;
   std::vector<Neighbour> near;
   int found = 0;

@@ -72,7 +72,7 @@ std::uint16_t measure(const std::vector<Sight>& sights, const RangeImage& image,
                       const SimulateOptions& options, Random& random, bool& bit_error) {
   // Every number is drawn whether it is needed or not, so that one option never shifts the chance of another.
   const double thin = random.uniform(), noise = random.normal(), mix = random.uniform(), share = random.uniform();
-  const double stray = random.uniform(), stray_at = random.uniform(), flip = random.uniform();
+  const double outlier = random.uniform(), outlier_at = random.uniform(), flip = random.uniform();
   const auto bit = random.below(static_cast<std::uint64_t>(options.bits));
   const auto sight_at = [&](int r, int c) {
     return sights[std::size_t(r) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(c)];
@@ -94,7 +94,7 @@ std::uint16_t measure(const std::vector<Sight>& sights, const RangeImage& image,
   if (std::abs(other - z) > step_slope * pitch && mix < options.mixed) z += share * (other - z);
   z += noise * options.sigma / std::max(sight.cosine, 1.0 / 3);
   const int most = (1 << options.bits) - 1;
-  if (stray < options.outliers) z = image.z0 + stray_at * (most - 1) * image.q;
+  if (outlier < options.outliers) z = image.z0 + outlier_at * (most - 1) * image.q;
   auto code = static_cast<int>(std::clamp(1 + std::round((z - image.z0) / image.q), 1.0, double(most)));
   bit_error = flip < options.bit_error;
   if (bit_error) code ^= 1 << bit;

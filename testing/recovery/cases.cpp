@@ -327,21 +327,21 @@ Case make_case(const std::string& kind, const Conditions& conditions, std::uint6
   for (std::size_t i = 0; i < count; ++i) {
     const double which = i / double(count);
     const Return& near = returns[random.below(good)];
-    Return stray = near;
+    Return outlier = near;
     if (which < 0.45) {
       for (int k = 0; k < 3; ++k)
-        stray.point[k] = target.middle()[k] + 0.7 * part.bounds.size()[k] * random.uniform(-1, 1);
+        outlier.point[k] = target.middle()[k] + 0.7 * part.bounds.size()[k] * random.uniform(-1, 1);
     } else if (which < 0.6) {
       const Cluster& cluster = clusters[random.below(clusters.size())];
-      stray.point = cluster.centre + cluster.width * Vec3{random.normal(), random.normal(), random.normal()};
+      outlier.point = cluster.centre + cluster.width * Vec3{random.normal(), random.normal(), random.normal()};
     } else if (which < 0.8 && !edges.empty()) {
       const auto e = random.below(edges.size());
-      stray.point = edges[e] + edge_rays[e] * random.uniform(0.02, 0.6) * c.size, stray.ray = edge_rays[e];
+      outlier.point = edges[e] + edge_rays[e] * random.uniform(0.02, 0.6) * c.size, outlier.ray = edge_rays[e];
     } else {
       const double bit = std::pow(0.5, 1 + double(random.below(8)));
-      stray.point += (random.uniform() < 0.5 ? -1 : 1) * bit * 2 * r * stray.ray;
+      outlier.point += (random.uniform() < 0.5 ? -1 : 1) * bit * 2 * r * outlier.ray;
     }
-    returns.push_back(stray);
+    returns.push_back(outlier);
   }
   c.outliers = double(count) / double(returns.size());
   // No order to lean on.

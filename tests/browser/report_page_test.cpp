@@ -133,7 +133,8 @@ Json faint_texts(Chromium& browser) {
     const light = c => 0.2126 * channel(c[0]) + 0.7152 * channel(c[1]) + 0.0722 * channel(c[2]);
     const bad = [];
     for (const e of document.querySelectorAll("body *")) {
-      if (![...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim()) || !e.getClientRects().length || e.closest("svg")) continue;
+      const worded = [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim());
+      if (!worded || !e.getClientRects().length || e.closest("svg")) continue;
       if (["SCRIPT", "STYLE", "OPTION"].includes(e.tagName)) continue;
       let behind = e, back = [255, 255, 255];
       for (; behind; behind = behind.parentElement) {

@@ -71,7 +71,7 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
-TEST_CASE("recovery: among 30 % strays, two thirds hidden, plates keep their holes and rounded bodies their axes") {
+TEST_CASE("recovery: among 30 % outliers, two thirds hidden, plates keep their holes and rounded bodies their axes") {
   for (const auto& [kind, seed] : {std::pair{"extrude", 12}, std::pair{"extrude", 28}, std::pair{"extrude", 49},
                                    std::pair{"superellipsoid", 3}, std::pair{"superellipsoid", 8}}) {
     const Case c = make_case(kind, hardest_conditions(), static_cast<std::uint64_t>(seed));
@@ -94,7 +94,7 @@ TEST_CASE("recovery: two faces of a polyhedron may be a rounded block, and the m
         std::string::npos);
 }
 
-TEST_CASE("recovery: the end of a plate that nobody saw lies where its walls end, not where the last stray does") {
+TEST_CASE("recovery: the end of a plate that nobody saw lies where its walls end, not where the last outlier does") {
   const Case c = make_case("extrude", hardest_conditions(), 15);
   Context context;
   const Score score = recovered(c, context);
@@ -122,8 +122,8 @@ TEST_CASE("recovery: a face of a polyhedron that few points show is one, and no 
   check_right({{"half_spaces", standard_conditions(), 129}, {"half_spaces", standard_conditions(), 152}});
 }
 
-TEST_CASE("recovery: the step of a turned part that 63 or 132 points of 3,800 show is no heap of strays") {
-  // So sparse that no local plane holds its neighbours: all of them pass for strays, and a plain rod is within
+TEST_CASE("recovery: the step of a turned part that 63 or 132 points of 3,800 show is no heap of outliers") {
+  // So sparse that no local plane holds its neighbours: all of them pass for outliers, and a plain rod is within
   // tolerance of the others.
   check_right({{"revolve", standard_conditions(), 204}, {"revolve", standard_conditions(), 223}});
 }
@@ -141,8 +141,8 @@ TEST_CASE("recovery: an angle of which no wall of the notch was seen is one wher
   check_right({{"extrude", standard_conditions(), 98}, {"extrude", standard_conditions(), 198}});
 }
 
-TEST_CASE("recovery: strays that fill a box hardly thicker than the noise is wide are strays") {
-  // Strays in so flat a box hold one another: hardly a tenth of the points seemed to be any, and what is sparse was
+TEST_CASE("recovery: outliers that fill a box hardly thicker than the noise is wide are outliers") {
+  // Outliers in so flat a box hold one another: hardly a tenth of the points seemed to be any, and what is sparse was
   // kept.
   check_right({{"extrude", hardest_conditions(), 143}, {"extrude", hardest_conditions(), 168}});
 }
@@ -160,7 +160,7 @@ TEST_CASE(
 }
 
 TEST_CASE("recovery: the end of a block that nobody saw stays where the data end") {
-  // The slope of this wedge was not seen. Strays beside the end of what else was drew the block's end in, across five
+  // The slope of this wedge was not seen. Outliers beside the end of what else was drew the block's end in, across five
   // points of its foot.
   const Case c = make_case("wedge", standard_conditions(), 62);
   Context context;
@@ -182,7 +182,8 @@ TEST_CASE("recovery: the end of a block that nobody saw stays where the data end
 }
 
 TEST_CASE(
-    "recovery: a curtain of strays behind the edges of a plate leaves its end open, and does not make another plate") {
+    "recovery: a curtain of outliers behind the edges of a plate leaves its end open, and does not make another "
+    "plate") {
   const Case c = make_case("extrude", hardest_conditions(), 55);
   Context context;
   const Score score = recovered(c, context);
@@ -199,8 +200,8 @@ TEST_CASE(
 
 TEST_CASE("recovery: a ring with corners and a fillet come back from hard scans, a fillet from a coarse mesh") {
   // Of ring 54 an extrusion is within the tolerance too, though only just; so is one of hard ring 84, and a polyhedron
-  // of 37, as strays go. Of fillet 200 a rod of no radius is proposed. Of 38 and 83 no leg was seen, of 51 an extrusion
-  // with a folded leg follows the noise, and of 116 the points of one end were taken for strays.
+  // of 37, as outliers go. Of fillet 200 a rod of no radius is proposed. Of 38 and 83 no leg was seen, of 51 an
+  // extrusion with a folded leg follows the noise, and of 116 the points of one end were taken for outliers.
   check_right({{"supertoroid", standard_conditions(), 1},
                {"supertoroid", standard_conditions(), 54},
                {"supertoroid", hardest_conditions(), 37},
@@ -274,9 +275,10 @@ TEST_CASE("recovery: a hard scan holds what its conditions say") {
 }
 
 TEST_CASE(
-    "recovery: plates among 30 % strays: dense walls are no strays, what is printed is no dearer than what else was "
+    "recovery: plates among 30 % outliers: dense walls are no outliers, what is printed is no dearer than what else "
+    "was "
     "found") {
-  // Of 155 the densest wall passed for strays; of 140 the last steps led a plate that was swept across another way to
+  // Of 155 the densest wall passed for outliers; of 140 the last steps led a plate that was swept across another way to
   // one that costs 90 nats more than the right one.
   check_right({{"extrude", hardest_conditions(), 140}, {"extrude", hardest_conditions(), 155}});
 }
@@ -285,16 +287,16 @@ TEST_CASE("recovery: a plate of which the floor, the top and the wall of a step 
   check_right({{"extrude", hardest_conditions(), 206}});
 }
 
-TEST_CASE("recovery: strays beside a face are no fin of a plate, 0.9 +- 1.1 mm thick") {
+TEST_CASE("recovery: outliers beside a face are no fin of a plate, 0.9 +- 1.1 mm thick") {
   Context context;
   const Score score = recovered(make_case("extrude", hardest_conditions(), 172), context);
   INFO(score.found << " " << score.why);
   CHECK(score.answer != Answer::wrong);
 }
 
-TEST_CASE("recovery: among strays the rivals name the plate that was taken for another body") {
+TEST_CASE("recovery: among outliers the rivals name the plate that was taken for another body") {
   // Of 143 a polyhedron is four times as far off as noise; of 173 a wedge leans its slope on the wall of a hole and
-  // strays; of 181 a cone has a face of 2,700 points and three of a hundred.
+  // outliers; of 181 a cone has a face of 2,700 points and three of a hundred.
   for (const std::uint64_t seed : {143, 173, 181}) {
     Context context;
     const Score score = recovered(make_case("extrude", hardest_conditions(), seed), context);
@@ -311,7 +313,7 @@ TEST_CASE("recovery: a cone whose radii are far larger than the data is none") {
   CHECK(score.found != "cone");
 }
 
-TEST_CASE("recovery: a ball with a curtain of strays about its limb is a ball, no ball on a rod") {
+TEST_CASE("recovery: a ball with a curtain of outliers about its limb is a ball, no ball on a rod") {
   Context context;
   const Score score = recovered(make_case("sphere", hardest_conditions(), 210), context);
   INFO(score.found << " " << score.why);

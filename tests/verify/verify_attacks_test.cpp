@@ -1,4 +1,4 @@
-/// Attacks on the verdict: damage too small, too hidden or too much like a stray, and true parts that look damaged.
+/// Attacks on the verdict: damage too small, too hidden or too much like an outlier, and true parts that look damaged.
 #include <catch2/catch.hpp>
 
 #include "scan/simulate/simulate.h"
@@ -24,8 +24,8 @@ TriangleMesh plate() { return box({-30, -30, 0}, {30, 30, 5}); }
 /// 20,000 points of the plate, 0.65 mm apart.
 Scan plate_scan(std::uint64_t seed = 1) { return scanned(plate(), 20000, sigma, seed); }
 
-/// A share of the points becomes stray: anywhere within 10 mm.
-void add_strays(Scan& scan, double share, std::uint64_t seed) {
+/// A share of the points become outliers: anywhere within 10 mm.
+void add_outliers(Scan& scan, double share, std::uint64_t seed) {
   Random random(seed);
   for (auto& p : scan.cloud.points)
     if (random.uniform() < share)
@@ -48,33 +48,33 @@ void add_pin(Scan& scan, double x, double y, double radius, double height, int c
 
 }  // namespace
 
-TEST_CASE("attack: a pin of six points does not hide among strays") {
+TEST_CASE("attack: a pin of six points does not hide among outliers") {
   struct Case {
-    double strays;
+    double outliers;
     int points;
   };
   for (const Case c : {Case{0, 6}, {0.002, 6}, {0.002, 12}, {0.01, 9}})
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       auto scan = plate_scan(seed);
-      add_strays(scan, c.strays, seed + 10);
+      add_outliers(scan, c.outliers, seed + 10);
       add_pin(scan, 7.3, -11.2, 0.85, 1.0, c.points, seed + 20);
       const auto verdict = verdict_on(plate(), scan, at(T));
-      INFO(c.points << " points among " << c.strays << " strays, seed " << seed);
+      INFO(c.points << " points among " << c.outliers << " outliers, seed " << seed);
       CHECK(verdict.verdict == Outcome::out_of_tolerance);
     }
 }
 
-TEST_CASE("attack: strays alone, up to the expected rate, refuse no true part") {
+TEST_CASE("attack: outliers alone, up to the expected rate, refuse no true part") {
   for (const double share : {0.002, 0.01, 0.018})
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       auto scan = plate_scan(seed);
-      add_strays(scan, share, seed + 30);
+      add_outliers(scan, share, seed + 30);
       const auto verdict = verdict_on(plate(), scan, at(T));
-      INFO(share << " strays, seed " << seed << "\n" << all_reasons(verdict));
+      INFO(share << " outliers, seed " << seed << "\n" << all_reasons(verdict));
       CHECK(verdict.verdict == Outcome::verified);
     }
   auto scan = plate_scan();
-  add_strays(scan, 0.05, 3);
+  add_outliers(scan, 0.05, 3);
   CHECK(verdict_on(plate(), scan, at(T)).verdict == Outcome::out_of_tolerance);
 }
 

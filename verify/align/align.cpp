@@ -25,10 +25,10 @@ namespace {
 constexpr std::size_t coarse_points = 600, fine_points = 6000, mesh_samples = 4000;
 constexpr int coarse_steps = 25, fine_steps = 60;
 constexpr std::size_t finalists = 6;
-constexpr double trimmed = 0.8;       // share of the points that a start is judged by: a scan has strays, and gaps none
-constexpr double off_by_frame = 0.2;  // share of the points beyond the tolerance; less is damage in some place
+constexpr double trimmed = 0.8;  // share of the points that a start is judged by: a scan has outliers, and gaps none
+constexpr double off_by_frame = 0.2;   // share of the points beyond the tolerance; less is damage in some place
 constexpr double equally_good = 1.05;  // ratio of the errors of two fits that the scan cannot tell apart
-constexpr double hardly = 0.02;        // of the tolerance: differences that nobody asked about
+constexpr double hardly = 0.02;        // of the tolerance: smaller differences do not matter
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -81,7 +81,7 @@ class Fitting {
   Fitting(const MeshDistance& surface, double size, double noise, int threads)
       : surface_(surface), size_(size), noise_(noise), threads_(threads) {}
 
-  /// Newton steps on the weighted squared distances; the weights let go of what is far.
+  /// Newton steps on the weighted squared distances; distant points lose their weight.
   Trial run(const std::vector<Vec3>& points, Pose pose, int steps) const {
     const std::size_t count = points.size();
     std::vector<double> distance(count), sizes(count);

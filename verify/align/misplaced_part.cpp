@@ -56,8 +56,8 @@ class Seeker {
     return double(on) / double(points_.size());
   }
 
-  /// True if points that lie on the artifact now and then fit worse then: what is right must stay right. One end of a
-  /// bar that is too long could pass for a bar that is too large, if its other sizes were not looked at.
+  /// True if points that lie on the artifact now would fit worse afterwards: what is right must stay right. One end of
+  /// a bar that is too long could pass for a bar that is too large, if its other sizes were not looked at.
   bool spoils(const Similarity& to) const {
     double now = 0, then = 0;
     std::size_t both = 0;
@@ -72,7 +72,7 @@ class Seeker {
     return both >= 50 && then > 1.01 * now + double(both) * std::pow(0.02 * tolerance_, 2);
   }
 
-  /// How far the points typically are, in mm of the scan; a few of them, wild ones forgiven.
+  /// The typical distance of a sample of the points, in mm of the scan; robust against outliers.
   double glance(const Similarity& to) const {
     double sum = 0;
     const std::size_t stride = std::max<std::size_t>(1, points_.size() / glanced_points);
@@ -263,7 +263,7 @@ std::optional<std::string> misplacement(const ScanSource& source, const Triangle
         if (seeker.share(s) >= then - 0.005 && !seeker.spoils(s)) return s;
     return to;
   };
-  // What is said must be worth saying: all points but stray ones come to lie on it, and clearly more than before.
+  // What is said must be worth saying: all points but outliers come to lie on it, and clearly more than before.
   auto said = [&](const Similarity& to) -> std::optional<std::string> {
     const double then = seeker.share(to);
     if (then < 1 - options.outlier_rate || then < now + clear_gain || seeker.effect(to) < seeker.tolerance() ||
@@ -273,7 +273,7 @@ std::optional<std::string> misplacement(const ScanSource& source, const Triangle
            " of the points lie on it, now " + percent(now);
   };
   if (now > 0.999) return std::nullopt;
-  // The simplest first; a later one must not be needed to say less.
+  // The simplest explanation first; a later one is used only if it explains more.
   for (const Freedom freedom : {moves, turns, scales})
     if (auto text = said(seeker.refined({}, freedom, 12))) return text;
   if (now > 0.97 || context.cancelled) return std::nullopt;
@@ -294,7 +294,7 @@ std::optional<std::string> misplacement(const ScanSource& source, const Triangle
         },
         4);
     std::sort(order.begin(), order.end());
-    // Both hands get their chance; a motion is said before a mirror.
+    // Both hands are tried; a motion is reported in preference to a mirror.
     for (const bool mirror : {false, true}) {
       int tried = 0;
       for (const auto& [far, i] : order) {

@@ -142,7 +142,7 @@ std::vector<std::uint32_t> unexplained_about(const Compared& compared, std::uint
   std::vector<std::uint32_t> index;
   for (std::uint32_t i = 0; i < compared.source.points.size(); ++i) {
     const auto at = compared.features.feature_of[compared.points.triangle[i]];
-    if (compared.points.stray[i] || (at != number && !std::binary_search(neighbours.begin(), neighbours.end(), at)))
+    if (compared.points.outlier[i] || (at != number && !std::binary_search(neighbours.begin(), neighbours.end(), at)))
       continue;
     const Vec3& p = compared.source.points[i];
     const double along = (p - own.point).dot(own.axis);
@@ -249,7 +249,7 @@ std::vector<Finding> inspect_rows(Compared& compared, const RowOf& row, const Ve
   std::vector<std::vector<std::uint32_t>> points(rows.size());
   for (std::uint32_t i = 0; i < row.point.size(); ++i) {
     const auto r = row.point[i];
-    if (r < 0 || compared.points.stray[i]) continue;
+    if (r < 0 || compared.points.outlier[i]) continue;
     const auto feature = row.feature[static_cast<std::size_t>(r)];
     if (feature >= 0 &&
         compared.features.feature_of[compared.points.triangle[i]] == static_cast<std::uint32_t>(feature))
@@ -309,7 +309,7 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
   for (std::size_t i = 0; i < source.points.size(); ++i)
     if (source.kept_place[i] != ScanSource::nowhere)
       verdict.point_deviation[source.kept_place[i]] =
-          static_cast<float>(points.stray[i] ? points.distance[i] : points.places[points.place[i]].mean);
+          static_cast<float>(points.outlier[i] ? points.distance[i] : points.places[points.place[i]].mean);
 
   std::vector<std::string> faults = points.faults;
   if (field.summary.contradicted > field.allowed_contradiction || !field.in_plain_view.empty())

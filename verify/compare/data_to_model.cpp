@@ -11,7 +11,7 @@
 #include "geometry/normals/local_noise.h"
 #include "geometry/points/thin.h"
 #include "verify/compare/chance.h"
-#include "verify/compare/strays.h"
+#include "verify/compare/outliers.h"
 
 namespace partscribe::verify {
 namespace {
@@ -20,7 +20,7 @@ constexpr std::size_t most_places = 60000;
 constexpr std::size_t fewest = 9;      // points that can prove a deviation
 constexpr double same_face = 0.7071;   // cosine of 45 degrees
 constexpr double edge_on = 0.17;       // sine of 10 degrees: no sensor sees a surface that steeply
-constexpr double false_alarm = 0.001;  // chance of refusing a true model, half for the means, half for the strays
+constexpr double false_alarm = 0.001;  // chance of refusing a true model, half for the means, half for the outliers
 constexpr double trimming = 1.1;       // a mean of what lies within 2.5 deviations scatters so much more (measured)
 constexpr std::size_t most_clusters_told = 3;
 constexpr std::size_t spread_of = 24;  // points that a place's scatter is taken from
@@ -62,8 +62,8 @@ class Comparison {
       field_.quantile = two_sided_quantile(0.5 * false_alarm / static_cast<double>(independent));
       surface_chance_ = 0.5 * false_alarm / static_cast<double>(independent);
       average();
-      find_strays();
-      judge_strays();
+      find_outliers();
+      judge_outliers();
     }
     summarise();
     return std::move(field_);
@@ -86,7 +86,7 @@ class Comparison {
   std::size_t size() const { return source_.points.size(); }
 
   void measure() {
-    field_.distance.resize(size()), field_.triangle.resize(size()), field_.stray.assign(size(), 0),
+    field_.distance.resize(size()), field_.triangle.resize(size()), field_.outlier.assign(size(), 0),
         field_.crowded.assign(size(), 0);
     if (source_.dense) feet_.resize(size());
     surface_.for_each_closest(source_.points, context_.threads, Sign::inside_negative,
@@ -95,7 +95,7 @@ class Comparison {
                                 if (source_.dense) feet_[i] = hit.point;
                               });
     if (source_.dense) feet_tree_ = std::make_unique<KdTree>(feet_);
-    // The mesh was measured to lie close to these surfaces: an answer that says otherwise is not believed.
+    // The mesh was measured to lie close to these surfaces: a distance that contradicts this is not used.
     if (exact_)
       exact_->for_each_closest(source_.points, context_.threads, [&](std::size_t i, const BrepHit& hit) {
         if (std::abs(hit.distance - field_.distance[i]) <= 0.25 * tolerance_) field_.distance[i] = hit.distance;
@@ -166,7 +166,7 @@ class Comparison {
     }
   }
 
-  /// A cube's mean must not blunt what is small: a neighbourhood whose mean is beyond T has such a point in its middle.
+  /// A cube's mean must not hide small features: a neighbourhood whose mean is beyond T has such a point in its middle.
   void give_suspects_their_own_place() {
     if (field_.places.size() == size()) return;
     for (std::uint32_t i = 0; i < size(); ++i) {
@@ -229,13 +229,13 @@ class Comparison {
         256);
   }
 
-  /// More than strays: as dense as no curtain of mixed pixels, or thin and wide as only surface is.
+  /// More than outliers: as dense as no curtain of mixed pixels, or thin and wide as only surface is.
   bool is_surface(const Place& place, const std::vector<std::uint32_t>& group) const {
     if (group.size() < fewest) return false;
     double sq_radius = 0;
     for (const auto p : group) sq_radius = std::max(sq_radius, (spots()[p] - spots()[place.point]).squaredNorm());
-    const double strays = densest_curtain * pi * sq_radius / (source_.spacing * source_.spacing);
-    if (poisson_tail(group.size() - 1, strays) < surface_chance_) return true;
+    const double outliers = densest_curtain * pi * sq_radius / (source_.spacing * source_.spacing);
+    if (poisson_tail(group.size() - 1, outliers) < surface_chance_) return true;
     return place.spacing <= source_.sparsest && is_thin(group);
   }
 
@@ -260,32 +260,32 @@ class Comparison {
     return count == 0 || sum >= edge_on * static_cast<double>(count);
   }
 
-  void find_strays() {
+  void find_outliers() {
     for (std::uint32_t i = 0; i < size(); ++i) {
       if (std::abs(field_.distance[i]) <= tolerance_) continue;
       const Place& place = field_.places[field_.place[i]];
       if (place.surface && std::abs(place.mean) > tolerance_) continue;  // the surface itself is off
       const double off = std::abs(field_.distance[i] - place.mean);
-      // Where two surfaces mix their mean is neither's, and the spread says so.
+      // Where points of two surfaces mix, their mean lies on neither; a large spread shows this.
       const bool mixed = place.spread > std::max(2.5 * source_.noise, 0.5 * tolerance_);
-      field_.stray[i] = !place.surface || mixed || off > std::max(5 * source_.noise, 0.5 * tolerance_);
+      field_.outlier[i] = !place.surface || mixed || off > std::max(5 * source_.noise, 0.5 * tolerance_);
     }
   }
 
   /// Rejected points may be neither too many nor too close together.
-  void judge_strays() {
+  void judge_outliers() {
     // Beyond T, and so far that noise hardly ever gets there.
     const double off_by = std::max(tolerance_, 4 * source_.noise);
     std::vector<std::uint8_t> is_off(size(), 0);
     std::vector<std::uint32_t> index;  // of the source point; nowhere: set aside
     std::vector<double> distance;
-    StrayScene scene;
+    OutlierScene scene;
     auto take = [&](const Vec3& p, std::uint32_t from, double d, const MeshHit& hit) {
       scene.off.push_back(p), scene.feet.push_back(hit.point), scene.foot_normals.push_back(normals_[hit.triangle]);
       index.push_back(from), distance.push_back(d);
     };
     for (std::uint32_t i = 0; i < size(); ++i) {
-      if (!field_.stray[i] || std::abs(field_.distance[i]) <= off_by) continue;
+      if (!field_.outlier[i] || std::abs(field_.distance[i]) <= off_by) continue;
       is_off[i] = 1;
       take(source_.points[i], i, field_.distance[i], surface_.closest(source_.points[i]));
     }
@@ -294,7 +294,7 @@ class Comparison {
       const double d = surface_.signed_distance(p, hit);
       if (std::abs(d) > off_by) take(p, ScanSource::nowhere, d, hit);
     }
-    scene.most_strays = std::max(scene.most_strays, options_.outlier_rate);
+    scene.most_outliers = std::max(scene.most_outliers, options_.outlier_rate);
     scene.source = &source_, scene.is_off = &is_off, scene.triangle = &field_.triangle, scene.normals = &normals_;
     const auto clusters = clusters_beyond_chance(scene, 0.5 * false_alarm, context_.threads);
     std::vector<double> values;
@@ -308,12 +308,12 @@ class Comparison {
         values.push_back(std::abs(distance[m])), middle += scene.off[m], outside += distance[m] > 0;
       for (const auto m : members) before += index[m] == ScanSource::nowhere;
       middle /= static_cast<double>(members.size());
-      const double off = robust_mean(values).mean;  // of sizes: points on either side do not make up for each other
+      const double off = robust_mean(values).mean;  // of absolute values: points on either side do not cancel
       std::uint32_t nearest = members.front();
       for (const auto m : members) {
         if ((scene.off[m] - middle).squaredNorm() < (scene.off[nearest] - middle).squaredNorm()) nearest = m;
         crowded[m] = 1;
-        if (index[m] != ScanSource::nowhere) field_.stray[index[m]] = 0, field_.crowded[index[m]] = 1;
+        if (index[m] != ScanSource::nowhere) field_.outlier[index[m]] = 0, field_.crowded[index[m]] = 1;
       }
       take_worst(off, scene.off[nearest]);
       if (c < most_clusters_told)
@@ -359,8 +359,8 @@ class Comparison {
     double squares = 0;
     for (std::uint32_t i = 0; i < size(); ++i) {
       if (source_.kept_place[i] == ScanSource::nowhere) {
-        if (field_.stray[i]) continue;
-      } else if (field_.stray[i]) {
+        if (field_.outlier[i]) continue;
+      } else if (field_.outlier[i]) {
         ++summary.rejected;
         continue;
       } else {

@@ -17,7 +17,7 @@ struct Place {
   double mean = 0;          ///< mm, robust mean of the signed distances of its neighbours
   double spread = 0;        ///< mm, their scaled median absolute deviation
   double spacing = 0;       ///< mm, between the points around
-  bool surface = true;      ///< false: what is there is no surface but stray points
+  bool surface = true;      ///< false: what is there is no surface but outliers
   double error = 0;         ///< mm, standard error of `mean`
   bool decided = true;      ///< false: a deviation of twice the tolerance could hide in the error
 };
@@ -27,8 +27,8 @@ struct PointField {
   std::vector<double> distance;         ///< mm, signed
   std::vector<std::uint32_t> triangle;  ///< nearest
   std::vector<std::uint32_t> place;     ///< index into places
-  std::vector<std::uint8_t> stray;      ///< 1: counted as rejected
-  std::vector<std::uint8_t> crowded;    ///< 1: off the model, together with more others than strays explain
+  std::vector<std::uint8_t> outlier;    ///< 1: counted as rejected
+  std::vector<std::uint8_t> crowded;    ///< 1: off the model, together with more others than outliers explain
   std::vector<Place> places;
   DataToModel summary;
   double quantile = 0;              ///< standard errors that no place of a true model is off by, in 1999 of 2000 scans

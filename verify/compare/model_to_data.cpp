@@ -18,7 +18,7 @@ constexpr double widest_drop_out_share = 0.03;  // of the part's size
 constexpr std::size_t outlook_count = 1000;     // directions, 6 degrees apart
 constexpr double flattest_outlook = 0.26;       // cosine of 75 degrees
 constexpr double passage_reach = 2;             // spacings around a passed place where surface is refuted with it
-constexpr double false_alarm = 0.0005;          // chance of refusing a true model because strays seem seen through it
+constexpr double false_alarm = 0.0005;          // chance of refusing a true model because outliers seem seen through it
 
 class Coverage {
  public:
@@ -82,7 +82,7 @@ class Coverage {
       int found = 0, other = 0;
       for (const auto& n : near) {
         if (n.sq_distance > radius * radius) break;
-        if (points_.stray[n.index] || !points_.places[points_.place[n.index]].decided) continue;
+        if (points_.outlier[n.index] || !points_.places[points_.place[n.index]].decided) continue;
         const Vec3 offset = source_.points[n.index] - place;
         const double height = normal.dot(offset);
         const double along = (offset - height * normal).norm();
@@ -287,7 +287,7 @@ SurfaceField model_to_data(const ScanSource& source, const PointField& points, c
   field.allowed_contradiction =
       std::max({0.001 * field.summary.area, pi * 9 * source.spacing * source.spacing, 3 * each});
 
-  // The sample with the most contradicted company is where a person should look.
+  // The sample with the most contradicted neighbours is reported as the place to look at.
   std::vector<Vec3> bad;
   for (std::size_t i = 0; i < field.samples.size(); ++i)
     if (field.support[i] == Support::contradicted) bad.push_back(field.samples[i].point);

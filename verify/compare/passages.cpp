@@ -59,14 +59,14 @@ Passages passages_through(const ScanSource& source, const PointField& points, co
           if (const auto hit = finder.passage(i)) hits[begin / block].push_back(*hit);
       },
       block);
-  StrayScene scene;
+  OutlierScene scene;
   for (const auto& of_block : hits)
     for (const auto& hit : of_block) {
       result.places.push_back(hit.point), result.triangles.push_back(hit.triangle);
       scene.foot_normals.push_back(normals[hit.triangle]);
     }
   scene.off = scene.feet = result.places;
-  scene.source = &source, scene.is_off = &points.stray, scene.triangle = &points.triangle, scene.normals = &normals;
+  scene.source = &source, scene.is_off = &points.outlier, scene.triangle = &points.triangle, scene.normals = &normals;
   result.clusters = clusters_beyond_chance(scene, false_alarm, threads);
   return result;
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "verify/compare/data_to_model.h"
-#include "verify/compare/strays.h"
+#include "verify/compare/outliers.h"
 
 namespace partscribe::verify {
 
@@ -15,7 +15,7 @@ namespace partscribe::verify {
 struct Passages {
   std::vector<Vec3> places;  ///< on the surface
   std::vector<std::uint32_t> triangles;
-  std::vector<StrayCluster> clusters;  ///< of places, where they are more than strays behind the surface explain
+  std::vector<OutlierCluster> clusters;  ///< of places, where they are more than outliers behind the surface explain
 };
 
 /// Only views whose sensor is known count; without one there are no passages. `false_alarm`: the chance of any cluster

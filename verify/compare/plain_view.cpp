@@ -79,8 +79,8 @@ class PlainView {
   std::vector<Patch> patches_;
   std::vector<Vec3> directions_;
   std::vector<std::uint32_t> scene_;  // samples
-  std::vector<std::vector<std::uint8_t>>
-      seen_;  // by direction, of the scene: 1 seen at less than 75 degrees, 2 than 60
+  // by direction, of the scene: 1 seen at less than 75 degrees, 2 than 60
+  std::vector<std::vector<std::uint8_t>> seen_;
 
   const Vec3& normal_of(std::uint32_t sample) const { return normals_[field_.samples[sample].triangle]; }
   bool scanned(std::uint32_t sample) const { return field_.support[sample] == Support::supported; }

@@ -17,8 +17,8 @@ namespace partscribe::verify {
 /// Built once per scan and used for every artifact; the Scan must outlive it.
 struct ScanSource {
   std::vector<Vec3> points;  ///< kept points by coordinates, so that the file's order changes nothing
-  std::vector<std::uint32_t>
-      kept_place;                   ///< of each point, its number among the kept points of the cloud; nowhere: added
+  /// of each point, its number among the kept points of the cloud; nowhere: added
+  std::vector<std::uint32_t> kept_place;
   std::vector<Vec3> normals;        ///< empty, or as points; unit or zero, of unknown sign
   std::vector<Vec3> rays;           ///< empty, or as points; unit or zero
   std::vector<std::int32_t> sight;  ///< of each point, the map of its view among `sights`, or -1
@@ -26,7 +26,7 @@ struct ScanSource {
   std::size_t kept = 0;             ///< points of the cloud that were kept
   std::unique_ptr<KdTree> tree;     ///< over points
   double spacing = 0;               ///< mm, median over the cloud of the spacing in the 8-neighbourhood
-  double sparsest = 0;              ///< mm, spacing above which points are no surface but strays: see .cpp
+  double sparsest = 0;              ///< mm, spacing above which points are no surface but outliers: see .cpp
   double noise = 0;                 ///< mm, scatter along the normal inside small neighbourhoods
   bool dense = false;               ///< the nearest points of a point are a ball of noise, not a piece of surface
   double disagreement = 0;          ///< mm, offset of the view that lies farthest from the others, noise taken out
@@ -62,7 +62,8 @@ int neighbours_for(const ScanSource& source, double tolerance);
 /// 100, or fewer where the cloud is so small that 100 points are no longer local.
 int most_neighbours(const ScanSource& source);
 
-/// Where a view stands alone the surface may be off by so many times its disagreement (measured: up to 1.3).
+/// Where only one view saw the surface, it may be off by this many times the disagreement of the views (measured: up
+/// to 1.3).
 inline constexpr double view_reach = 1.5;
 
 /// The tolerance at which neighbours_for() reaches its limit: below it the scan cannot tell a deviation from noise. Nor

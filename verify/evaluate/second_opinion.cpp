@@ -22,7 +22,8 @@ import { pathToFileURL } from 'node:url';
 const [, , library, script, output] = process.argv;
 const said = [];
 const { createOpenSCAD } = await import(pathToFileURL(library).href);
-const openscad = (await createOpenSCAD({ noInitialRun: true, print: t => said.push(t), printErr: t => said.push(t) })).getInstance();
+const keep = t => said.push(t);
+const openscad = (await createOpenSCAD({ noInitialRun: true, print: keep, printErr: keep })).getInstance();
 const folder = path.dirname(script);
 for (const name of fs.readdirSync(folder))
   if (name.endsWith('.scad') && fs.statSync(path.join(folder, name)).isFile())

@@ -1,4 +1,4 @@
-/// Whether a STEP or IGES file is whole, before a reader that would believe anything gets to see it.
+/// Whether a STEP or IGES file is complete, checked before it is given to a reader that would not notice.
 #pragma once
 
 #include <optional>

@@ -50,7 +50,7 @@ RowOf fill_rows(const ScanSource& source, const FaceNames& faces, const MeshFeat
   std::vector<std::size_t> crowded(count, 0);
   for (std::size_t i = 0; i < points.distance.size(); ++i) {
     const int f = place_face[points.place[i]];
-    if (f < 0 || points.stray[i]) continue;
+    if (f < 0 || points.outlier[i]) continue;
     if (points.crowded[i])
       crowd[static_cast<std::size_t>(f)] += std::abs(points.distance[i]), ++crowded[static_cast<std::size_t>(f)];
     ++result[static_cast<std::size_t>(f)].points;

@@ -40,8 +40,8 @@ struct Mutation {
   };
   Kind kind = Kind::parameter;
   std::string name;  ///< "radius + 0.2", "without loop 'left bore'", "mirrored in x"
-  double moved =
-      0;        ///< mm; at least 1/200 of the true surface is so far from the damaged one, or added surface from it
+  /// mm; at least 1/200 of the true surface is so far from the damaged one, or added surface from it
+  double moved = 0;
   Model model;  ///< passes check()
 };
 

@@ -77,7 +77,7 @@ class Finder {
     const auto& places = c_.points.places;
     std::vector<double> members(places.size(), 0);
     for (std::size_t i = 0; i < c_.points.place.size(); ++i)
-      if (!c_.points.stray[i]) members[c_.points.place[i]] += 1;
+      if (!c_.points.outlier[i]) members[c_.points.place[i]] += 1;
     auto explained = [&](std::uint32_t point) { return c_.explained_point[point] != 0; };
     for (std::uint32_t p = 0; p < places.size(); ++p) {
       if (!places[p].surface || !(std::abs(places[p].mean) > tolerance_) || members[p] == 0 ||
@@ -87,7 +87,7 @@ class Finder {
       spot.point = places[p].point, spot.place = p, spot.deviation = places[p].mean, spot.weight = members[p];
       spots_.push_back(spot);
     }
-    // Strays that were found to be a surface of their own stand for themselves.
+    // Outliers that were found to be a surface of their own stand for themselves.
     for (std::uint32_t i = 0; i < c_.points.distance.size(); ++i) {
       if (!c_.points.crowded[i] || explained(i)) continue;
       Spot spot;
@@ -361,7 +361,7 @@ class Finder {
   void group_rejected() {
     std::vector<Vec3> places;
     for (std::uint32_t i = 0; i < c_.points.distance.size(); ++i)
-      if (c_.points.stray[i] && c_.source.kept_place[i] != ScanSource::nowhere &&
+      if (c_.points.outlier[i] && c_.source.kept_place[i] != ScanSource::nowhere &&
           std::abs(c_.points.distance[i]) > far_ && !absences_->speak_of(c_.source.points[i]))
         places.push_back(c_.source.points[i]);
     for (const auto& p : c_.source.set_aside)

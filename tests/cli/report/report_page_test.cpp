@@ -238,7 +238,7 @@ TEST_CASE("report: highlighting changes no character of the script") {
   CHECK(highlighted("# n\nA : 1;", backends()[1].language).find("<span class=\"c\"># n</span>") == 0);
 }
 
-TEST_CASE("report: deviations belong to kept points, strays have none, and a wrong number of them is not drawn") {
+TEST_CASE("report: deviations belong to kept points, outliers have none, and a wrong number of them is not drawn") {
   Verdict verdict = verdict_with_mesh();
   PointCloud cloud = four_points();
   const auto deviations = deviations_of(cloud, &verdict.artifacts.front());

@@ -1,4 +1,4 @@
-/// The last refinement among strays: what was set aside near the surface comes back, and only that.
+/// The last refinement among outliers: what was set aside near the surface comes back, and only that.
 #include "fit/outliers/readmit.h"
 
 #include <catch2/catch.hpp>
@@ -24,7 +24,7 @@ Candidate ellipsoid(double r) {
   return c;
 }
 
-/// A ball seen from above. On its slope what lies farther out than the surface was taken for strays, with true ones.
+/// A ball seen from above. On its slope what lies farther out than the surface was taken for outliers, with true ones.
 FitInput soiled() {
   FitInput input;
   Random random(3);
@@ -42,19 +42,19 @@ FitInput soiled() {
     add(input.set_aside, (radius + random.uniform(4, 10)) * n, n);
   }
   input.bounds = input.cloud.bounds();
-  input.sampling.sigma = noise, input.tolerance = 3 * noise, input.stray_share = 0.2;
+  input.sampling.sigma = noise, input.tolerance = 3 * noise, input.outlier_share = 0.2;
   return input;
 }
 
 }  // namespace
 
-TEST_CASE("readmit: points of a slope that were taken for strays no longer draw the fit inwards") {
+TEST_CASE("readmit: points of a slope that were taken for outliers no longer draw the fit inwards") {
   const FitInput input = soiled();
   Context context;
   RefineOptions options;
   Candidate without = ellipsoid(19), with = without;
   refine(without, input, options, context);
-  refine_with_strays_near(with, input, options, context);
+  refine_with_outliers_near(with, input, options, context);
   for (std::size_t k = 0; k < 2; ++k) {
     CHECK(without.parameters[k].value < radius - 0.4);
     CHECK(with.parameters[k].value == Approx(radius).margin(0.15));
@@ -63,9 +63,9 @@ TEST_CASE("readmit: points of a slope that were taken for strays no longer draw 
 }
 
 TEST_CASE(
-    "readmit: a ball among few strays has the points of its slope back, and is not drawn to where the strays are") {
+    "readmit: a ball among few outliers has the points of its slope back, and is not drawn to where the outliers are") {
   FitInput input = soiled();
-  input.stray_share = 0.08;
+  input.outlier_share = 0.08;
   Random random(5);
   for (int i = 0; i < 200; ++i) {
     const Vec3 n = Vec3(random.normal(), random.normal(), 3 * random.uniform()).normalized();
@@ -75,17 +75,17 @@ TEST_CASE(
   Candidate ball = ellipsoid(19.5);
   ball.procedure = "sphere", ball.shape = Sphere{Expr::of("radius_x")}, ball.parameters.resize(1);
   Context context;
-  refine_with_strays_near(ball, input, {}, context);
+  refine_with_outliers_near(ball, input, {}, context);
   CHECK(ball.parameters[0].value == Approx(radius).margin(0.1));
 }
 
-TEST_CASE("readmit: without strays it is the usual refinement") {
+TEST_CASE("readmit: without outliers it is the usual refinement") {
   FitInput input = soiled();
   input.set_aside = {};
   Context context;
   Candidate one = ellipsoid(19), two = one;
   refine(one, input, {}, context);
-  refine_with_strays_near(two, input, {}, context);
+  refine_with_outliers_near(two, input, {}, context);
   CHECK(one.parameters[0].value == two.parameters[0].value);
   CHECK(one.parameters[0].sigma == two.parameters[0].sigma);
 }

@@ -1,4 +1,4 @@
-/// Extrusions among strays: where a sweep begins and ends.
+/// Extrusions among outliers: where a sweep begins and ends.
 #include "fit/propose/extrude.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 using namespace partscribe::fit;
 using namespace partscribe::testing;
 
-TEST_CASE("extrude: strays beside the walls do not move the ends of the sweep") {
+TEST_CASE("extrude: outliers beside the walls do not move the ends of the sweep") {
   Loop outline;
   outline.name = "outline";
   outline.elements = {SketchPoint{0, 0, ""}, SketchPoint{60, 0, ""}, SketchPoint{60, 15, ""}, SketchPoint{25, 40, ""},
@@ -33,7 +33,7 @@ TEST_CASE("extrude: strays beside the walls do not move the ends of the sweep") 
     input->cloud.points.push_back(input->cloud.points[i] + Vec3(0, 0, walls % 60 == 0 ? 15.0 : -14.0));
     input->cloud.normals.push_back(n);
   }
-  input->stray_share = 0.02;
+  input->outlier_share = 0.02;
   const auto candidates = propose_extrudes(*input, {Vec3::UnitZ()}, context);
   CHECK(std::any_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
     return std::any_of(c.parameters.begin(), c.parameters.end(),

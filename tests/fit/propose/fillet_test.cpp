@@ -36,7 +36,7 @@ Vec3 sizes_of(const std::vector<Candidate>& candidates) {
 
 }  // namespace
 
-TEST_CASE("fillet: its concave side and little of its legs, among strays") {
+TEST_CASE("fillet: its concave side and little of its legs, among outliers") {
   for (const Vec3& from : {Vec3(0.9, -0.5, 0.4), Vec3(0.6, -0.7, 0.6), Vec3(-0.5, 0.8, -0.7)})
     for (const auto& [width, height] : {std::pair{24.0, 24.0}, std::pair{28.0, 18.0}}) {
       Scan scan = sampled(model_with(Fillet{width, height, 40}),
@@ -77,7 +77,7 @@ TEST_CASE("fillet: without a point on its legs its ends show them, and without a
   CHECK(propose_fillets(prepared(neither, 0.4), context).empty());
 }
 
-TEST_CASE("fillet: none among the strays around a block, nor on a rod") {
+TEST_CASE("fillet: none among the outliers around a block, nor on a rod") {
   for (const Shape& shape : {Shape(Box{30, 20, 40}), Shape(Cylinder{15, 40})}) {
     Scan scan =
         sampled(model_with(shape),
@@ -98,13 +98,13 @@ TEST_CASE("fillet: a strip of a rod alone, of which nobody knows which side is o
   CHECK(propose_fillets(prepared(scan, 0.6), context).empty());
 }
 
-TEST_CASE("fillet: among many strays a block may be one whose concave side was not seen, and no more than may be") {
+TEST_CASE("fillet: among many outliers a block may be one whose concave side was not seen, and no more than may be") {
   Scan scan =
       sampled(model_with(Box{30, 20, 40}),
               {.points = 2500, .noise = 0.15, .outliers = 0.04, .reach = 45, .seen_from = {1, 0.8, 0.5}, .seed = 5});
   Context context;
   FitInput input = prepared(scan, 0.6);
-  input.stray_share = 0.2;
+  input.outlier_share = 0.2;
   const auto found = propose_fillets(input, context);
   REQUIRE_FALSE(found.empty());
   for (const Candidate& c : found) CHECK_FALSE(c.unseen.empty());

@@ -245,7 +245,7 @@ TEST_CASE("half spaces: no points, or points without normals, give no proposal")
 }
 
 TEST_CASE(
-    "wedges: among strays a block whose side was not seen may be a wedge; one whose slope was seen has its numbers") {
+    "wedges: among outliers a block whose side was not seen may be a wedge; one whose slope was seen has its numbers") {
   Context context;
   const auto wedges_of = [&](const FitInput& input) {
     std::vector<Candidate> wedges = propose_polyhedra(input, context);
@@ -255,14 +255,14 @@ TEST_CASE(
   FitInput hidden = scanned(
       block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 3);
   CHECK(wedges_of(hidden).empty());
-  hidden.stray_share = 0.2;
+  hidden.outlier_share = 0.2;
   CHECK_FALSE(wedges_of(hidden).empty());
 
   auto planes = block(40, 25, 30);
   planes[0] = {Vec3(25, 18, 0).normalized(), 25 * 40 / std::hypot(25.0, 18.0)};  // foot 40, top 22
   FitInput seen = scanned(
       planes, 0.3, 0, [](const Vec3& n) { return n.y() > 0.5 || n.x() > 0.5 || n.z() > 0.5; }, 4);
-  seen.stray_share = 0.2;
+  seen.outlier_share = 0.2;
   const auto wedges = wedges_of(seen);
   CHECK(std::any_of(wedges.begin(), wedges.end(), [&](const Candidate& c) {
     return c.parameters.size() == 4 && std::abs(value(c, "foot_length") - 40) < 1 &&
@@ -306,7 +306,8 @@ TEST_CASE("wedges: of a slope that was not scanned the border of a cheek says wh
   }
 }
 
-TEST_CASE("evidence: a face that was set aside whole tells which of two blocks ends there, but not among many strays") {
+TEST_CASE(
+    "evidence: a face that was set aside whole tells which of two blocks ends there, but not among many outliers") {
   Context context;
   FitInput input = scanned(
       block(60, 35, 22), 0.03, 0, [](const Vec3& n) { return n.x() < 0.5; }, 2);
@@ -321,11 +322,11 @@ TEST_CASE("evidence: a face that was set aside whole tells which of two blocks e
     return evidence_of(box, input, context).total();
   };
   CHECK(cost(62) - cost(60) > 200);
-  input.stray_share = 0.2;
+  input.outlier_share = 0.2;
   CHECK(std::abs(cost(62) - cost(60)) < 20);
 }
 
-TEST_CASE("half-spaces: among strays no bevel is made of points beside an edge") {
+TEST_CASE("half-spaces: among outliers no bevel is made of points beside an edge") {
   Context context;
   FitInput input = scanned(
       block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 5);
@@ -341,7 +342,7 @@ TEST_CASE("half-spaces: among strays no bevel is made of points beside an edge")
         input.cloud.sigma.push_back(0.3f);
   }
   CHECK(scanned_faces(input, context).size() == 4);
-  input.stray_share = 0.2;
+  input.outlier_share = 0.2;
   CHECK(scanned_faces(input, context).size() == 3);
 }
 
@@ -385,7 +386,7 @@ TEST_CASE("half-spaces: where two faces hold the points, a block says that their
   Context context;
   FitInput input = scanned(
       block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.y() < -0.5 || n.z() > 0.5; }, 6);
-  input.stray_share = 0.2;
+  input.outlier_share = 0.2;
   Candidate box;
   box.shape = Box{40, 25, 30};
   CHECK(open_polyhedron(box, 1e9, input, context).find("2 plane faces") != std::string::npos);
@@ -394,16 +395,16 @@ TEST_CASE("half-spaces: where two faces hold the points, a block says that their
   rod.shape = Cylinder{20, 40};
   CHECK(open_polyhedron(rod, 1e9, input, context).find("2 plane faces") != std::string::npos);
   CHECK(open_polyhedron(rod, 0, input, context).empty());
-  input.stray_share = 0.05;
+  input.outlier_share = 0.05;
   CHECK(open_polyhedron(box, 1e9, input, context).empty());
   // Three faces that cost no less than the block speak for it.
   FitInput corner = scanned(
       block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.maxCoeff() > 0.5; }, 6);
-  corner.stray_share = 0.2;
+  corner.outlier_share = 0.2;
   CHECK(open_polyhedron(box, 0, corner, context).empty());
   // Three of which two are opposite do not: an angle has such faces, too.
   FitInput channel = scanned(
       block(40, 25, 30), 0.3, 0, [](const Vec3& n) { return n.x() < -0.5 || std::abs(n.z()) > 0.5; }, 6);
-  channel.stray_share = 0.2;
+  channel.outlier_share = 0.2;
   CHECK(open_polyhedron(box, 0, channel, context).find("3 plane faces") != std::string::npos);
 }

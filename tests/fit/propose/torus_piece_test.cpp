@@ -12,13 +12,13 @@ namespace {
 
 /// Points and normals of `surface(u, v)`, u and v in [-1, 1], with noise along the normal.
 template <class Surface>
-FitInput seen(const Surface& surface, double noise, double strays) {
+FitInput seen(const Surface& surface, double noise, double outliers) {
   Random random(7);
   const Pose place{rotation_of({0.4, -0.7, 0.3}), {30, -12, 55}};
   FitInput input;
   for (int i = 0; i < 3000; ++i) {
     const auto [point, normal] = surface(random.uniform(-1, 1), random.uniform(-1, 1));
-    const double off = random.uniform() < strays ? random.uniform(-20, 20) : noise * random.normal();
+    const double off = random.uniform() < outliers ? random.uniform(-20, 20) : noise * random.normal();
     input.cloud.points.push_back(place * Vec3(point + off * normal));
     input.cloud.normals.push_back(place.rotation * normal);
   }
@@ -36,11 +36,11 @@ std::pair<Vec3, Vec3> of_torus(double ring, double tube, double about_axis, doub
 }  // namespace
 
 TEST_CASE("torus: a twelfth of its outer side tells ring and tube") {
-  for (const double strays : {0.0, 0.1}) {
-    const FitInput input = seen([](double u, double v) { return of_torus(30, 18, 0.26 * u, 1.2 * v); }, 0.1, strays);
+  for (const double outliers : {0.0, 0.1}) {
+    const FitInput input = seen([](double u, double v) { return of_torus(30, 18, 0.26 * u, 1.2 * v); }, 0.1, outliers);
     const auto found = propose_torus_piece(input);
     REQUIRE(found.size() == 1);
-    INFO("strays " << strays);
+    INFO("outliers " << outliers);
     CHECK(found[0].parameters[0].value == Approx(30).margin(1));
     CHECK(found[0].parameters[1].value == Approx(18).margin(0.3));
   }

@@ -428,7 +428,7 @@ std::vector<Parameter> fitted_block(const FitInput& input) {
 
 }  // namespace
 
-TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
+TEST_CASE("refine: where outliers were about, sigma holds what they may bend") {
   const double height = 10;
   Scan scan = sampled(model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
   // A curtain that grazes the top.
@@ -436,23 +436,23 @@ TEST_CASE("refine: where strays were about, sigma holds what they may bend") {
   for (int i = 0; i < 250; ++i)
     scan.cloud.points.push_back({random.uniform(0, 30), random.uniform(0, 20), height + random.uniform(0.2, 0.5)});
   FitInput input = input_of(scan, 0.3);
-  input.stray_share = 0;
+  input.outlier_share = 0;
   const auto trusting = fitted_block(input);
-  input.stray_share = 0.2;
+  input.outlier_share = 0.2;
   const auto wary = fitted_block(input);
-  const auto by_strays = [&](std::size_t k) {
+  const auto by_outliers = [&](std::size_t k) {
     return std::sqrt(std::pow(wary[k].sigma, 2) - std::pow(trusting[k].sigma, 2));
   };
   CHECK(trusting[2].fitted == wary[2].fitted);
-  CHECK(by_strays(2) > 0.15 * std::abs(wary[2].fitted - height));
-  CHECK(by_strays(0) < 0.2 * by_strays(2));  // its faces are clean
+  CHECK(by_outliers(2) > 0.15 * std::abs(wary[2].fitted - height));
+  CHECK(by_outliers(0) < 0.2 * by_outliers(2));  // its faces are clean
 }
 
-TEST_CASE("refine: sigma holds what points set aside as strays would bend if they were the part's own") {
+TEST_CASE("refine: sigma holds what points set aside as outliers would bend if they were the part's own") {
   const double height = 10;
   Scan scan = sampled(model_with(Box{30, 20, height}), {.points = 3000, .noise = 0.1, .reach = 32, .seed = 8});
   FitInput input = input_of(scan, 0.3);
-  input.stray_share = 0.1;
+  input.outlier_share = 0.1;
   const auto alone = fitted_block(input);
   Random random(5);
   for (int i = 0; i < 250; ++i)
@@ -466,7 +466,7 @@ TEST_CASE("refine: sigma holds what points set aside as strays would bend if the
   CHECK(by_set_aside(0) < 0.2 * by_set_aside(2));  // its faces have none near
 }
 
-TEST_CASE("refine: a side that only strays speak of stays where it starts, unless it may be far out of place") {
+TEST_CASE("refine: a side that only outliers speak of stays where it starts, unless it may be far out of place") {
   Sampling s;
   s.points = 2000, s.noise = 0.1, s.reach = 45, s.seen_from = {1, 0.8, 0.5};
   Scan scan = sampled(model_with(Box{30, 20, 40}), s);

@@ -18,7 +18,7 @@ Vec2 turned(const Vec2& p) {
   return {std::cos(turn) * p.x() - std::sin(turn) * p.y(), std::sin(turn) * p.x() + std::cos(turn) * p.y()};
 }
 
-/// Walls and end faces of a plate that stands turned, with strays among them.
+/// Walls and end faces of a plate that stands turned, with outliers among them.
 struct Plate {
   OutlineData data;
   Random random{11};
@@ -43,7 +43,7 @@ struct Plate {
       if (inside(p)) data.ends.push_back(turned(p)), ++i;
     }
   }
-  void strays(const Vec2& low, const Vec2& high, int count) {
+  void outliers(const Vec2& low, const Vec2& high, int count) {
     for (int i = 0; i < count; ++i) {
       const double a = random.uniform(0, 2 * pi);
       data.walls.push_back(
@@ -54,7 +54,8 @@ struct Plate {
 
 }  // namespace
 
-TEST_CASE("common outlines: a stray of the end faces, however far off, is none of the cells in which no end face was") {
+TEST_CASE(
+    "common outlines: an outlier of the end faces, however far off, is none of the cells in which no end face was") {
   Plate plate;
   plate.wall({0, 0}, {30, 0}, 100);
   plate.face({0, 0}, {30, 20}, 1500, [](const Vec2&) { return true; });
@@ -70,7 +71,7 @@ TEST_CASE("common outlines: a slot of which one end and one wall were hidden") {
   plate.arc({0, 0}, r, pi / 2, 1.5 * pi, 80);
   plate.face({-r, -r}, {l + r, r}, 1500,
              [&](const Vec2& p) { return (p - Vec2(std::clamp(p.x(), 0.0, l), 0)).norm() < r; });
-  plate.strays({-20, -20}, {50, 20}, 60);
+  plate.outliers({-20, -20}, {50, 20}, 60);
   const auto outlines = common_outlines(plate.data);
   REQUIRE_FALSE(outlines.empty());
   const CommonOutline& slot = outlines[0];
@@ -88,7 +89,7 @@ TEST_CASE("common outlines: normals that point outward tell on which side of its
   plate.wall({22, 17}, {22, 42}, 40);
   plate.wall({22, 42}, {0, 42}, 260);
   plate.face({0, 0}, {72, 17}, 60, [](const Vec2&) { return true; });
-  plate.strays({-5, -5}, {77, 47}, 60);
+  plate.outliers({-5, -5}, {77, 47}, 60);
   const auto ell = [&] {
     for (const CommonOutline& o : common_outlines(plate.data))
       if (o.form == OutlineForm::ell) return o;
@@ -117,7 +118,7 @@ TEST_CASE("common outlines: the walls of two holes say where a link ends that wa
   plate.wall({5, -r}, {l, -r}, 300), plate.arc({l, 0}, r, -pi / 2, 0.3, 200);
   plate.arc({0, 0}, eye, 1.6, 2.8, 25), plate.arc({l, 0}, eye, 1.6, 2.8, 60);
   plate.face({-r, -r}, {l + r, r}, 420, inside);
-  plate.strays({-30, -30}, {70, 30}, 60);
+  plate.outliers({-30, -30}, {70, 30}, 60);
   const auto outlines = common_outlines(plate.data);
   REQUIRE_FALSE(outlines.empty());
   const CommonOutline& link = outlines[0];
@@ -137,7 +138,7 @@ TEST_CASE("common outlines: four equal rounds of which two were seen") {
     const Vec2 q = (p - Vec2(x / 2, y / 2)).cwiseAbs() - Vec2(x / 2 - r, y / 2 - r);
     return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0) < r;
   });
-  plate.strays({-10, -10}, {70, 50}, 60);
+  plate.outliers({-10, -10}, {70, 50}, 60);
   const auto outlines = common_outlines(plate.data);
   REQUIRE_FALSE(outlines.empty());
   CHECK(outlines[0].form == OutlineForm::rounded);
@@ -151,7 +152,7 @@ TEST_CASE("common outlines: an L is told from its rectangle") {
   Plate plate;
   plate.wall({0, 0}, {50, 0}, 120), plate.wall({20, 15}, {20, 40}, 60), plate.wall({0, 40}, {0, 0}, 100);
   plate.face({0, 0}, {50, 40}, 1200, [](const Vec2& p) { return p.x() < 20 || p.y() < 15; });
-  plate.strays({-10, -10}, {60, 50}, 60);
+  plate.outliers({-10, -10}, {60, 50}, 60);
   const auto outlines = common_outlines(plate.data);
   REQUIRE_FALSE(outlines.empty());
   CHECK(outlines[0].form == OutlineForm::ell);
@@ -226,7 +227,7 @@ TEST_CASE("round holes: none where the face goes on") {
 TEST_CASE("common outlines: a plate of which no wall was seen is found wherever it stands") {
   Plate plate;
   plate.face({0, 0}, {50, 30}, 1500, [](const Vec2& p) { return p.x() + p.y() < 55; });
-  plate.strays({-10, -10}, {60, 40}, 60);
+  plate.outliers({-10, -10}, {60, 40}, 60);
   const double here = common_outlines(plate.data)[0].cost;
   OutlineData there = plate.data;
   const Vec2 far(600, -400);

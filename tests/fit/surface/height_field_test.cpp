@@ -65,7 +65,7 @@ TEST_CASE("height field: a step of depth leaves two pieces, both facing the sens
     REQUIRE(triangle_normal(mesh, t).dot(middle) < 0);
     REQUIRE(true_distance(middle) < 0.16);
   }
-  // No triangle spans the step, and every point but the strays finds its surface.
+  // No triangle spans the step, and every point but the outliers finds its surface.
   const MeshDistance distance(mesh);
   std::size_t off = 0;
   for (const Vec3& p : cloud.points) off += distance.closest(p).distance > 0.2;

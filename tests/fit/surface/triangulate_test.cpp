@@ -164,11 +164,11 @@ TEST_CASE("triangulate: a ball with an unseen cap is closed, its free half stays
 
 namespace {
 
-/// A cup with walls of 0.35 mm, inside and outside seen, and 2 % strays among the points.
+/// A cup with walls of 0.35 mm, inside and outside seen, and 2 % outliers among the points.
 struct Cup {
   static constexpr double outer = 8, inner = 7.65, height = 12, floor = 1;
   Scan scan;
-  std::vector<std::uint8_t> stray;
+  std::vector<std::uint8_t> outlier;
 
   Cup(std::size_t count, double sigma, std::uint64_t seed) {
     Random random(seed);
@@ -196,8 +196,8 @@ struct Cup {
         n = Vec3::UnitZ(), p = random.uniform(inner, outer) * radial + height * n, ray = -n;
       }
       p += sigma * random.normal() * n;
-      stray.push_back(random.uniform() < 0.02);
-      if (stray.back()) p -= ray * random.uniform(0.5, 5);
+      outlier.push_back(random.uniform() < 0.02);
+      if (outlier.back()) p -= ray * random.uniform(0.5, 5);
       scan.cloud.points.push_back(p), scan.cloud.rays.push_back(ray);
     }
   }
@@ -222,7 +222,7 @@ TEST_CASE("triangulate: a cup of thin walls keeps its inside, and nothing stands
   CHECK(signed_distance(distance, mesh, Vec3(7.825, 0, 6)) < 0);
   std::size_t hidden = 0, off = 0, asked = 0;
   for (std::size_t i = 0; i < seen.size(); i += 3) {
-    if (cup.stray[i]) continue;
+    if (cup.outlier[i]) continue;
     const Vec3 from = seen.points[i] - 40 * seen.rays[i];
     hidden += distance.first_hit(from, seen.rays[i], 40 - 0.5).has_value();
     off += distance.closest(seen.points[i]).distance > 0.2;
@@ -303,7 +303,7 @@ TEST_CASE("triangulate: a place that one view saw is followed, though its points
   CHECK(off * 10 < int(ball.strip.size()));
 }
 
-TEST_CASE("triangulate: of a scan with hardly a stray no surface is set aside") {
+TEST_CASE("triangulate: of a scan with hardly an outlier no surface is set aside") {
   Context context;
   context.threads = 2;
   GroovedBall ball(5);

@@ -38,7 +38,8 @@ TEST_CASE("orient normals: two balls and a box face outward though nobody saw fr
   CHECK(wrong < 10);
 }
 
-TEST_CASE("orient normals: walls of deep holes face into the holes, walls beside them outward, with strays all about") {
+TEST_CASE(
+    "orient normals: walls of deep holes face into the holes, walls beside them outward, with outliers all about") {
   Context context;
   Random random(77);
   PointCloud cloud;
@@ -60,7 +61,7 @@ TEST_CASE("orient normals: walls of deep holes face into the holes, walls beside
     }
   }
   estimate_normals(cloud, {}, context);
-  // A stray a kilometre away.
+  // An outlier a kilometre away.
   cloud.points.emplace_back(1e6, 2e5, 0), cloud.normals.emplace_back(1, 0, 0), cloud.rejected.push_back(0);
   truth.emplace_back(0, 0, 0);
   orient_normals(cloud, 12, context);

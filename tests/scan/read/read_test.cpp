@@ -287,9 +287,9 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
 TEST_CASE("read_scan: an image with a sidecar, orthographic or pinhole") {
   Folder folder;
   const auto png = folder.put("part.png", write_png({2, 2, {9, 1, 3, 9}}));
-  folder.put(
-      "part.json",
-      R"({"unit": "cm", "invalid_code": 9, "scale": 0.5, "offset": 10, "x0": 1, "y0": 2, "pitch_x": 0.1, "pitch_y": 0.2})");
+  folder.put("part.json",
+             R"({"unit": "cm", "invalid_code": 9, "scale": 0.5, "offset": 10,
+          "x0": 1, "y0": 2, "pitch_x": 0.1, "pitch_y": 0.2})");
   const auto flat = scan_of({png});
   REQUIRE(flat.cloud.size() == 2);
   CHECK((flat.cloud.points[0] - Vec3(11, 20, 105)).norm() < 1e-12);  // z = 10 + 0.5 cm

@@ -87,7 +87,7 @@ TEST_CASE("align: of a symmetric part's positions the nearest is taken, and the 
   CHECK(verdict.artifacts[0].alignment->remark.find("3 other positions") != std::string::npos);
 }
 
-TEST_CASE("align: a third of the surface unseen and strays do not lead it astray") {
+TEST_CASE("align: a third of the surface unseen and outliers do not lead it astray") {
   const auto truth = block();
   auto scan = scanned(truth, 20000, sigma);
   std::erase_if(scan.cloud.points, [](const Vec3& p) { return p.x() + p.y() < -6; });

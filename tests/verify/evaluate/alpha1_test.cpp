@@ -232,7 +232,9 @@ TEST_CASE("alpha1: facets and half-spaces close into solids that face outward") 
 
 TEST_CASE("alpha1: a solid of B-spline surfaces can be cut") {
   const std::string ball = helpers + R"(
-Rings : seqCollect { circlePoints( 0.0, -10.0 ); circlePoints( 10.0, -10.0 ); circlePoints( 10.0, 10.0 ); circlePoints( 0.0, 10.0 ); }
+Rings : seqCollect {
+  circlePoints( 0.0, -10.0 ); circlePoints( 10.0, -10.0 ); circlePoints( 10.0, 10.0 ); circlePoints( 0.0, 10.0 );
+}
 Skin : surface( Cubic, "ec_periodic", "kv_uniform", Cubic, "ec_open", "kv_uniform", Rings );
 Body : shellOfSurfaces( Skin );
 )";

@@ -1,4 +1,4 @@
-#include "verify/compare/strays.h"
+#include "verify/compare/outliers.h"
 
 #include <algorithm>
 #include <array>
@@ -15,14 +15,15 @@ namespace {
 constexpr std::array<double, 2> scales = {2.5, 5};   // spacings
 constexpr std::array<double, 2> patches = {2, 3.5};  // spacings; the ring reaches three times as far
 constexpr std::size_t fewest_in_ring = 30;
-constexpr double curtain_of_alone =
-    50;  // density of the densest curtain of a scan to its share of strays that stand alone
+// density of the densest curtain of a scan to its share of outliers that stand alone
+constexpr double curtain_of_alone = 50;
 constexpr double least_curtain = 0.01;
 constexpr double densest_over_surface = 0.06;  // share of a patch of scanned surface that curtains from its edges reach
-constexpr double usual_share = 0.02;           // of strays, unless more were announced
+constexpr double usual_share = 0.02;           // of outliers, unless more were announced
 constexpr double over_share = 2,
-                 most_over_surface = 0.4;  // where strays fill the room about the part: times their share of the points
-constexpr double fewest_strays = 0.001;    // share of the points that is believed to be stray
+                 most_over_surface =
+                     0.4;  // where outliers fill the room about the part: times their share of the points
+constexpr double fewest_outliers = 0.001;  // share of the points that is believed to be outliers
 
 /// The window about one point that is least likely by chance.
 struct Alarm {
@@ -32,11 +33,11 @@ struct Alarm {
 
 class Judge {
  public:
-  explicit Judge(const StrayScene& scene)
+  explicit Judge(const OutlierScene& scene)
       : scene_(scene), off_(scene.off), feet_(scene.feet), spacing_(scene.source->spacing) {
     const auto total = static_cast<double>(std::max<std::size_t>(scene.source->points.size(), 1));
-    share_ = std::clamp(static_cast<double>(scene.off.size()) / total, fewest_strays, scene.most_strays);
-    // Real strays stand alone for the most part: how many do tells how dense a curtain of them can be.
+    share_ = std::clamp(static_cast<double>(scene.off.size()) / total, fewest_outliers, scene.most_outliers);
+    // Real outliers stand alone for the most part: how many do tells how dense a curtain of them can be.
     std::size_t alone = 0;
     std::vector<Neighbour> near;
     for (const auto& p : scene.off) {
@@ -48,7 +49,7 @@ class Judge {
     if (share_ > usual_share) over_surface_ = std::max(over_surface_, std::min(over_share * share_, most_over_surface));
   }
 
-  std::vector<StrayCluster> run(double false_alarm, int threads) const {
+  std::vector<OutlierCluster> run(double false_alarm, int threads) const {
     const std::size_t count = scene_.off.size();
     std::vector<Alarm> alarms(count);
     const double limit = 0.5 * false_alarm / static_cast<double>(count);
@@ -70,7 +71,7 @@ class Judge {
   }
 
  private:
-  const StrayScene& scene_;
+  const OutlierScene& scene_;
   KdTree off_, feet_;
   double spacing_, share_ = 0, densest_ = densest_curtain, over_surface_ = densest_over_surface;
 
@@ -80,7 +81,7 @@ class Judge {
       const double radius = scale * spacing_;
       const std::size_t inside = off_.count_within(scene_.off[i], radius);
       const std::size_t ring = off_.count_within(scene_.off[i], 3 * radius) - inside;
-      // Surface would put so many points into a disc of this radius. Strays line up along edges: of a line through
+      // Surface would put so many points into a disc of this radius. Outliers line up along edges: of a line through
       // the window's middle, the ring holds twice as much as the window.
       const double area = pi * scale * scale;
       const double expected =
@@ -98,7 +99,7 @@ class Judge {
     off_.within(scene_.off[i], 2 * patches.back() * spacing_, near);
     for (const double size : patches) {
       const double radius = size * spacing_;
-      // On edges and corners feet of far-off strays fall together: those count that are near each other themselves.
+      // On edges and corners feet of far-off outliers fall together: those count that are near each other themselves.
       std::size_t off = 0, on = 0, on_ring = 0;
       for (const auto& n : near)
         off += n.sq_distance <= 4 * radius * radius &&
@@ -123,7 +124,7 @@ class Judge {
   }
 
   /// Windows that overlap become one cluster.
-  std::vector<StrayCluster> grouped(const std::vector<Alarm>& alarms) const {
+  std::vector<OutlierCluster> grouped(const std::vector<Alarm>& alarms) const {
     DisjointSets sets(alarms.size());
     std::vector<char> taken(alarms.size(), 0);
     std::vector<Neighbour> near;
@@ -135,7 +136,7 @@ class Judge {
         sets.unite(i, n.index);
       }
     }
-    std::vector<StrayCluster> clusters;
+    std::vector<OutlierCluster> clusters;
     std::vector<std::uint32_t> number(alarms.size(), 0);
     std::vector<double> least;
     std::vector<Box3> boxes;
@@ -145,22 +146,23 @@ class Judge {
       if (r == i)
         number[r] = static_cast<std::uint32_t>(clusters.size()), clusters.emplace_back(), least.push_back(2),
         boxes.emplace_back();
-      StrayCluster& cluster = clusters[number[r]];
+      OutlierCluster& cluster = clusters[number[r]];
       cluster.members.push_back(i);
       boxes[number[r]].add(scene_.off[i]);
       if (alarms[i].count && alarms[i].probability < least[number[r]])
         least[number[r]] = alarms[i].probability, cluster.most = alarms[i].count, cluster.expected = alarms[i].expected;
     }
     for (std::size_t c = 0; c < clusters.size(); ++c) clusters[c].extent = boxes[c].diagonal();
-    std::stable_sort(clusters.begin(), clusters.end(),
-                     [](const StrayCluster& a, const StrayCluster& b) { return a.members.size() > b.members.size(); });
+    std::stable_sort(clusters.begin(), clusters.end(), [](const OutlierCluster& a, const OutlierCluster& b) {
+      return a.members.size() > b.members.size();
+    });
     return clusters;
   }
 };
 
 }  // namespace
 
-std::vector<StrayCluster> clusters_beyond_chance(const StrayScene& scene, double false_alarm, int threads) {
+std::vector<OutlierCluster> clusters_beyond_chance(const OutlierScene& scene, double false_alarm, int threads) {
   if (scene.off.size() < 3 || !(scene.source->spacing > 0)) return {};
   return Judge(scene).run(false_alarm, threads);
 }

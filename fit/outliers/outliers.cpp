@@ -1,4 +1,4 @@
-#include "fit/outliers/strays.h"
+#include "fit/outliers/outliers.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::size_t least_neighbours = 20, most_neighbours = 90;
 constexpr int drawn_planes = 25;
-constexpr double good_share = 0.72;  // of the neighbours on a point's plane; a ball of strays reaches 0.6 by chance
+constexpr double good_share = 0.72;  // of the neighbours on a point's plane; a ball of outliers reaches 0.6 by chance
 constexpr double clear_share = 0.9;  // nine in ten points of a face have more on theirs
 constexpr double edge_on = 0.1;      // cosine between normal and ray; no surface returns light at 84 degrees
-constexpr double everywhere = 0.1;   // share of the points; then what is sparse is no surface
+constexpr double everywhere = 0.1;   // share of the points; above it sparse points are taken for outliers
 constexpr double thin_out = 0.1;     // of the middle density of a surface; sparser is sparse
 
 /// The plane near a point that holds most of its neighbours.
@@ -43,12 +43,13 @@ bool sees_other_side(const Vec3& normal, const Vec3& own_ray, const Vec3& ray) {
   return own * other < 0 && std::min(std::abs(own), std::abs(other)) > edge_on;
 }
 
-/// Neighbours nearer than so many sigmas, or than a share of the neighbourhood's radius, say nothing of the direction
+/// Neighbours nearer than so many sigmas, or than a share of the neighbourhood's radius, do not determine the direction
 /// of a plane.
 constexpr double apart_sigmas = 2, apart_share = 0.4;
 
-/// Where points lie so densely that the nearest are all nearer than that, none shows a plane and the densest of a
-/// surface would pass for a heap of strays: as many of all those then that are about as far as shows one.
+/// Where points are so dense that all nearest neighbours are nearer than that, they determine no plane, and the densest
+/// part of a surface would be taken for a heap of outliers. Then as many neighbours are taken from those at a
+/// sufficient distance.
 void reach_beyond_noise(const KdTree& tree, const Vec3& p, double sigma, std::vector<Neighbour>& near) {
   if (near.size() < most_neighbours || std::sqrt(near.back().sq_distance) > apart_sigmas * sigma) return;
   std::vector<Neighbour> all;
@@ -118,13 +119,13 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Vec3>& 
   return plane;
 }
 
-/// Of the points left those so sparse that they are a curtain rather than a surface, if there are many strays.
+/// Of the points left those so sparse that they are a curtain rather than a surface, if there are many outliers.
 std::vector<std::uint32_t> sparse_points(const std::vector<Vec3>& points, const SurfacePoints& result,
                                          Context& context) {
   std::vector<std::uint32_t> source, found;
   std::vector<Vec3> kept;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (!result.stray[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
+    if (!result.outlier[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
   if (kept.size() < 3 * least_neighbours) return found;
   const KdTree tree(kept);
   std::vector<double> sq_radius(kept.size());
@@ -157,7 +158,7 @@ void set_dots_aside(const std::vector<Vec3>& points, SurfacePoints& result) {
   std::vector<std::uint32_t> source;
   std::vector<Vec3> kept;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (!result.stray[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
+    if (!result.outlier[i]) source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
   if (kept.empty()) return;
   const KdTree tree(kept);
   DisjointSets heaps(kept.size());
@@ -179,7 +180,7 @@ void set_dots_aside(const std::vector<Vec3>& points, SurfacePoints& result) {
     const bool dot = std::sqrt(eigen.eigenvalues()[2]) < widest * result.sigma,
                thread = std::sqrt(eigen.eigenvalues()[1]) < narrowest * result.sigma;
     if (!dot && !thread) continue;
-    for (const auto i : heap) result.stray[source[i]] = 1, ++result.strays;
+    for (const auto i : heap) result.outlier[source[i]] = 1, ++result.outliers;
   }
 }
 
@@ -189,17 +190,17 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
                                 Context& context) {
   const std::size_t n = points.size();
   SurfacePoints result;
-  result.stray.assign(n, 0), result.normals.assign(n, Vec3::Zero()), result.sigma = sigma, result.share.assign(n, 0);
+  result.outlier.assign(n, 0), result.normals.assign(n, Vec3::Zero()), result.sigma = sigma, result.share.assign(n, 0);
   constexpr int last_pass = 3;
-  constexpr double fell =
-      0.8;           // of the noise that was thought of: what was no stray in a band so much wider may be one
+  // times the previous estimate of the noise: with a band that much narrower, further points may be outliers
+  constexpr double fell = 0.8;
   int narrower = 8;  // times; a guess six times the noise comes down to it
   for (int pass = 0; pass <= last_pass && !context.cancelled; ++pass) {
     const double thought = result.sigma;
     std::vector<std::uint32_t> source;
     std::vector<Vec3> kept, kept_rays;
     for (std::size_t i = 0; i < n; ++i)
-      if (!result.stray[i]) {
+      if (!result.outlier[i]) {
         source.push_back(static_cast<std::uint32_t>(i)), kept.push_back(points[i]);
         if (rays.size() == n) kept_rays.push_back(rays[i]);
       }
@@ -226,7 +227,7 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
         neighbours[i] = near;
       }
     });
-    std::vector<std::uint8_t> stray(count, 0);
+    std::vector<std::uint8_t> outlier(count, 0);
     parallel_for(count, context.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         std::size_t support = 0;
@@ -236,20 +237,20 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
           const double d = std::abs(plane.normal.dot(kept[i] - plane.middle));
           support += d < band(1.4 * result.sigma, std::sqrt(m.sq_distance));
         }
-        stray[i] = support < 3;
+        outlier[i] = support < 3;
       }
     });
     std::vector<double> residuals;
     std::size_t found = 0;
     for (std::size_t i = 0; i < count; ++i) {
       result.normals[source[i]] = planes[i].normal, result.share[source[i]] = static_cast<float>(planes[i].share);
-      if (stray[i])
-        result.stray[source[i]] = 1, ++found;
+      if (outlier[i])
+        result.outlier[source[i]] = 1, ++found;
       else if (planes[i].share > 0.85)
         residuals.push_back(planes[i].residual);
     }
-    result.strays += found;
-    // Of a Gaussian cut off at the band; curved pieces lie above the median of these medians.
+    result.outliers += found;
+    // Sigma of a Gaussian truncated at the band; curved pieces have values above the median of these medians.
     if (residuals.size() > 50) result.sigma = std::min(result.sigma, 1.4826 * median(residuals) * 1.03);
     const bool hardly_any = found * 500 < count;
     if (hardly_any && result.sigma < fell * thought && narrower-- > 0) {
@@ -257,29 +258,29 @@ SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vect
       continue;
     }
     if (hardly_any || pass == last_pass) {
-      // Pieces that hang together by planes that hold each other's points.
+      // Pieces that are connected: each point lies on the plane of the other.
       DisjointSets pieces(count);
       for (std::size_t i = 0; i < count; ++i)
         for (const auto& m : neighbours[i]) {
           const LocalPlane& plane = planes[m.index];
-          if (stray[i] || stray[m.index] || plane.share < good_share || m.sq_distance > plane.radius * plane.radius)
+          if (outlier[i] || outlier[m.index] || plane.share < good_share || m.sq_distance > plane.radius * plane.radius)
             continue;
           if (std::abs(plane.normal.dot(kept[i] - plane.middle)) < band(1.4 * result.sigma, std::sqrt(m.sq_distance)))
             pieces.unite(static_cast<std::uint32_t>(i), m.index);
         }
       for (std::size_t i = 0; i < count; ++i)
-        if (!stray[i] && 100 * std::size_t{pieces.size(static_cast<std::uint32_t>(i))} < 3 * count)
-          result.stray[source[i]] = 1, ++result.strays;
+        if (!outlier[i] && 100 * std::size_t{pieces.size(static_cast<std::uint32_t>(i))} < 3 * count)
+          result.outlier[source[i]] = 1, ++result.outliers;
       break;
     }
   }
-  // In a box hardly thicker than the noise is wide strays hold one another. They are sparse, and lie on no planes as
-  // clear as a face's.
+  // In a box hardly thicker than the noise, outliers lie on one another's planes. They are sparse, and their planes
+  // contain fewer of the neighbours than those of a face.
   const std::vector<std::uint32_t> sparse = sparse_points(points, result, context);
   const std::size_t strewn = clear_planes(sparse, result) ? 0 : sparse.size();
-  if (double(result.strays + strewn) > everywhere * double(n)) {
-    for (const std::uint32_t i : sparse) result.stray[i] = 1;
-    result.strays += sparse.size();
+  if (double(result.outliers + strewn) > everywhere * double(n)) {
+    for (const std::uint32_t i : sparse) result.outlier[i] = 1;
+    result.outliers += sparse.size();
     set_dots_aside(points, result);
   }
   return result;

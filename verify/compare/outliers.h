@@ -1,4 +1,4 @@
-/// Points off the model that stand so close together that strays cannot explain them.
+/// Points off the model that stand so close together that outliers cannot explain them.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace partscribe::verify {
 
-/// What a scan's strays are judged by. All points off the model, kept or set aside by a filter, in coordinate order.
-struct StrayScene {
+/// What a scan's outliers are judged by. All points off the model, kept or set aside by a filter, in coordinate order.
+struct OutlierScene {
   std::vector<Vec3> off;                                 ///< the points
   std::vector<Vec3> feet;                                ///< the nearest places on the model
   std::vector<Vec3> foot_normals;                        ///< unit, of the facets there
@@ -17,25 +17,25 @@ struct StrayScene {
   const std::vector<std::uint8_t>* is_off = nullptr;     ///< per kept point: 1 if it is among `off`
   const std::vector<std::uint32_t>* triangle = nullptr;  ///< per kept point: its nearest facet
   const std::vector<Vec3>* normals = nullptr;            ///< per facet
-  double most_strays = 0.02;                             ///< share of the points that is believed to be stray, at most
+  double most_outliers = 0.02;  ///< share of the points that is believed to be outliers, at most
 };
 
 /// A group that chance does not explain.
-struct StrayCluster {
-  std::vector<std::uint32_t> members;  ///< indices into StrayScene::off, ascending
+struct OutlierCluster {
+  std::vector<std::uint32_t> members;  ///< indices into OutlierScene::off, ascending
   std::size_t most = 0;                ///< points in the window that gave it away
-  double expected = 0;                 ///< strays that the scan's own density puts into that window
+  double expected = 0;                 ///< outliers that the scan's own density puts into that window
   double extent = 0;                   ///< mm, largest width
 };
 
 /// Two tests on windows about every point off the model, each with half of `false_alarm` for the whole scan:
 /// - space: how many others are off within 2.5 and 5 spacings of it, against a Poisson count with the density of the
-///   ring outside the window, at least the scan's own share of strays, at most the densest curtain of mixed pixels;
+///   ring outside the window, at least the scan's own share of outliers, at most the densest curtain of mixed pixels;
 /// - surface: how many of the points over the patch around its foot are off, against a binomial with the share of the
-///   ring around that patch. A feature hides the surface below it; strays leave it in view.
-std::vector<StrayCluster> clusters_beyond_chance(const StrayScene& scene, double false_alarm, int threads);
+///   ring around that patch. A feature hides the surface below it; outliers leave it in view.
+std::vector<OutlierCluster> clusters_beyond_chance(const OutlierScene& scene, double false_alarm, int threads);
 
-/// Strays of one view that scatter between an edge and what lies behind it are at most so dense, as a share of the
+/// Outliers of one view that scatter between an edge and what lies behind it are at most so dense, as a share of the
 /// density of scanned surface: three in ten of the pixels along the edge, spread over two pixels or more.
 inline constexpr double densest_curtain = 0.15;
 
