@@ -47,16 +47,23 @@ void check_right(const std::vector<Run>& runs) {
   }
 }
 
-}  // namespace
+/// Of plates among outliers another body may be told, as long as the plate is named beside it.
+void check_not_wrong(const std::vector<std::uint64_t>& seeds) {
+  for (const std::uint64_t seed : seeds) {
+    Context context;
+    const Score score = recovered(make_case("extrude", hardest_conditions(), seed), context);
+    INFO(seed << ": " << score.found << " " << score.why);
+    CHECK(score.answer != Answer::wrong);
+  }
+}
 
-TEST_CASE(
-    "recovery: of thirty hard scans with a third unseen at least 28 give the right kind and numbers, none a wrong "
-    "answer") {
+/// Hard scans of ten kinds with each of the seeds, of which all but `spared` are to be right and none wrong.
+void check_kinds(std::uint64_t seeds, std::size_t spared) {
   std::size_t runs = 0, right = 0, wrong = 0;
   std::string report;
   for (const auto& kind :
        {"sphere", "ellipsoid", "box", "wedge", "cylinder", "cone", "torus", "half_spaces", "revolve", "extrude"})
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       const Case c = make_case(kind, standard_conditions(), seed);
       Context context;
       const Score score = recovered(c, context);
@@ -66,20 +73,26 @@ TEST_CASE(
                   " " + score.why + "\n";
     }
   INFO(report);
-  CHECK(runs == 30);
-  CHECK(right >= 28);
+  CHECK(runs == 10 * seeds);
+  CHECK(right + spared >= runs);
   CHECK(wrong == 0);
 }
 
+}  // namespace
+
+TEST_CASE("recovery: of a hard scan of each kind with a third unseen at most one is undecided, none a wrong answer") {
+  check_kinds(1, 1);
+}
+
+TEST_CASE(
+    "recovery: of thirty hard scans with a third unseen at least 28 give the right kind and numbers, none a wrong "
+    "answer",
+    "[.statistics]") {
+  check_kinds(3, 2);
+}
+
 TEST_CASE("recovery: among 30 % outliers, two thirds hidden, plates keep their holes and rounded bodies their axes") {
-  for (const auto& [kind, seed] : {std::pair{"extrude", 12}, std::pair{"extrude", 28}, std::pair{"extrude", 49},
-                                   std::pair{"superellipsoid", 3}, std::pair{"superellipsoid", 8}}) {
-    const Case c = make_case(kind, hardest_conditions(), static_cast<std::uint64_t>(seed));
-    Context context;
-    const Score score = recovered(c, context);
-    INFO(kind << " " << seed << ": " << score.found << " " << score.why);
-    CHECK(score.answer == Answer::right);
-  }
+  check_right({{"extrude", hardest_conditions(), 12}, {"superellipsoid", hardest_conditions(), 3}});
 }
 
 TEST_CASE("recovery: two faces of a polyhedron may be a rounded block, and the model says what else") {
@@ -118,19 +131,19 @@ TEST_CASE("recovery: a block is none whose side is folded into a wing that meets
 }
 
 TEST_CASE("recovery: a face of a polyhedron that few points show is one, and no side that nobody saw cuts across it") {
-  // Of one face 49 points of 3,900 are about, of the other 24.
-  check_right({{"half_spaces", standard_conditions(), 129}, {"half_spaces", standard_conditions(), 152}});
+  // Of one face 24 points of 3,900 are about.
+  check_right({{"half_spaces", standard_conditions(), 152}});
 }
 
-TEST_CASE("recovery: the step of a turned part that 63 or 132 points of 3,800 show is no heap of outliers") {
+TEST_CASE("recovery: the step of a turned part that 63 points of 3,800 show is no heap of outliers") {
   // So sparse that no local plane holds its neighbours: all of them pass for outliers, and a plain rod is within
   // tolerance of the others.
-  check_right({{"revolve", standard_conditions(), 204}, {"revolve", standard_conditions(), 223}});
+  check_right({{"revolve", standard_conditions(), 204}});
 }
 
 TEST_CASE("recovery: the wall of a thin step is no piece of the axis") {
-  // Of 242 its end was hardly seen: the wall goes no further, not on to where it would meet the axis, 640 mm away.
-  check_right({{"revolve", hardest_conditions(), 77}, {"revolve", standard_conditions(), 242}});
+  // Its end was hardly seen: the wall goes no further, not on to where it would meet the axis, 640 mm away.
+  check_right({{"revolve", standard_conditions(), 242}});
 }
 
 TEST_CASE("recovery: a neck between two collars that 24 points of 3,700 show is one") {
@@ -138,13 +151,13 @@ TEST_CASE("recovery: a neck between two collars that 24 points of 3,700 show is 
 }
 
 TEST_CASE("recovery: an angle of which no wall of the notch was seen is one where its end faces show it") {
-  check_right({{"extrude", standard_conditions(), 98}, {"extrude", standard_conditions(), 198}});
+  check_right({{"extrude", standard_conditions(), 98}});
 }
 
 TEST_CASE("recovery: outliers that fill a box hardly thicker than the noise is wide are outliers") {
   // Outliers in so flat a box hold one another: hardly a tenth of the points seemed to be any, and what is sparse was
   // kept.
-  check_right({{"extrude", hardest_conditions(), 143}, {"extrude", hardest_conditions(), 168}});
+  check_right({{"extrude", hardest_conditions(), 143}});
 }
 
 TEST_CASE("recovery: sides of a plate that its rounds tell move with them") {
@@ -154,9 +167,8 @@ TEST_CASE("recovery: sides of a plate that its rounds tell move with them") {
 TEST_CASE(
     "recovery: where of three bodies each ends better than the next, the last that is not clearly behind is taken") {
   // A plate's faces end where the points do better than this wedge's, another plate's better than the first one's, the
-  // wedge's better than those. The second case: a box is 5 nats ahead of the plate, which ends better than another box,
-  // which is 3 ahead of the first.
-  check_right({{"wedge", standard_conditions(), 111}, {"extrude", standard_conditions(), 141}});
+  // wedge's better than those.
+  check_right({{"wedge", standard_conditions(), 111}});
 }
 
 TEST_CASE("recovery: the end of a block that nobody saw stays where the data end") {
@@ -199,20 +211,35 @@ TEST_CASE(
 }
 
 TEST_CASE("recovery: a ring with corners and a fillet come back from hard scans, a fillet from a coarse mesh") {
+  check_right({{"supertoroid", standard_conditions(), 1},
+               {"fillet", standard_conditions(), 5},
+               {"fillet", facet_conditions(), 2}});
+}
+
+TEST_CASE("recovery: what is claimed of one hard scan holds for others of its kind", "[.statistics]") {
+  check_right({{"extrude", hardest_conditions(), 28},
+               {"extrude", hardest_conditions(), 49},
+               {"superellipsoid", hardest_conditions(), 8},
+               {"half_spaces", standard_conditions(), 129},
+               {"revolve", standard_conditions(), 223},
+               {"revolve", hardest_conditions(), 77},
+               {"extrude", standard_conditions(), 198},
+               {"extrude", hardest_conditions(), 168}});
+  // A box is 5 nats ahead of the plate, which ends better than another box, which is 3 ahead of the first.
+  check_right({{"extrude", standard_conditions(), 141}});
+  // The last steps led a plate that was swept across another way to one that costs 90 nats more than the right one.
+  check_right({{"extrude", hardest_conditions(), 140}});
   // Of ring 54 an extrusion is within the tolerance too, though only just; so is one of hard ring 84, and a polyhedron
   // of 37, as outliers go. Of fillet 200 a rod of no radius is proposed. Of 38 and 83 no leg was seen, of 51 an
   // extrusion with a folded leg follows the noise, and of 116 the points of one end were taken for outliers.
-  check_right({{"supertoroid", standard_conditions(), 1},
-               {"supertoroid", standard_conditions(), 54},
+  check_right({{"supertoroid", standard_conditions(), 54},
                {"supertoroid", hardest_conditions(), 37},
                {"supertoroid", hardest_conditions(), 84},
-               {"fillet", standard_conditions(), 5},
                {"fillet", standard_conditions(), 38},
                {"fillet", standard_conditions(), 51},
                {"fillet", standard_conditions(), 83},
                {"fillet", standard_conditions(), 116},
-               {"fillet", standard_conditions(), 200},
-               {"fillet", facet_conditions(), 2}});
+               {"fillet", standard_conditions(), 200}});
 }
 
 TEST_CASE("recovery: parts that are nearly of another kind are told from it, or the model says that it cannot tell") {
@@ -274,13 +301,8 @@ TEST_CASE("recovery: a hard scan holds what its conditions say") {
     CHECK(std::abs(distance(part_from_scan * c.exact[i]).distance) < 1e-5 * c.size);
 }
 
-TEST_CASE(
-    "recovery: plates among 30 % outliers: dense walls are no outliers, what is printed is no dearer than what else "
-    "was "
-    "found") {
-  // Of 155 the densest wall passed for outliers; of 140 the last steps led a plate that was swept across another way to
-  // one that costs 90 nats more than the right one.
-  check_right({{"extrude", hardest_conditions(), 140}, {"extrude", hardest_conditions(), 155}});
+TEST_CASE("recovery: the densest wall of a plate among 30 % outliers is no outlier") {
+  check_right({{"extrude", hardest_conditions(), 155}});
 }
 
 TEST_CASE("recovery: a plate of which the floor, the top and the wall of a step were seen lies below them") {
@@ -295,14 +317,14 @@ TEST_CASE("recovery: outliers beside a face are no fin of a plate, 0.9 +- 1.1 mm
 }
 
 TEST_CASE("recovery: among outliers the rivals name the plate that was taken for another body") {
-  // Of 143 a polyhedron is four times as far off as noise; of 173 a wedge leans its slope on the wall of a hole and
-  // outliers; of 181 a cone has a face of 2,700 points and three of a hundred.
-  for (const std::uint64_t seed : {143, 173, 181}) {
-    Context context;
-    const Score score = recovered(make_case("extrude", hardest_conditions(), seed), context);
-    INFO(seed << ": " << score.found << " " << score.why);
-    CHECK(score.answer != Answer::wrong);
-  }
+  // A wedge leans its slope on the wall of a hole and outliers.
+  check_not_wrong({173});
+}
+
+TEST_CASE("recovery: so they do of other plates", "[.statistics]") {
+  // Of 143 a polyhedron is four times as far off as noise; of 181 a cone has a face of 2,700 points and three of a
+  // hundred.
+  check_not_wrong({143, 181});
 }
 
 TEST_CASE("recovery: a cone whose radii are far larger than the data is none") {

@@ -43,6 +43,16 @@ TEST_CASE("mutation: damages of a model are refused through every backend, and t
   options.most = 1;
   options.in_turn = true;
   std::set<std::string> kinds;
+  for (const auto& part : {"block", "pin"}) refuses(part, options, kinds);
+  CHECK(kinds.size() >= 15);
+}
+
+TEST_CASE("mutation: so are those of all parts", "[.statistics]") {
+  SuiteOptions options;
+  options.files = false;
+  options.most = 1;
+  options.in_turn = true;
+  std::set<std::string> kinds;
   for (const auto& part : {"block", "pin", "half_spaces", "tri_surface"}) refuses(part, options, kinds);
   CHECK(kinds.size() >= 18);
 }

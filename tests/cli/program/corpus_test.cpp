@@ -148,7 +148,7 @@ TEST_CASE("corpus: a tolerance below what the scan can decide ends with 6, never
   const TemporaryDirectory folder;
   REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(6, false)).ok());
   const auto output =
-      run_partscribe({"build", (folder.path() / "rod.xyz").string(), "--units", "mm", "--tolerance", "0.0005",
+      run_partscribe({"build", (folder.path() / "rod.xyz").string(), "--units", "mm", "--tolerance", "0.002",
                       "--procedure", "cylinder", "--to", "step", "--out", (folder.path() / "out").string()});
   INFO(output.out << output.err);
   CHECK(output.exit_code == 6);
@@ -277,7 +277,7 @@ TEST_CASE("corpus: where no procedure describes a part, the last line says so an
           "OFF\n5 6 0\n0 0 0\n30 0 0\n0 30 0\n0 0 30\n4 5 3\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 4\n3 2 3 4\n3 3 1 4\n")
           .ok());
   const auto output = run_partscribe({"build", (folder.path() / "lump.off").string(), "--units", "mm", "--tolerance",
-                                      "0.05", "--to", "step", "--out", (folder.path() / "out").string()});
+                                      "0.2", "--to", "step", "--out", (folder.path() / "out").string()});
   INFO(output.out << output.err);
   CHECK(output.exit_code == 0);
   const auto at = output.out.find("No CAD procedure was found: no single extrusion or turned body describes it");

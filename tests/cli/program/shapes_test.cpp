@@ -7,17 +7,25 @@
 namespace partscribe::testing {
 namespace {
 
+/// Pixels along a side of a view, and what is asked of the result in mm.
+struct Setting {
+  const char *resolution, *tolerance;
+};
+constexpr Setting coarse = {"48", "0.4"}, fine = {"110", "0.1"};
+
 /// Scans the committed model of a part and demands that `build` finds its kind and verifies all four artifacts.
-void expect_found(const std::string& part, const std::string& kind, const std::vector<double>& sizes) {
+void expect_found(const std::string& part, const std::string& kind, const std::vector<double>& sizes,
+                  const Setting& setting = coarse) {
   const TemporaryDirectory folder;
   const Path scan = folder.path() / "scan", out = folder.path() / "out";
   const Path truth = Path(PARTSCRIBE_SOURCE_DIR) / "tests/golden" / part / "model.json";
-  const auto simulated = run_partscribe({"simulate", truth.string(), "--views", "icosahedron", "--resolution", "110",
-                                         "--sigma", "0.02", "--bit-error", "0.001", "--out", scan.string()});
+  const auto simulated =
+      run_partscribe({"simulate", truth.string(), "--views", "icosahedron", "--resolution", setting.resolution,
+                      "--sigma", "0.02", "--bit-error", "0.001", "--out", scan.string()});
   INFO(part << ": " << simulated.out << simulated.err);
   REQUIRE(simulated.exit_code == 0);
   const auto built =
-      run_partscribe({"build", (scan / "scan.json").string(), "--tolerance", "0.1", "--out", out.string()});
+      run_partscribe({"build", (scan / "scan.json").string(), "--tolerance", setting.tolerance, "--out", out.string()});
   INFO(built.out << built.err);
   CHECK(built.exit_code == 0);
   const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
@@ -56,5 +64,22 @@ TEST_CASE("shapes: a scanned polyhedron is cut from half-spaces") { expect_found
 TEST_CASE("shapes: a scanned pin is turned") { expect_found("pin", "revolve", {15, 9, 10}); }
 TEST_CASE("shapes: a scanned vase is turned from a free profile") { expect_found("nurbs_vase", "revolve", {}); }
 TEST_CASE("shapes: a scanned tie bar is extruded") { expect_found("tie_bar", "extrude", {}); }
+
+TEST_CASE("shapes: every one of them is found in a fine scan, within a tenth of a millimetre", "[.statistics]") {
+  expect_found("sphere", "sphere", {}, fine);
+  expect_found("ellipsoid", "ellipsoid", {30, 20, 12}, fine);
+  expect_found("box", "box", {60, 40, 25.3}, fine);
+  expect_found("wedge", "wedge", {}, fine);
+  expect_found("cylinder", "cylinder", {12, 80}, fine);
+  expect_found("cone", "cone", {20, 5, 35}, fine);
+  expect_found("torus", "torus", {}, fine);
+  expect_found("superellipsoid", "superellipsoid", {}, fine);
+  expect_found("supertoroid", "supertoroid", {30, 8, 5}, fine);
+  expect_found("fillet", "fillet", {14, 10, 50}, fine);
+  expect_found("half_spaces", "half_spaces", {}, fine);
+  expect_found("pin", "revolve", {15, 9, 10}, fine);
+  expect_found("nurbs_vase", "revolve", {}, fine);
+  expect_found("tie_bar", "extrude", {}, fine);
+}
 
 }  // namespace partscribe::testing

@@ -234,46 +234,97 @@ Pooled pooled(Trouble trouble, int runs, const TrialOptions& options) {
 
 }  // namespace
 
-TEST_CASE("refine: ideal data are used up to the Cramer-Rao bound, and sigma_noise says so") {
-  const Pooled p = pooled(Trouble::none, 30, {});
-  CHECK(p.efficiency < 1.1);  // 480 errors: known to 3 %
-  CHECK(p.efficiency > 0.9);
-  CHECK(p.noise_coverage > 0.92);  // 95 % +- 1
-  CHECK(p.noise_coverage < 0.98);
+namespace {
+
+/// Runs of the short tests. The bounds are those of many runs; `slack` is what chance may add to them in few.
+constexpr int few = 5;
+
+void ideal_data(int runs, double slack) {
+  const Pooled p = pooled(Trouble::none, runs, {});
+  CHECK(p.efficiency < 1.1 + slack);  // 480 errors: known to 3 %
+  CHECK(p.efficiency > 0.9 - slack);
+  CHECK(p.noise_coverage > 0.92 - slack / 2);  // 95 % +- 1
+  CHECK(p.noise_coverage < 0.98 + slack / 2);
   CHECK(p.independent > 0.99);
 }
 
-TEST_CASE("refine: noise that differs from view to view is weighed, and outliers are not heard") {
-  CHECK(pooled(Trouble::uneven, 20, {}).efficiency < 1.15);
-  const Pooled strewn = pooled(Trouble::outliers, 20, {});
-  CHECK(strewn.efficiency < 1.2);
-  CHECK(strewn.noise_coverage > 0.9);
+void uneven_noise(int runs, double slack) {
+  CHECK(pooled(Trouble::uneven, runs, {}).efficiency < 1.15 + slack);
+  const Pooled strewn = pooled(Trouble::outliers, runs, {});
+  CHECK(strewn.efficiency < 1.2 + slack);
+  CHECK(strewn.noise_coverage > 0.9 - slack / 2);
 }
 
-TEST_CASE("refine: every point of a scan has its say, not only the thinned ones") {
+void every_point(int runs) {
   TrialOptions dense;
   dense.views = 10, dense.resolution = 120;
   Context context;
-  const auto s = trials(scene_of(trial_parts()[1], dense), Trouble::none, 12, {}, context);
+  const auto s = trials(scene_of(trial_parts()[1], dense), Trouble::none, runs, {}, context);
   // A tenth of the points would triple the error.
   CHECK(s.efficiency < 1.6);
 }
 
-TEST_CASE("refine: neighbouring points that err together count as fewer") {
+void neighbours_err_together(int runs, double slack) {
   TrialOptions fine;
   fine.views = 5, fine.resolution = 64;
-  const Pooled p = pooled(Trouble::correlated, 12, fine);
+  const Pooled p = pooled(Trouble::correlated, runs, fine);
   CHECK(p.independent < 0.25);  // the noise is smoothed by a 3 x 3 kernel that leaves 1 in 7
-  CHECK(p.noise_coverage > 0.88);
-  CHECK(p.total_coverage > 0.91);
-  CHECK(p.worst_ratio < 4);  // rims that nothing has rounded say that nothing was smoothed
+  CHECK(p.noise_coverage > 0.88 - slack / 2);
+  CHECK(p.total_coverage > 0.91 - slack / 2);
+  CHECK(p.worst_ratio < 4 * (1 + 10 * slack));  // rims that nothing has rounded say that nothing was smoothed
 }
 
-TEST_CASE("refine: sigma holds the truth when poses are disturbed, and does not exaggerate") {
-  const Pooled p = pooled(Trouble::poses, 20, {});
+void disturbed_poses(int runs, double slack) {
+  const Pooled p = pooled(Trouble::poses, runs, {});
   CHECK(p.noise_coverage < 0.8);  // the noise part alone would not
-  CHECK(p.total_coverage > 0.91);
-  CHECK(p.worst_ratio < 2);
+  CHECK(p.total_coverage > 0.91 - slack / 2);
+  CHECK(p.worst_ratio < 2 * (1 + 10 * slack));
+}
+
+void disturbed_unknown_views(int runs, double slack) {
+  TrialOptions unknown;
+  unknown.rays = false;
+  const Pooled p = pooled(Trouble::poses, runs, unknown);
+  CHECK(p.noise_coverage < 0.7);
+  CHECK(p.total_coverage > 0.88 - slack / 2);
+  CHECK(p.worst_ratio < 3.5 * (1 + 10 * slack));
+}
+
+void facets_and_filters(int runs, double slack) {
+  const Pooled facets = pooled(Trouble::facets, runs, {});
+  CHECK(facets.total_coverage > 0.93 - slack / 2);
+  CHECK(facets.worst_ratio < 2 * (1 + 10 * slack));
+  TrialOptions fine;
+  fine.views = 5, fine.resolution = 64;
+  const Pooled filtered = pooled(Trouble::filtered, runs, fine);
+  CHECK(filtered.total_coverage > 0.91 - slack / 2);
+  CHECK(filtered.noise_coverage < 0.8);
+}
+
+}  // namespace
+
+TEST_CASE("refine: ideal data are used up to the Cramer-Rao bound, and sigma_noise says so") { ideal_data(few, 0.2); }
+
+TEST_CASE("refine: noise that differs from view to view is weighed, and outliers are not heard") {
+  uneven_noise(few, 0.2);
+}
+
+TEST_CASE("refine: every point of a scan has its say, not only the thinned ones") { every_point(4); }
+
+TEST_CASE("refine: neighbouring points that err together count as fewer") { neighbours_err_together(3, 0.2); }
+
+TEST_CASE("refine: sigma holds the truth when poses are disturbed, and does not exaggerate") {
+  disturbed_poses(few, 0.2);
+}
+
+TEST_CASE("refine: many runs agree with their sigmas", "[.statistics]") {
+  ideal_data(30, 0);
+  uneven_noise(20, 0);
+  every_point(12);
+  neighbours_err_together(12, 0);
+  disturbed_poses(20, 0);
+  disturbed_unknown_views(20, 0);
+  facets_and_filters(12, 0);
 }
 
 TEST_CASE("refine: dimensions are no surer than the poses that they hang on") {
@@ -316,24 +367,10 @@ TEST_CASE("refine: dimensions are no surer than the poses that they hang on") {
 }
 
 TEST_CASE("refine: sigma holds the truth when poses are disturbed and nobody knows the views") {
-  TrialOptions unknown;
-  unknown.rays = false;
-  const Pooled p = pooled(Trouble::poses, 20, unknown);
-  CHECK(p.noise_coverage < 0.7);
-  CHECK(p.total_coverage > 0.88);
-  CHECK(p.worst_ratio < 3.5);
+  disturbed_unknown_views(few, 0.2);
 }
 
-TEST_CASE("refine: sigma holds the truth under coarse facets and smoothing filters") {
-  const Pooled facets = pooled(Trouble::facets, 12, {});
-  CHECK(facets.total_coverage > 0.93);
-  CHECK(facets.worst_ratio < 2);
-  TrialOptions fine;
-  fine.views = 5, fine.resolution = 64;
-  const Pooled filtered = pooled(Trouble::filtered, 12, fine);
-  CHECK(filtered.total_coverage > 0.91);
-  CHECK(filtered.noise_coverage < 0.8);
-}
+TEST_CASE("refine: sigma holds the truth under coarse facets and smoothing filters") { facets_and_filters(3, 0.2); }
 
 TEST_CASE("refine: what a filter does to rims moves no plane face") {
   TrialOptions fine;
