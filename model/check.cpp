@@ -7,11 +7,17 @@
 
 #include "core/number.h"
 #include "geometry/mesh/convex.h"
+#include "model/lower/edges.h"
+#include "model/lower/lower.h"
 #include "model/overloaded.h"
 #include "model/sketch.h"
+#include "model/sketch_relations.h"
 
 namespace partscribe::model {
 namespace {
+
+/// More copies of an object than this are a mistake.
+constexpr double most_copies = 10000;
 
 bool is_identifier(const std::string& name) {
   if (name.empty() || !(name[0] >= 'a' && name[0] <= 'z')) return false;
@@ -71,7 +77,7 @@ std::string place_of(const Vec2& p) {
 struct Check {
   Model model;
   std::vector<std::string> complaints;
-  Values values;
+  Values values, fitted;
 
   void complain(std::string line) { complaints.push_back(std::move(line)); }
 
@@ -117,9 +123,40 @@ struct Check {
         return want(std::abs(v) <= 0.95 + 1e-12, "a taper of -0.95 to 0.95");
       case Domain::component:
         return want(std::abs(v) <= 1 + 1e-9, "a component of a unit vector");
+      case Domain::count:
+        return want(v >= 1 - 1e-9 && v <= most_copies && std::abs(v - std::round(v)) < 1e-9,
+                    "a whole number of 1 to 10000");
+      case Domain::turn:
+        return want(v > 0 && v <= 2 * pi + 1e-9, "an angle above 0, a full turn at most");
       case Domain::coordinate:
       case Domain::angle:
         return;
+    }
+  }
+
+  /// Everything lies inside the first loop, and which way a loop runs says whether material is inside it or outside.
+  void check_nesting(const std::string& where, const EvaluatedSketch& sketch, const Outline2& outline) {
+    std::vector<OutlineDistance> alone;
+    std::vector<Vec2> places;
+    for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
+      Outline2 one;
+      for (const auto& c : outline.curves)
+        if (c.loop == static_cast<int>(l)) one.curves.push_back(c);
+      places.push_back(start_of(one.curves.front().curve));
+      alone.emplace_back(std::move(one));
+    }
+    for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
+      const std::string loop = ": loop " + quoted(sketch.loops[l].name);
+      int around = 0;
+      for (std::size_t k = 0; k < sketch.loops.size(); ++k) around += k != l && alone[k].inside(places[l]);
+      if (l > 0 && !alone[0].inside(places[l])) return complain(where + loop + " lies outside the outer loop");
+      const bool counter_clockwise = signed_area(outline, static_cast<int>(l)) > 0;
+      if (l == 0 && !counter_clockwise)
+        complain(where + ": the outer loop must run counter-clockwise");
+      else if (around % 2 == 1 && counter_clockwise)
+        complain(where + loop + " is a hole and must run clockwise");
+      else if (around % 2 == 0 && !counter_clockwise)
+        complain(where + loop + " is an island in a hole and must run counter-clockwise");
     }
   }
 
@@ -170,16 +207,9 @@ struct Check {
       for (std::size_t k = i + 1; k < chords.size(); ++k)
         if (segments_cross(chords[i].a, chords[i].b, chords[k].a, chords[k].b))
           return complain(where + ": the sketch crosses itself near " + place_of(chords[i].a));
-    for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
-      const double enclosed = signed_area(outline, static_cast<int>(l));
-      const std::string& name = sketch.loops[l].name;
-      if (std::abs(enclosed) < 1e-12)
-        return complain(where + ": loop " + quoted(name) + " encloses nothing");
-      else if (l == 0 && enclosed < 0)
-        complain(where + ": the outer loop must run counter-clockwise");
-      else if (l > 0 && enclosed > 0)
-        complain(where + ": loop " + quoted(name) + " is a hole and must run clockwise");
-    }
+    for (std::size_t l = 0; l < sketch.loops.size(); ++l)
+      if (std::abs(signed_area(outline, static_cast<int>(l))) < 1e-12)
+        return complain(where + ": loop " + quoted(sketch.loops[l].name) + " encloses nothing");
     for (std::size_t i = 0; i < chords.size(); ++i)
       for (std::size_t k = i + 1; k < chords.size(); ++k)
         if (segments_overlap(chords[i].a, chords[i].b, chords[k].a, chords[k].b))
@@ -188,21 +218,9 @@ struct Check {
       for (std::size_t k = 0; k < chords.size(); ++k)
         if (k != i && starts_inside(chords[i].a, chords[k].a, chords[k].b))
           return complain(where + ": the sketch touches itself near " + place_of(chords[i].a));
-    // Holes lie inside the outer boundary and outside each other.
-    auto alone = [&](int l) {
-      Outline2 one;
-      for (const auto& c : outline.curves)
-        if (c.loop == l) one.curves.push_back(c);
-      return one;
-    };
-    for (std::size_t l = 1; l < sketch.loops.size(); ++l) {
-      const Outline2 hole = alone(static_cast<int>(l));
-      const Vec2 place = start_of(hole.curves.front().curve);
-      for (std::size_t k = 0; k < sketch.loops.size(); ++k)
-        if (k != l && OutlineDistance(alone(static_cast<int>(k))).inside(place) != (k == 0))
-          return complain(where + ": loop " + quoted(sketch.loops[l].name) +
-                          (k == 0 ? " is a hole outside the outer loop" : " lies in another hole"));
-    }
+    check_nesting(where, sketch, outline);
+    for (const auto& relation : sketch.relations)
+      if (const auto fault = fault_of(relation, outline)) complain(where + ": " + *fault);
     if (profile)
       for (const auto& chord : chords)
         if (chord.a.x() < -1e-7) return complain(where + ": the profile crosses the axis");
@@ -235,6 +253,24 @@ struct Check {
     if (s.closed && topo.boundary_edges > 0)
       complain(where + ": called closed, but has " + print_number(double(topo.boundary_edges)) + " open edges");
     if (s.closed && topo.closed() && volume(mesh) <= 0) complain(where + ": the triangles face inward");
+  }
+
+  void check_hole(const std::string& where, const HoleOf<double>& s) {
+    auto want = [&](bool good, const char* rule) {
+      if (!good) complain(where + ": " + rule);
+    };
+    want(s.through ? s.tip_angle == 0 : s.tip_angle >= 0 && s.tip_angle < pi,
+         s.through ? "a hole that goes through has no tip" : "the tip angle of a hole must lie below half a turn");
+    const bool head = s.head_diameter > 0, sink = s.sink_diameter > 0;
+    want(head == (s.head_depth > 0), "a counterbore needs a diameter and a depth");
+    if (head) want(s.head_diameter > s.diameter, "a counterbore must be wider than its hole");
+    if (head) want(s.head_depth < s.depth, "a counterbore must be less deep than its hole");
+    if (!sink) return;
+    want(s.sink_angle > 0 && s.sink_angle < pi, "the angle of a countersink must lie between 0 and half a turn");
+    want(s.sink_diameter > s.diameter, "a countersink must be wider than its hole");
+    if (head) want(s.sink_diameter < s.head_diameter, "a countersink in a counterbore must be narrower than it");
+    const double sink_depth = (s.sink_diameter - s.diameter) / 2 / std::tan(s.sink_angle / 2);
+    want(s.head_depth + sink_depth < s.depth, "a countersink must be less deep than its hole");
   }
 
   void check_names(const std::string& where, const std::vector<std::string>& names, std::size_t least,
@@ -273,19 +309,60 @@ struct Check {
                    [&](const UnionOf<double>& s) { check_names(where, s.objects, 1, earlier); },
                    [&](const DifferenceOf<double>& s) { check_names(where, s.objects, 2, earlier); },
                    [&](const IntersectionOf<double>& s) { check_names(where, s.objects, 1, earlier); },
+                   [&](const HoleOf<double>& s) { check_hole(where, s); },
+                   [&](const SlotOf<double>& s) {
+                     if (s.length <= s.width) complain(where + ": the length of a slot must be above its width");
+                   },
+                   [&](const PocketOf<double>& s) { check_sketch(where, s.sketch, false); },
+                   [&](const BossOf<double>& s) { check_sketch(where, s.sketch, false); },
+                   [&](const LinearPatternOf<double>& s) {
+                     check_names(where, {s.object}, 1, earlier);
+                     if (s.count > 1.5 && s.step_x == 0 && s.step_y == 0 && s.step_z == 0)
+                       complain(where + ": the step of a pattern must not be 0");
+                   },
+                   [&](const CircularPatternOf<double>& s) {
+                     check_names(where, {s.object}, 1, earlier);
+                     if (s.count > 1.5 && s.step == 0) complain(where + ": the step of a pattern must not be 0");
+                   },
+                   [&](const EdgeFilletOf<double>& s) { check_names(where, {s.object}, 1, earlier); },
+                   [&](const EdgeChamferOf<double>& s) { check_names(where, {s.object}, 1, earlier); },
+                   [&](const MirrorOf<double>& s) {
+                     check_names(where, {s.object}, 1, earlier);
+                     if (s.axis != "x" && s.axis != "y" && s.axis != "z")
+                       complain(where + ": expected axis x, y or z, found " + quoted(s.axis));
+                   },
                },
                shape);
+  }
+
+  /// The edge of a fillet or chamfer has to be one. Asked only while all earlier objects are sound.
+  void check_edge(const std::string& where, const Object& object) {
+    auto fault = [&](const auto& s) {
+      Model part = model;
+      const auto last =
+          std::find_if(part.objects.begin(), part.objects.end(), [&](const Object& o) { return o.name == s.object; });
+      part.objects.erase(last + 1, part.objects.end());
+      const auto made = edge_tool(lowered(part, Kinds{}), values, s);
+      if (const auto* text = std::get_if<std::string>(&made)) complain(where + ": " + *text);
+    };
+    if (const auto* s = std::get_if<EdgeFillet>(&object.shape)) fault(*s);
+    if (const auto* s = std::get_if<EdgeChamfer>(&object.shape)) fault(*s);
   }
 
   std::variant<CheckedModel, Complaints> run() {
     std::set<std::string> names;
     if (!is_identifier(model.name)) complain("model " + quoted(model.name) + ": expected a lower_snake_case name");
     if (!(model.tolerance > 0) || !std::isfinite(model.tolerance)) complain("tolerance: expected a length above 0");
-    for (const auto& p : model.parameters) {
+    for (auto& p : model.parameters) {
       check_name("parameter", p.name, names);
+      if (p.formula && check_expr("parameter " + quoted(p.name) + ": formula", *p.formula)) {
+        p.value = evaluate(*p.formula, values);
+        p.fitted = evaluate(*p.formula, fitted);
+      }
+      if (p.quantity == Quantity::count) check_domain("parameter " + quoted(p.name), p.value, Domain::count);
       for (const double v : {p.value, p.fitted, p.sigma, p.sigma_noise, p.sigma_systematic})
         if (!std::isfinite(v)) complain("parameter " + quoted(p.name) + ": a number is not finite");
-      values[p.name] = p.value;
+      values[p.name] = p.value, fitted[p.name] = p.fitted;
     }
     if (model.objects.empty()) complain("objects: a model needs at least one");
     std::set<std::string> earlier;
@@ -303,6 +380,7 @@ struct Check {
            {&object.frame.x, &object.frame.y, &object.frame.z, &object.frame.rx, &object.frame.ry, &object.frame.rz})
         check_expr(where + " frame", *e);
       if (good) check_shape(where, evaluate(object.shape, values), earlier);
+      if (complaints.empty()) check_edge(where, object);
       earlier.insert(object.name);
     }
     const Frame& f = model.scan_from_part;

@@ -91,6 +91,9 @@ const Json& list_of(const Json& j, const std::string& path) {
 struct FieldWriter {
   Json& out;
   void operator()(const char* name, const Expr& e, Domain, const char*) const { out[name] = to_json(e); }
+  void operator()(const char* name, const Expr& e, Domain, const char*, double left_out) const {
+    if (!(e == Expr(left_out))) out[name] = to_json(e);
+  }
   void operator()(const char* name, const std::string& text, const char*) const {
     if (!text.empty()) out[name] = text;
   }
@@ -113,6 +116,12 @@ struct FieldWriter {
     Json j = Json::object();
     Sketch::fields(sketch, FieldWriter{j});
     out[name] = std::move(j);
+  }
+  void operator()(const char* name, const std::vector<SketchRelation>& items, const char*) const {
+    if (items.empty()) return;
+    Json list = Json::array();
+    for (const auto& item : items) SketchRelation::fields(item, FieldWriter{list.emplace_back(Json::object())});
+    out[name] = std::move(list);
   }
   template <class Item>
   void operator()(const char* name, const std::vector<Item>& items, const char*) const requires
@@ -148,6 +157,9 @@ struct FieldReader {
   std::string at(const char* name) const { return path + "." + name; }
   void operator()(const char* name, Expr& e, Domain, const char*) const {
     e = read_expr(member(in, name, path), at(name));
+  }
+  void operator()(const char* name, Expr& e, Domain, const char*, double left_out) const {
+    e = in.is_object() && in.contains(name) ? read_expr(in[name], at(name)) : Expr(left_out);
   }
   void operator()(const char* name, std::string& text, const char*) const {
     if (in.is_object() && in.contains(name)) text = read_string(in[name], at(name));
@@ -195,6 +207,12 @@ struct FieldReader {
   }
   void operator()(const char* name, Sketch& sketch, const char*) const {
     Sketch::fields(sketch, FieldReader{member(in, name, path), at(name)});
+  }
+  void operator()(const char* name, std::vector<SketchRelation>& items, const char*) const {
+    if (!in.is_object() || !in.contains(name)) return;
+    int index = 0;
+    for (const auto& j : list_of(in[name], at(name)))
+      SketchRelation::fields(items.emplace_back(), FieldReader{j, at(name) + "[" + std::to_string(index++) + "]"});
   }
   template <class Item>
   void operator()(const char* name, std::vector<Item>& items, const char*) const requires
@@ -290,6 +308,7 @@ Json parameter_to_json(const Parameter& p) {
   for (const auto& [quantity, text] : quantities)
     if (quantity == p.quantity) j["quantity"] = text;
   j["value"] = p.value;
+  if (p.formula) j["formula"] = to_json(*p.formula);
   j["fitted"] = p.fitted;
   j["sigma"] = p.sigma;
   j["sigma_noise"] = p.sigma_noise;
@@ -315,7 +334,9 @@ Parameter read_parameter(const Json& j, const std::string& path) {
   for (const auto& [q, text] : quantities)
     if (quantity == text) p.quantity = q, known = true;
   if (!known) complain(path + ".quantity", "expected length, angle, count or ratio, found '" + quantity + "'");
-  p.value = read_number(member(j, "value", path), path + ".value");
+  if (j.contains("formula")) p.formula = read_expr(j["formula"], path + ".formula");
+  // Whoever edits a size by hand need not know what follows from it.
+  p.value = p.formula ? number_or(j, "value", path, 0) : read_number(member(j, "value", path), path + ".value");
   p.fitted = number_or(j, "fitted", path, p.value);
   p.sigma = number_or(j, "sigma", path, 0);
   p.sigma_noise = number_or(j, "sigma_noise", path, 0);

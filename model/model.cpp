@@ -7,6 +7,12 @@ bool Frame::identity() const { return *this == Frame{}; }
 Values values_of(const Model& model) {
   Values values;
   for (const auto& p : model.parameters) values[p.name] = p.value;
+  return with_formulas(model, std::move(values));
+}
+
+Values with_formulas(const Model& model, Values values) {
+  for (const auto& p : model.parameters)
+    if (p.formula) values[p.name] = evaluate(*p.formula, values);
   return values;
 }
 

@@ -33,7 +33,8 @@ struct Parameter {
   std::size_t points = 0;            ///< that determine it
   std::size_t effective_points = 0;  ///< as many independent ones would tell as much; 0: not known
   std::optional<NominalEvidence> nominal;
-  std::string note;  ///< what it measures, for a person: "radius of the shank"
+  std::string note;             ///< what it measures, for a person: "radius of the shank"
+  std::optional<Expr> formula;  ///< of earlier parameters; `value` is then what it gives
 };
 
 /// Where an object stands in its parent: turned by rotation_from_euler, then moved.
@@ -60,6 +61,9 @@ struct Object {
   Frame frame;  ///< part_from_object
   Evidence evidence;
   std::string note;
+  // Where an object of a lowered model comes from; empty in models as they are written and read.
+  std::string feature{};  ///< the object of the written model
+  std::string repeats{};  ///< the pattern or mirror of the written model that this is one copy of
 };
 
 /// Another way to describe the part, and why it was not taken.
@@ -117,8 +121,11 @@ struct Model {
   std::vector<Unexplained> unexplained;
 };
 
-/// Names and values of all parameters.
+/// Names and values of all parameters, those with a formula computed by it.
 Values values_of(const Model& model);
+
+/// Values that somebody chose, with those that follow from others by a formula computed anew.
+Values with_formulas(const Model& model, Values values);
 
 /// The frame as a rigid motion.
 Pose evaluate(const Frame& frame, const Values& values);

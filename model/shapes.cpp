@@ -109,7 +109,7 @@ void walk_structured(Field& field, const Visit& visit) {
 template <class S, class Visit>
 void walk(S& shape, const Visit& visit) {
   std::remove_const_t<S>::fields(shape, [&](const char*, auto& field, auto&&... rest) {
-    if constexpr (sizeof...(rest) == 2) {
+    if constexpr (sizeof...(rest) > 1) {
       const auto domain = std::get<0>(std::forward_as_tuple(rest...));
       walk_field(field, domain, visit);
     } else {

@@ -328,12 +328,167 @@ Model lens() {
   return m;
 }
 
+void count(Model& m, const std::string& name, double value, const std::string& note) {
+  Parameter q;
+  q.name = name;
+  q.quantity = Quantity::count;
+  q.value = q.fitted = value;
+  q.note = note;
+  m.parameters.push_back(q);
+}
+
+/// A parameter that follows from earlier ones.
+void formula(Model& m, const std::string& name, const Expr& e, const std::string& note,
+             Quantity quantity = Quantity::length) {
+  Parameter q;
+  q.name = name;
+  q.quantity = quantity;
+  q.formula = e;
+  q.note = note;
+  m.parameters.push_back(q);
+}
+
+Loop rectangle(const std::string& name, const Expr& half_x, const Expr& half_y, bool backwards = false) {
+  Loop loop{name,
+            {SketchPoint{-half_x, -half_y, "front"}, SketchPoint{half_x, -half_y, "right"},
+             SketchPoint{half_x, half_y, "back"}, SketchPoint{-half_x, half_y, "left"}}};
+  if (!backwards) return loop;
+  return {name,
+          {SketchPoint{-half_x, -half_y, "left"}, SketchPoint{-half_x, half_y, "back"},
+           SketchPoint{half_x, half_y, "right"}, SketchPoint{half_x, -half_y, "front"}}};
+}
+
+Model drilled_plate() {
+  Model m = model("drilled_plate", "plate", "a plate with a bore and a grid of counterbored holes");
+  length(m, "length", 120, 120.02, 0.01, "size along x");
+  length(m, "width", 80, 79.99, 0.01, "size along y");
+  length(m, "thickness", 20, 20.004, 0.005, "size along z");
+  length(m, "bore_d", 40, 40.006, 0.004, "diameter of the bore in the middle");
+  length(m, "hole_d", 9, 8.997, 0.003, "diameter of the holes");
+  length(m, "head_d", 15, 15.003, 0.004, "diameter of the counterbores");
+  length(m, "head_depth", 8.6, 8.6, 0.004, "depth of the counterbores");
+  length(m, "pitch_x", 90, 90.004, 0.003, "distance of the holes along x");
+  length(m, "pitch_y", 50, 49.998, 0.003, "distance of the holes along y");
+  step(m, "slab", Box{p("length"), p("width"), p("thickness")}, "the plate").frame = {
+      -p("length") / 2, -p("width") / 2, 0, 0, 0, 0};
+  step(m, "bore", Hole{p("bore_d"), p("thickness")}, "bore in the middle").frame.z = p("thickness");
+  step(m, "hole", Hole{p("hole_d"), p("thickness"), true, 0, p("head_d"), p("head_depth")}, "hole for a screw")
+      .frame = {-p("pitch_x") / 2, -p("pitch_y") / 2, p("thickness"), 0, 0, 0};
+  step(m, "row", LinearPattern{"hole", 2, p("pitch_x"), 0, 0}, "holes along x");
+  step(m, "holes", LinearPattern{"row", 2, 0, p("pitch_y"), 0}, "all four holes");
+  finish(m, Difference{{"slab", "bore", "holes"}});
+  place(m);
+  return m;
+}
+
+Model flange() {
+  Model m = model("flange", "flange", "a flange with a hub and a circle of countersunk holes");
+  length(m, "flange_d", 100, 100.01, 0.006, "diameter of the flange");
+  length(m, "thickness", 12, 12.003, 0.005, "thickness of the flange");
+  length(m, "hub_d", 50, 49.996, 0.006, "diameter of the hub");
+  length(m, "hub_height", 18, 18.002, 0.007, "how far the hub stands out");
+  length(m, "bore_d", 30, 30.002, 0.003, "diameter of the bore");
+  length(m, "bolt_circle_d", 76, 76.005, 0.004, "diameter of the bolt circle");
+  length(m, "bolt_d", 6.6, 6.598, 0.002, "diameter of the bolt holes");
+  length(m, "sink_d", 13, 13.004, 0.004, "diameter of the countersinks");
+  count(m, "bolts", 6, "number of bolt holes");
+  formula(m, "bolt_circle_r", p("bolt_circle_d") / 2, "radius of the bolt circle");
+  formula(m, "bolt_step", 2 * Expr(pi) / p("bolts"), "from each bolt hole to the next", Quantity::angle);
+  step(m, "disc", Cylinder{p("flange_d") / 2, p("thickness")}, "the flange");
+  step(m, "hub",
+       Boss{Sketch{{Loop{"hub", {SketchArc{0, 0, p("hub_d") / 2, 0, deg(360), "hub", ""}}}}}, p("hub_height"), 2},
+       "the hub")
+      .frame.z = p("thickness");
+  step(m, "body", Union{{"disc", "hub"}}, "flange and hub");
+  step(m, "bore", Hole{p("bore_d"), p("thickness") + p("hub_height")}, "bore for the shaft").frame.z =
+      p("thickness") + p("hub_height");
+  step(m, "bolt_hole", Hole{p("bolt_d"), p("thickness"), true, 0, 0, 0, p("sink_d")}, "bolt hole").frame = {
+      p("bolt_circle_r"), 0, p("thickness"), 0, 0, 0};
+  step(m, "bolt_holes", CircularPattern{"bolt_hole", p("bolts"), p("bolt_step")}, "all bolt holes");
+  finish(m, Difference{{"body", "bore", "bolt_holes"}});
+  place(m);
+  return m;
+}
+
+Model tray() {
+  Model m = model("tray", "tray", "a block with a pocket around an island, two lugs, slots and a blind hole");
+  length(m, "length", 90, 90.01, 0.01, "size along x");
+  length(m, "width", 60, 60.01, 0.01, "size along y");
+  length(m, "height", 20, 20.002, 0.006, "size along z");
+  length(m, "wall", 6, 6.004, 0.004, "thickness of the wall");
+  length(m, "depth", 12, 12.003, 0.004, "depth of the pocket");
+  length(m, "island_d", 24, 23.996, 0.005, "diameter of the island");
+  length(m, "drill_d", 10, 10.002, 0.004, "diameter of the blind hole");
+  length(m, "slot_length", 14, 14.003, 0.005, "length of the slots");
+  length(m, "slot_width", 6, 6.002, 0.004, "width of the slots");
+  const Expr half_x = p("length") / 2, half_y = p("width") / 2;
+  step(m, "block", Extrude{Sketch{{rectangle("block", half_x, half_y)}}, p("height")}, "the block");
+  step(m, "pocket",
+       Pocket{Sketch{{rectangle("wall", half_x - p("wall"), half_y - p("wall")),
+                      Loop{"island", {SketchArc{0, 0, p("island_d") / 2, deg(360), 0, "island", ""}}}}},
+              p("depth")},
+       "the pocket")
+      .frame.z = p("height");
+  step(m, "drill", Hole{p("drill_d"), 9, false, deg(118)}, "blind hole in the island").frame.z = p("height");
+  Loop corner{"lug",
+              {SketchPoint{half_x - 2, -10, "front"}, SketchArc{half_x + 10, 0, 10, deg(-90), deg(90), "end", "back"},
+               SketchPoint{half_x - 2, 10, ""}}};
+  step(m, "lug", Extrude{Sketch{{corner}}, 8}, "lug on the right");
+  step(m, "lugs", Mirror{"lug", "x", 0, true}, "both lugs");
+  step(m, "slot", Slot{p("slot_length"), p("slot_width"), 8}, "slot in the right lug").frame = {half_x + 10, 0, 8, 0, 0,
+                                                                                                deg(90)};
+  step(m, "slots", Mirror{"slot", "x", 0, true}, "both slots");
+  step(m, "body", Union{{"block", "lugs"}}, "block and lugs");
+  finish(m, Difference{{"body", "pocket", "drill", "slots"}});
+  place(m);
+  return m;
+}
+
+Model clamp() {
+  Model m = model("clamp", "clamp", "an angle with a filled inner edge, a rounded and a chamfered outer one, and a bore");
+  length(m, "length", 50, 50.01, 0.008, "length of the foot");
+  length(m, "width", 30, 29.994, 0.006, "width of foot and wall");
+  length(m, "height", 36, 36.004, 0.007, "height of the wall");
+  length(m, "thickness", 9, 9.003, 0.004, "thickness of foot and wall");
+  length(m, "inner_r", 6, 6.004, 0.01, "radius of the inner edge");
+  length(m, "outer_r", 5, 4.996, 0.01, "radius of the wall's upper edge");
+  length(m, "chamfer", 1.5, 1.503, 0.01, "legs of the chamfers");
+  length(m, "bore_d", 11, 11.003, 0.004, "diameter of the bore");
+  step(m, "foot", Box{p("length"), p("width"), p("thickness")}, "the foot");
+  step(m, "wall", Box{p("thickness"), p("width"), p("height")}, "the wall");
+  step(m, "angle", Union{{"foot", "wall"}}, "foot and wall");
+  step(m, "inner_edge", EdgeFillet{"angle", "foot top", "wall right", p("inner_r")}, "with the inner edge filled");
+  step(m, "outer_edge", EdgeFillet{"inner_edge", "wall top", "wall left", p("outer_r")}, "with the upper edge rounded");
+  step(m, "front_edge", EdgeChamfer{"outer_edge", "foot top", "foot right", p("chamfer"), p("chamfer")},
+       "with the front edge chamfered");
+  step(m, "bore", Hole{p("bore_d"), p("thickness")}, "the bore").frame = {
+      (p("length") + p("thickness") + p("inner_r")) / 2, p("width") / 2, p("thickness"), 0, 0, 0};
+  step(m, "drilled", Difference{{"front_edge", "bore"}}, "with the bore");
+  finish(m, EdgeChamfer{"drilled", "foot top", "bore wall", p("chamfer"), p("chamfer")});
+  place(m);
+  return m;
+}
+
+Model elbow() {
+  Model m = model("elbow", "elbow", "a quarter of a tube between two flats");
+  length(m, "bend_radius", 40, 40.01, 0.008, "radius of the tube's centre line");
+  length(m, "outer_d", 24, 24.003, 0.004, "diameter of the tube");
+  length(m, "inner_d", 18, 17.998, 0.004, "diameter of the bore");
+  angle(m, "bend", 75, "how far the tube turns");
+  finish(m, Revolve{
+                Sketch{{Loop{"outside", {SketchArc{p("bend_radius"), 0, p("outer_d") / 2, 0, deg(360), "outside", ""}}},
+                        Loop{"bore", {SketchArc{p("bend_radius"), 0, p("inner_d") / 2, deg(360), 0, "bore", ""}}}}},
+                p("bend")});
+  place(m);
+  return m;
+}
+
 }  // namespace
 
 std::vector<Model> golden_models() {
-  return {sphere(),         box(),         wedge(),   cylinder(),    cone(), torus(),   ellipsoid(),
-          superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),  tie_bar(), tri_surface(),
-          sheet(),          nurbs_vase(),  bracket(), lens()};
+  return {sphere(),      box(),    wedge(),         cylinder(), cone(),    torus(),       ellipsoid(), superellipsoid(),
+          supertoroid(), fillet(), half_spaces(),   pin(),      tie_bar(), tri_surface(), sheet(),     nurbs_vase(),
+          bracket(),     lens(),   drilled_plate(), flange(),   tray(), clamp(),    elbow()};
 }
 
 }  // namespace partscribe::testing

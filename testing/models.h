@@ -58,7 +58,7 @@ inline Model link() {
   Loop hole;
   hole.name = "hole";
   hole.elements = {SketchArc{0, 0, p("hole_radius"), 2 * pi, 0, "hole", ""}};
-  return model_with(Extrude{{{outline, hole}}, p("height")},
+  return model_with(Extrude{Sketch{{outline, hole}, {{"equal", "left end", "right end"}}}, p("height")},
                     {length("spacing", 40), length("end_radius", 12), length("hole_radius", 5), length("height", 8)});
 }
 
@@ -80,6 +80,20 @@ inline std::vector<Model> one_of_each() {
   bulge.control = {{{10, 0}}, {{16, 8}}, {{4, 16}}, {{10, 24}}};
   Loop vase;
   vase.elements = {SketchPoint{0, 0, ""}, bulge, SketchPoint{0, 24, ""}};
+  const auto repeated = [](Shape pattern) {
+    Model m = model_with(Hole{6, 10, false, 2.0, 11, 4}, {});
+    m.objects[0].name = "hole";
+    m.objects[0].frame = {12, 3, 0, 0, 0, 0};
+    m.objects.push_back({"holes", std::move(pattern), {}, {}, {}});
+    return m;
+  };
+  const auto worked = [](Shape shape) {
+    Model m = model_with(Box{20, 14, 8});
+    m.objects.push_back({"worked", std::move(shape), {}, {}, {}});
+    return m;
+  };
+  Loop pad = polygon({{0, 0}, {20, 0}, {20, 12}, {5, 12}});
+  pad.name = "pad";
   return {model_with(Box{30, 20, 10}),
           model_with(Wedge{30, 20, 10, 12}),
           model_with(Wedge{30, 20, 10, 0}),
@@ -99,6 +113,19 @@ inline std::vector<Model> one_of_each() {
               {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0}),
           pin(),
           link(),
+          model_with(Revolve{{{polygon({{6, 0}, {14, 0}, {14, 9}, {8, 9}})}}, 2.0}),
+          model_with(Extrude{{{pad}}, 6, 2}),
+          model_with(Hole{8, 20}),
+          model_with(Hole{8, 20, true, 0, 0, 0, 14, 1.4}),
+          model_with(Hole{8, 20, true, 0, 14, 5, 11, pi / 2}),
+          model_with(Slot{30, 8, 6, false}),
+          model_with(Pocket{{{pad}}, 6}),
+          model_with(Boss{{{pad}}, 9, 2}),
+          repeated(LinearPattern{"hole", 3, 10, 4, 0}),
+          repeated(CircularPattern{"hole", 5, 2 * pi / 5}),
+          repeated(Mirror{"hole", "y", -5, true}),
+          worked(EdgeFillet{"body", "body top", "body right", 3}),
+          worked(EdgeChamfer{"body", "body front", "body left", 3, 2}),
           cut};
 }
 

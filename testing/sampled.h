@@ -3,7 +3,7 @@
 
 #include "core/random.h"
 #include "geometry/points/point_cloud.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::testing {
 

@@ -9,7 +9,7 @@
 
 #include "core/random.h"
 #include "fit/refine/refine.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "testing/models.h"
 
 namespace partscribe::testing {

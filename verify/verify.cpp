@@ -7,7 +7,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "verify/align/align.h"
 #include "verify/align/misplaced_part.h"
 #include "verify/compare/compare.h"

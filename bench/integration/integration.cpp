@@ -8,7 +8,7 @@
 #include "core/files.h"
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "model/json.h"
 #include "scan/filter/filter.h"
 #include "scan/merge/merge.h"

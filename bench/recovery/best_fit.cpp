@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::testing::recovery {
 namespace {

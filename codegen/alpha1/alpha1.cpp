@@ -7,8 +7,9 @@
 #include "codegen/alpha1/alpha1_text.h"
 #include "codegen/describe.h"
 #include "codegen/template.h"
+#include "core/ensure.h"
 #include "core/number.h"
-#include "model/lower.h"
+#include "model/lower/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe::codegen {
@@ -107,6 +108,12 @@ class Writer {
       std::vector<std::string> statements;
       auto real = [](const std::string& number) { return print_real(*parse_number(number)); };
       for (const Parameter* p : group.parameters) {
+        if (p->formula) {
+          const bool angle = p->quantity == Quantity::angle;
+          statements.push_back(text_.parameter(p->name) + " : " +
+                               (angle ? text_.angle(*p->formula) : text_.plain(*p->formula)) + ";");
+          continue;
+        }
         const std::string value = real(value_text(p->quantity, p->value));
         std::string statement = text_.parameter(p->name) + " : " + value + ";";
         if (const auto as_built = as_built_text(*p, model_.tolerance)) {
@@ -222,7 +229,30 @@ class Writer {
            ", \"ec_periodic\", \"kv_uniform\", " + label + " ) )";
   }
 
-  Made expression_of(const Object& o, const Fillet& s) { return expression_of(o, lowered(s)); }
+  /// All copies, collected by a loop over their number and united.
+  Made repeated(const Object& o, const Expr& count, const std::string& motion) {
+    const std::string copies = text_.fresh(o.name + " copies");
+    steps_.push_back(copies + " : forCollect ( I; 0; I < " + text_.plain(count) + "; I + 1 ) " + motion + ";");
+    return "solidUnionOf( " + copies + " )";
+  }
+
+  Made expression_of(const Object& o, const LinearPattern& s) {
+    const std::string operand = text_.object(s.object);
+    auto along = [&](const Expr& step) { return zero(step) ? std::string("0.0") : "I * " + text_.factor(step); };
+    return repeated(
+        o, s.count,
+        "moved( " + operand + ", " + along(s.step_x) + ", " + along(s.step_y) + ", " + along(s.step_z) + " )");
+  }
+  Made expression_of(const Object& o, const CircularPattern& s) {
+    return repeated(o, s.count,
+                    "turned( " + text_.object(s.object) + ", 0.0, 0.0, I * " + text_.angle_factor(s.step) + " )");
+  }
+
+  template <LoweredAway S>
+  Made expression_of(const Object&, const S&) {
+    ensure(false, "features that SCL does not know are lowered before");
+    return std::string();
+  }
 
   Made expression_of(const Object& o, const HalfSpaces& s) {
     TemplateList planes;
@@ -245,13 +275,15 @@ class Writer {
   Made expression_of(const Object& o, const Extrude& s) {
     auto profiles = profiles_of(o, s.sketch, false);
     if (!profiles.ok()) return profiles;
-    return "solidOfExtrusion( " + *profiles + ", " + text_.plain(s.height) + " )";
+    const std::string made = "solidOfExtrusion( " + *profiles + ", " + text_.plain(s.below + s.height) + " )";
+    return zero(s.below) ? made : "moved( " + made + ", 0.0, 0.0, " + text_.plain(-s.below) + " )";
   }
 
   Made expression_of(const Object& o, const Revolve& s) {
     auto profiles = profiles_of(o, s.sketch, true);
     if (!profiles.ok()) return profiles;
-    return "solidOfRevolution( " + *profiles + " )";
+    if (s.angle == Expr(2 * pi)) return "solidOfRevolution( " + *profiles + " )";
+    return "solidOfPartialRevolution( " + *profiles + ", " + text_.angle(s.angle) + " )";
   }
 
   Made expression_of(const Object& o, const TriSurface& s) {
@@ -409,10 +441,11 @@ class Writer {
 
 }  // namespace
 
-Result<Artifact> emit_alpha1(const CheckedModel& model, const EmitOptions& options, Context&) {
+Result<Artifact> emit_alpha1(const CheckedModel& checked, const EmitOptions& options, Context&) {
   auto pack = load_template_pack("alpha1", options.templates);
   if (!pack.ok()) return pack.error();
-  auto part = Writer(*model, *pack, options.stem).write();
+  const Model model = lowered(*checked, Kinds{LinearPattern::kind, CircularPattern::kind});
+  auto part = Writer(model, *pack, options.stem).write();
   if (!part.ok()) return part.error();
   auto prelude = pack->render(prelude_name, {});
   if (!prelude.ok()) return prelude.error();

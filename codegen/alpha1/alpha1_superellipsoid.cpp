@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/number.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::codegen {
 namespace {

@@ -121,6 +121,11 @@ std::string Alpha1Text::factor(const Expr& expr) {
   return p.strength == atom ? p.text : "( " + p.text + " )";
 }
 
+std::string Alpha1Text::angle_factor(const Expr& expr) {
+  Piece p = piece(expr, true, false);
+  return p.strength == atom ? p.text : "( " + p.text + " )";
+}
+
 std::vector<std::string> Alpha1Text::take_notes() {
   std::vector<std::string> notes;
   notes.swap(notes_);
@@ -197,7 +202,7 @@ Alpha1Text::Piece Alpha1Text::piece(const Expr& e, bool as_angle, bool spelled_o
     case Expr::Kind::divide: {
       const bool first = carries_angle(e.arguments[0]), second = carries_angle(e.arguments[1]);
       const bool both = first && second;  // a ratio of angles is the same in degrees
-      const bool angle_on_top = as_angle && first && !second;
+      const bool angle_on_top = as_angle && !second && (first || e.arguments[0].is_number());
       Piece p{operand(0, both || angle_on_top, product, false) + " / " + operand(1, both, sign, true), product};
       return angle_on_top ? p : converted(std::move(p), false);
     }

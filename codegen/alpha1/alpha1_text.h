@@ -25,8 +25,9 @@ class Alpha1Text {
   std::string plain(const Expr& expr);
   /// An angle, in degrees.
   std::string angle(const Expr& expr);
-  /// As plain, fit to stand right of an operator.
+  /// As plain and angle, fit to stand right of an operator.
   std::string factor(const Expr& expr);
+  std::string angle_factor(const Expr& expr);
   double value(const Expr& expr) const { return evaluate(expr, values_); }
 
   /// What numbers in the text so far stand for; empties the list.

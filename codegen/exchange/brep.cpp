@@ -26,8 +26,10 @@
 #include <map>
 
 #include "codegen/exchange/brep_shapes.h"
+#include "core/ensure.h"
 #include "core/number.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
+#include "model/lower/lower.h"
 
 namespace partscribe::codegen {
 namespace {
@@ -130,6 +132,11 @@ class Builder {
   TopoDS_Shape build(const S& s) {
     return brep_of(s);
   }
+  template <LoweredAway S>
+  TopoDS_Shape build(const S&) {
+    ensure(false, "features are lowered before");
+    return {};
+  }
   TopoDS_Shape build(const SuperellipsoidOf<double>& s) { return approximated(s); }
   TopoDS_Shape build(const SupertoroidOf<double>& s) { return approximated(s); }
   template <class S>
@@ -222,7 +229,8 @@ Tessellation tessellated(const TopoDS_Shape& shape, const TopTools_IndexedMapOfS
 
 Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
   const Model& model = *checked;
-  Builder builder(model);
+  const Model simple = lowered(model, values_of(model));
+  Builder builder(simple);
   auto part = builder.build(context);
   if (!part.ok()) return part.error();
   const Values values = values_of(model);

@@ -34,7 +34,6 @@
 
 #include "core/number.h"
 #include "geometry/mesh/convex.h"
-#include "model/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe::codegen {
@@ -181,18 +180,18 @@ TopoDS_Shape brep_of(const HalfSpacesOf<double>& s) {
 }
 
 TopoDS_Shape brep_of(const ExtrudeOf<double>& s) {
-  const TopoDS_Face face = face_of(s.sketch, {gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0))});
+  const TopoDS_Face face = face_of(s.sketch, {gp_Ax3(gp_Pnt(0, 0, -s.below), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0))});
   if (face.IsNull()) return {};
-  return outward(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, s.height)).Shape());
+  return outward(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, s.below + s.height)).Shape());
 }
-
-TopoDS_Shape brep_of(const FilletOf<double>& s) { return brep_of(lowered(s)); }
 
 TopoDS_Shape brep_of(const RevolveOf<double>& s) {
   // Drawn in the x-z plane: its second axis is z when its normal is -y.
   const TopoDS_Face face = face_of(s.sketch, {gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, -1, 0), gp_Dir(1, 0, 0))});
   if (face.IsNull()) return {};
-  return outward(BRepPrimAPI_MakeRevol(face, gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))).Shape());
+  const gp_Ax1 axis(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1));
+  if (s.angle > 2 * pi - 1e-9) return outward(BRepPrimAPI_MakeRevol(face, axis).Shape());
+  return outward(BRepPrimAPI_MakeRevol(face, axis, s.angle).Shape());
 }
 
 TopoDS_Shape brep_of(const TriSurfaceOf<double>& s) {

@@ -20,7 +20,6 @@ TopoDS_Shape brep_of(const SphereOf<double>& shape);
 TopoDS_Shape brep_of(const EllipsoidOf<double>& shape);
 TopoDS_Shape brep_of(const TorusOf<double>& shape);
 TopoDS_Shape brep_of(const HalfSpacesOf<double>& shape);
-TopoDS_Shape brep_of(const FilletOf<double>& shape);
 TopoDS_Shape brep_of(const ExtrudeOf<double>& shape);
 TopoDS_Shape brep_of(const RevolveOf<double>& shape);
 TopoDS_Shape brep_of(const TriSurfaceOf<double>& shape);

@@ -28,8 +28,9 @@
 #include <gp_XY.hxx>
 #include <gp_XYZ.hxx>
 
+#include "core/ensure.h"
 #include "core/number.h"
-#include "model/lower.h"
+#include "model/lower/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe::codegen {
@@ -204,9 +205,12 @@ Entity swept(const EvaluatedSketch& sketch, const Sweep& sweep) {
 }
 
 Entity solid_of(const ExtrudeOf<double>& s) {
+  Pose raised;
+  raised.translation.z() = -s.below;
   return swept(s.sketch, [&](const Entity& curve) {
     const Handle(IGESSolid_SolidOfLinearExtrusion) e = new IGESSolid_SolidOfLinearExtrusion;
-    e->Init(curve, s.height, along_z);
+    e->Init(curve, s.below + s.height, along_z);
+    if (s.below != 0) place(e, raised);
     return Entity(e);
   });
 }
@@ -217,19 +221,23 @@ Entity solid_of(const RevolveOf<double>& s) {
   upright.rotation << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   return swept(s.sketch, [&](const Entity& curve) {
     const Handle(IGESSolid_SolidOfRevolution) e = new IGESSolid_SolidOfRevolution;
-    e->Init(curve, 1, origin, along_y);
+    e->Init(curve, std::min(s.angle / (2 * pi), 1.0), origin, along_y);
     e->SetClosedToAxis(false);  // form 1: the curve closes on itself
     place(e, upright);
     return Entity(e);
   });
 }
 
-Entity solid_of(const FilletOf<double>& s) { return solid_of(lowered(s)); }
-
 Entity solid_of(const SuperellipsoidOf<double>&) { return {}; }
 Entity solid_of(const SupertoroidOf<double>&) { return {}; }
 Entity solid_of(const HalfSpacesOf<double>&) { return {}; }
 Entity solid_of(const TriSurfaceOf<double>&) { return {}; }
+
+template <LoweredAway S>
+Entity solid_of(const S&) {
+  ensure(false, "features are lowered before");
+  return {};
+}
 
 class TreeBuilder {
  public:
@@ -294,6 +302,9 @@ class TreeBuilder {
 
 }  // namespace
 
-std::vector<IgesTreeNode> iges_tree(const Model& model) { return TreeBuilder(model).build(); }
+std::vector<IgesTreeNode> iges_tree(const Model& model) {
+  const Model simple = lowered(model, values_of(model));
+  return TreeBuilder(simple).build();
+}
 
 }  // namespace partscribe::codegen

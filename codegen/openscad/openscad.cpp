@@ -9,8 +9,10 @@
 #include "codegen/openscad/openscad_text.h"
 #include "codegen/template.h"
 #include "codegen/thicken.h"
+#include "core/ensure.h"
 #include "core/number.h"
-#include "model/lower.h"
+#include "model/lower/lower.h"
+#include "model/lower/solids.h"
 
 namespace partscribe::codegen {
 namespace {
@@ -48,6 +50,12 @@ class Guards {
     if (domain == Domain::length) add(name + " > 0", name + " must be positive");
     if (domain == Domain::length_or_zero) add(name + " >= 0", name + " must not be negative");
     if (domain == Domain::exponent) add(name + " >= 0.1 && " + name + " <= 2", name + " must lie in 0.1 .. 2");
+    if (domain == Domain::turn) {
+      const std::string turn = text_.angle(expr);
+      add(turn + " > 0 && " + turn + " <= 360", turn + " must lie in 0 .. 360");
+    }
+    if (domain == Domain::count)
+      add(name + " >= 1 && " + name + " == floor(" + name + ")", name + " must be a whole number");
     if (domain == Domain::taper) add("abs(" + name + ") <= 0.95", name + " must lie in -0.95 .. 0.95");
   }
   void add(const std::string& condition, const std::string& message) {
@@ -89,6 +97,7 @@ class Writer {
                                                  {"arc", flag(needs_.arc)},
                                                  {"on_axis", flag(needs_.on_axis)},
                                                  {"disc", flag(needs_.disc)},
+                                                 {"bore", flag(needs_.bore)},
                                                  {"ball", flag(needs_.ball)}});
     if (!helpers.ok()) return helpers;
 
@@ -141,7 +150,11 @@ class Writer {
     for (const auto& group : grouped_parameters(model_)) {
       std::vector<std::string> statements;
       for (const Parameter* p : group.parameters) {
-        std::string value = value_text(p->quantity, p->value);
+        std::string value = p->formula ? formula_text(*p) : value_text(p->quantity, p->value);
+        if (p->formula) {
+          statements.push_back(text_.names().parameter.at(p->name) + " = " + value + ";");
+          continue;
+        }
         if (const auto as_built = as_built_text(*p, model_.tolerance)) {
           value = "as_designed ? " + value + " : " + *as_built;
           as_designed_ = true;
@@ -151,6 +164,10 @@ class Writer {
       groups.push_back({{"title", group.title}, {"parameters", parameter_rows(group, statements, model_.tolerance)}});
     }
     return groups;
+  }
+
+  std::string formula_text(const Parameter& p) const {
+    return p.quantity == Quantity::angle ? text_.angle(*p.formula) : text_.plain(*p.formula);
   }
 
   TemplateRecord data_of(const Object& object, bool own_line = true) const {
@@ -163,12 +180,11 @@ class Writer {
     TemplateRecord data = data_of(object);
     S::fields(shape, [&](const char* name, const auto& field, auto... rest) {
       if constexpr (std::is_same_v<std::remove_cvref_t<decltype(field)>, Expr>) {
-        data[name] = text_.of(field, first_of(rest...));
+        data[name] = text_.of(field, std::get<0>(std::forward_as_tuple(rest...)));
       }
     });
     return data;
   }
-  static Domain first_of(Domain domain, const char*) { return domain; }
 
   /// The larger of two lengths as text.
   std::string larger(const Expr& a, const Expr& b) const {
@@ -227,7 +243,66 @@ class Writer {
     return pack_.render("supertoroid.scad", data_of_fields(o, s));
   }
 
-  Result<std::string> module_of(const Object& o, const Fillet& s) { return module_of(o, lowered(s)); }
+  /// Plain holes are a cylinder that cuts; others are turned, so that their parts make one body.
+  Result<std::string> module_of(const Object& o, const Hole& s) {
+    const bool plain = s.head_diameter == Expr(0) && s.sink_diameter == Expr(0) && s.tip_angle == Expr(0);
+    if (!plain) return module_of(o, solid_of(s));
+    needs_.facets = needs_.bore = true;
+    TemplateRecord data = data_of(o);
+    data["diameter"] = text_.plain(s.diameter);
+    data["from"] = text_.plain(s.through ? -s.depth - s.overshoot : -s.depth);
+    data["to"] = text_.plain(s.overshoot);
+    return pack_.render("hole.scad", data);
+  }
+
+  Result<std::string> module_of(const Object& o, const Slot& s) {
+    needs_.disc = true;
+    TemplateRecord data = data_of(o);
+    const Expr reach = (s.length - s.width) / Expr(2), below = s.through ? s.depth + s.overshoot : s.depth;
+    data["reach"] = text_.plain(reach);
+    data["back"] = text_.plain(-reach);
+    data["radius"] = text_.plain(s.width / Expr(2));
+    data["bottom"] = text_.plain(-below);
+    data["height"] = text_.plain(below + s.overshoot);
+    guards_.add(text_.plain(s.length) + " > " + text_.plain(s.width), "a slot must be longer than wide");
+    return pack_.render("slot.scad", data);
+  }
+
+  /// k times a step: "i * pitch".
+  std::string steps(const Expr& step) const { return step == Expr(0) ? "0" : "i * " + text_.factor(step); }
+
+  Result<std::string> module_of(const Object& o, const LinearPattern& s) {
+    TemplateRecord data = data_of(o);
+    data["motion"] = "translate([" + steps(s.step_x) + ", " + steps(s.step_y) + ", " + steps(s.step_z) + "])";
+    data["last"] = text_.plain(s.count - Expr(1));
+    data["operand"] = text_.names().object.at(s.object);
+    return pack_.render("pattern.scad", data);
+  }
+
+  Result<std::string> module_of(const Object& o, const CircularPattern& s) {
+    TemplateRecord data = data_of(o);
+    data["motion"] = "rotate([0, 0, i * " + text_.angle_factor(s.step) + "])";
+    data["last"] = text_.plain(s.count - Expr(1));
+    data["operand"] = text_.names().object.at(s.object);
+    return pack_.render("pattern.scad", data);
+  }
+
+  Result<std::string> module_of(const Object& o, const Mirror& s) {
+    TemplateRecord data = data_of(o, false);
+    Frame behind;
+    (s.axis == "x" ? behind.x : s.axis == "y" ? behind.y : behind.z) = Expr(2) * s.offset;
+    data["behind"] = place(behind, false);
+    data["normal"] = s.axis == "x" ? "[1, 0, 0]" : s.axis == "y" ? "[0, 1, 0]" : "[0, 0, 1]";
+    data["operand"] = text_.names().object.at(s.object);
+    data["keep"] = s.keep ? "yes" : "";
+    return pack_.render("mirror.scad", data);
+  }
+
+  template <LoweredAway S>
+  Result<std::string> module_of(const Object&, const S&) {
+    ensure(false, "features that OpenSCAD does not know are lowered before");
+    return std::string();
+  }
 
   Result<std::string> module_of(const Object& o, const HalfSpaces& s) {
     needs_.library = true;
@@ -253,17 +328,26 @@ class Writer {
   }
 
   Result<std::string> module_of(const Object& o, const Extrude& s) {
-    return swept(o, s, "_outline", false, "extrude.scad");
+    return swept(o, s, "_outline", false, "extrude.scad",
+                 {{"height", text_.plain(s.below + s.height)}, {"below", below_text(s.below)}});
   }
 
   Result<std::string> module_of(const Object& o, const Revolve& s) {
     needs_.facets = true;
-    return swept(o, s, "_profile", true, "revolve.scad");
+    return swept(o, s, "_profile", true, "revolve.scad",
+                 {{"angle", s.angle == Expr(2 * pi) ? "" : "angle = " + text_.angle(s.angle) + ", "}});
+  }
+
+  /// "translate([0, 0, -root]) " where a body begins below the plane of its sketch.
+  std::string below_text(const Expr& below) const {
+    return below == Expr(0) ? "" : "translate([0, 0, " + text_.plain(-below) + "]) ";
   }
 
   template <class S>
-  Result<std::string> swept(const Object& o, const S& s, const std::string& suffix, bool about_axis, const char* file) {
-    TemplateRecord data = data_of_fields(o, s);
+  Result<std::string> swept(const Object& o, const S& s, const std::string& suffix, bool about_axis, const char* file,
+                            const TemplateRecord& more) {
+    TemplateRecord data = data_of(o);
+    for (const auto& [name, text] : more) data[name] = text;
     std::string sketch_name = text_.names().object.at(o.name) + suffix;
     while (!modules_.insert(sketch_name).second) sketch_name += "_sketch";
     auto sketch = openscad_sketch(s.sketch, sketch_name, about_axis, text_, pack_, needs_);
@@ -337,10 +421,12 @@ class Writer {
 
 }  // namespace
 
-Result<Artifact> emit_openscad(const CheckedModel& model, const EmitOptions& options, Context&) {
+Result<Artifact> emit_openscad(const CheckedModel& checked, const EmitOptions& options, Context&) {
   auto pack = load_template_pack("openscad", options.templates);
   if (!pack.ok()) return pack.error();
-  Writer writer(*model, *pack);
+  const Model model =
+      lowered(*checked, Kinds{Hole::kind, Slot::kind, LinearPattern::kind, CircularPattern::kind, Mirror::kind});
+  Writer writer(model, *pack);
   auto script = writer.write();
   if (!script.ok()) return script.error();
   Artifact artifact{"openscad", {{options.stem + ".scad", std::move(script).value()}}};

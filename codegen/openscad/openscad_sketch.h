@@ -10,7 +10,7 @@ namespace partscribe::codegen {
 
 /// What a script's text calls for: helper functions and the library beside it.
 struct OpenscadNeeds {
-  bool facets = false, arc = false, on_axis = false, disc = false, ball = false, library = false;
+  bool facets = false, arc = false, on_axis = false, disc = false, bore = false, ball = false, library = false;
 };
 
 /// A sketch as script text.

@@ -60,9 +60,9 @@ const std::set<std::string> taken_modules = {"assert",
                                              "supertoroid",
                                              "thick_sheet",
                                              "scan_from_part"};
-const std::set<std::string> taken_variables = {"as_designed", "as_scanned", "assert", "chord_error", "each",  "echo",
-                                               "else",        "false",      "for",    "function",    "if",    "include",
-                                               "let",         "module",     "n",      "true",        "undef", "use"};
+const std::set<std::string> taken_variables = {
+    "as_designed", "as_scanned", "assert",  "chord_error", "each",   "echo", "else", "false", "for", "function",
+    "i",           "if",         "include", "let",         "module", "n",    "true", "undef", "use"};
 
 std::string free_name(std::string name, const std::set<std::string>& taken, const std::string& suffix) {
   while (taken.count(name)) name += suffix;
@@ -105,6 +105,15 @@ OpenscadText::OpenscadText(const Model& model) : names_(model), values_(values_o
 
 std::string OpenscadText::plain(const Expr& expr) const { return piece(expr, false).text; }
 std::string OpenscadText::angle(const Expr& expr) const { return piece(expr, true).text; }
+
+std::string OpenscadText::factor(const Expr& expr) const {
+  Piece p = piece(expr, false);
+  return guarded(std::move(p.text), p.strength, sign);
+}
+std::string OpenscadText::angle_factor(const Expr& expr) const {
+  Piece p = piece(expr, true);
+  return guarded(std::move(p.text), p.strength, sign);
+}
 
 bool OpenscadText::carries_angle(const Expr& e) const {
   switch (e.kind) {

@@ -23,7 +23,12 @@ class OpenscadText {
   std::string plain(const Expr& expr) const;
   /// An angle, in degrees.
   std::string angle(const Expr& expr) const;
-  std::string of(const Expr& expr, Domain domain) const { return domain == Domain::angle ? angle(expr) : plain(expr); }
+  std::string of(const Expr& expr, Domain domain) const {
+    return domain == Domain::angle || domain == Domain::turn ? angle(expr) : plain(expr);
+  }
+  /// As plain and angle, fit to stand right of a product's sign.
+  std::string factor(const Expr& expr) const;
+  std::string angle_factor(const Expr& expr) const;
 
   const OpenscadNames& names() const { return names_; }
   double value(const Expr& expr) const { return evaluate(expr, values_); }

@@ -9,7 +9,7 @@
 #include "fit/refine/refine.h"
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/points/kd_tree.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 

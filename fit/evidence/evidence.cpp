@@ -10,7 +10,7 @@
 #include "core/statistics.h"
 #include "fit/refine/refine.h"
 #include "geometry/points/kd_tree.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "model/sketch.h"
 
 namespace partscribe::fit {

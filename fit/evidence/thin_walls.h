@@ -3,7 +3,7 @@
 #pragma once
 
 #include "fit/refine/all_points.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 

@@ -5,7 +5,7 @@
 
 #include "fit/refine/all_points.h"
 #include "fit/uncertainty/group_sums.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 

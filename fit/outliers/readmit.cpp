@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 #include "geometry/points/keep_points.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 namespace {

@@ -19,7 +19,7 @@
 #include "fit/sketch/sketch_builder.h"
 #include "geometry/points/nearby_in_plane.h"
 #include "model/check.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 namespace {

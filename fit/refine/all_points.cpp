@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "fit/evidence/thin_walls.h"
 #include "fit/refine/refine.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "fit/refine/refine.h"
 #include "geometry/mesh/mesh_distance.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/parallel.h"
 #include "fit/refine/refine.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 namespace {

@@ -20,7 +20,7 @@
 #include "fit/refine/refine.h"
 #include "fit/refine/tidy.h"
 #include "fit/search/rivals.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 namespace {

@@ -60,13 +60,13 @@ void place_straight_hole(SketchNumbers& numbers, SketchNumbers::Shared& sizes, c
 }
 
 /// A round hole, or one with two straight sides along each axis.
-struct Hole {
+struct HoleLoop {
   Vec2 center, size;
   bool round = false;
 };
 
-std::vector<Hole> holes_of(const std::vector<std::vector<SketchPiece>>& loops, std::vector<SketchLevel>& levels) {
-  std::vector<Hole> holes;
+std::vector<HoleLoop> holes_of(const std::vector<std::vector<SketchPiece>>& loops, std::vector<SketchLevel>& levels) {
+  std::vector<HoleLoop> holes;
   for (std::size_t l = 1; l < loops.size(); ++l) {
     const Span x = span_of(loops[l], levels, 0), y = span_of(loops[l], levels, 1);
     const ProfileSegment& s = loops[l].front().s;
@@ -80,9 +80,9 @@ std::vector<Hole> holes_of(const std::vector<std::vector<SketchPiece>>& loops, s
 
 /// Along one axis: even rows about the origin by their pitch, pairs about it by their distance, others each from the
 /// one before.
-void space_holes(SketchNumbers& numbers, const std::vector<Hole>& equal, int axis) {
+void space_holes(SketchNumbers& numbers, const std::vector<HoleLoop>& equal, int axis) {
   std::vector<double> at;
-  for (const Hole& hole : equal) at.push_back(hole.center[axis]);
+  for (const HoleLoop& hole : equal) at.push_back(hole.center[axis]);
   std::sort(at.begin(), at.end());
   at.erase(std::unique(at.begin(), at.end(), [&](double a, double b) { return b - a < numbers.same; }), at.end());
   const std::size_t n = at.size();
@@ -132,13 +132,13 @@ void place_by_sizes(SketchNumbers& numbers, std::vector<SketchLevel>& levels,
                 axis == 0 ? numbers.parameter(span.size(), Quantity::length, "length", "size along x")
                           : numbers.parameter(span.size(), Quantity::length, "width", "size along y"));
   }
-  std::vector<Hole> rest = holes_of(loops, levels);
+  std::vector<HoleLoop> rest = holes_of(loops, levels);
   while (!rest.empty()) {
     const auto others =
-        std::stable_partition(rest.begin(), rest.end(), [first = rest.front(), &numbers](const Hole& h) {
+        std::stable_partition(rest.begin(), rest.end(), [first = rest.front(), &numbers](const HoleLoop& h) {
           return h.round == first.round && (h.size - first.size).cwiseAbs().maxCoeff() < 2 * numbers.same;
         });
-    const std::vector<Hole> equal(rest.begin(), others);
+    const std::vector<HoleLoop> equal(rest.begin(), others);
     for (const int axis : {0, 1}) space_holes(numbers, equal, axis);
     rest.erase(rest.begin(), others);
   }

@@ -13,7 +13,7 @@
 #include "fit/refine/refine.h"
 #include "fit/uncertainty/correlation.h"
 #include "fit/uncertainty/slant.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 namespace partscribe::fit {
 namespace {

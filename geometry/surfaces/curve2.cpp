@@ -244,6 +244,55 @@ bool OutlineDistance::inside(const Vec2& p) const {
   return count % 2 == 1;
 }
 
+struct OutlineDistance::NurbsFoot {
+  Vec2 point, tangent;
+  bool within;  // between the curve's ends
+};
+
+OutlineDistance::NurbsFoot OutlineDistance::nurbs_foot(const Vec2& p, std::size_t curve) const {
+  const auto& c = std::get<Nurbs2>(outline_.curves[curve].curve);
+  const auto& chords = chords_[curve];
+  Foot foot{1e300, p};
+  std::size_t at = 0;
+  for (std::size_t k = 0; k + 1 < chords.size(); ++k) {
+    const Foot chord = foot_on_segment(chords[k], chords[k + 1], p);
+    if (chord.sq_distance < foot.sq_distance) foot = chord, at = k;
+  }
+  const double u0 = chord_u_[curve][at], u1 = chord_u_[curve][at + 1];
+  const double length = (chords[at + 1] - chords[at]).norm();
+  double u = length > 0 ? u0 + (u1 - u0) * (foot.point - chords[at]).norm() / length : u0;
+  Vec2 q, d1, d2;
+  for (int k = 0; k < 8; ++k) {
+    c.derivatives(u, q, d1, d2);
+    const double g = d1.dot(q - p), h = d1.squaredNorm() + d2.dot(q - p);
+    const double step = -g / (h > 0 ? h : std::max(d1.squaredNorm(), 1e-300));
+    u = std::clamp(u + step, c.knots[c.degree], c.knots[c.control.size()]);
+    if (std::abs(step) < 1e-12 * (c.knots[c.control.size()] - c.knots[c.degree])) break;
+  }
+  c.derivatives(u, q, d1, d2);
+  return {q, d1, u > c.knots[c.degree] && u < c.knots[c.control.size()]};
+}
+
+OutlineDistance::CurveFoot OutlineDistance::foot(const Vec2& p, int curve) const {
+  const std::size_t i = static_cast<std::size_t>(curve);
+  CurveFoot result;
+  Vec2 along;
+  if (const auto* l = std::get_if<Line2>(&outline_.curves[i].curve)) {
+    result.point = foot_on_segment(l->a, l->b, p).point;
+    along = l->b - l->a;
+  } else if (const auto* a = std::get_if<Arc2>(&outline_.curves[i].curve)) {
+    result.point = foot_on_arc(prepared_->arcs[i], p).point;
+    const Vec2 out = result.point - a->center;
+    along = Vec2(-out.y(), out.x());
+  } else {
+    const NurbsFoot on_curve = nurbs_foot(p, i);
+    result.point = on_curve.point, along = on_curve.tangent;
+  }
+  result.distance = (p - result.point).norm();
+  if (along.squaredNorm() > 0) result.normal = Vec2(along.y(), -along.x()).normalized();
+  return result;
+}
+
 OutlineDistance::Hit OutlineDistance::operator()(const Vec2& p) const {
   Hit hit;
   double best = 1e300;
@@ -258,27 +307,10 @@ OutlineDistance::Hit OutlineDistance::operator()(const Vec2& p) const {
     } else if (std::holds_alternative<Arc2>(curve)) {
       foot = foot_on_arc(prepared_->arcs[i], p);
     } else {
-      const auto& c = std::get<Nurbs2>(curve);
-      std::size_t at = 0;
-      for (std::size_t k = 0; k + 1 < chords_[i].size(); ++k) {
-        const Foot chord = foot_on_segment(chords_[i][k], chords_[i][k + 1], p);
-        if (chord.sq_distance < foot.sq_distance) foot = chord, at = k;
-      }
-      const double u0 = chord_u_[i][at], u1 = chord_u_[i][at + 1];
-      const double length = (chords_[i][at + 1] - chords_[i][at]).norm();
-      double u = length > 0 ? u0 + (u1 - u0) * (foot.point - chords_[i][at]).norm() / length : u0;
-      Vec2 q, d1, d2;
-      for (int k = 0; k < 8; ++k) {
-        c.derivatives(u, q, d1, d2);
-        const double g = d1.dot(q - p), h = d1.squaredNorm() + d2.dot(q - p);
-        const double step = -g / (h > 0 ? h : std::max(d1.squaredNorm(), 1e-300));
-        u = std::clamp(u + step, c.knots[c.degree], c.knots[c.control.size()]);
-        if (std::abs(step) < 1e-12 * (c.knots[c.control.size()] - c.knots[c.degree])) break;
-      }
-      c.derivatives(u, q, d1, d2);
-      foot = {(p - q).squaredNorm(), q};
+      const NurbsFoot on_curve = nurbs_foot(p, i);
+      foot = {(p - on_curve.point).squaredNorm(), on_curve.point};
       // Beyond its ends a curve's normal tells no side.
-      if (u > c.knots[c.degree] && u < c.knots[c.control.size()]) normal = Vec2(d1.y(), -d1.x());
+      if (on_curve.within) normal = Vec2(on_curve.tangent.y(), -on_curve.tangent.x());
     }
     if (foot.sq_distance < best) {
       best = foot.sq_distance;

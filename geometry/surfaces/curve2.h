@@ -64,12 +64,20 @@ class OutlineDistance {
   };
   /// `ignored[i]` true: curve i bounds the inside but is no surface (a profile's part on the axis).
   Hit operator()(const Vec2& point) const;
+  /// The nearest point of one curve, ends included, and a unit normal of the curve there (either way).
+  struct CurveFoot {
+    double distance = 0;  ///< >= 0
+    Vec2 point = Vec2::Zero(), normal = Vec2::UnitX();
+  };
+  CurveFoot foot(const Vec2& point, int curve) const;
   void ignore(int curve) { ignored_[static_cast<std::size_t>(curve)] = true; }
   const Outline2& outline() const { return outline_; }
   bool inside(const Vec2& point) const;
 
  private:
   struct Prepared;  // what each query needs of every arc
+  struct NurbsFoot;
+  NurbsFoot nurbs_foot(const Vec2& p, std::size_t curve) const;
   Outline2 outline_;
   std::vector<char> ignored_;
   std::vector<std::vector<Vec2>> chords_;  // per curve; only NURBS have any

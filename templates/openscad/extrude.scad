@@ -1,4 +1,4 @@
 {{sketch}}
 
 module {{name}}()
-  {{place}}linear_extrude(height = {{height}}) {{sketch_name}}();
+  {{place}}{{below}}linear_extrude(height = {{height}}) {{sketch_name}}();

@@ -27,6 +27,14 @@ module disc(r) {
 }
 
 {{/disc}}
+{{#bore}}
+// A round cutter about z.
+module bore(d, from, to) {
+  n = facets(d / 2);
+  translate([0, 0, from]) cylinder(r = straddled(d / 2, n), h = to - from, $fn = n);
+}
+
+{{/bore}}
 {{#ball}}
 // sphere() has no corners at its poles, the turned half disc does.
 module ball(r) {

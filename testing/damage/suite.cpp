@@ -10,7 +10,7 @@
 #include "core/number.h"
 #include "geometry/io/read_geometry.h"
 #include "geometry/mesh/mesh_distance.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "testing/damage/file_damage.h"
 #include "testing/damage/parts.h"
 #include "verify/compare/samples.h"

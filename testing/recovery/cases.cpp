@@ -8,7 +8,7 @@
 #include "core/ensure.h"
 #include "core/number.h"
 #include "core/random.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "scan/read/read.h"
 #include "testing/recovery/facets.h"
 #include "testing/recovery/parts.h"

@@ -8,8 +8,8 @@
 #include "core/ensure.h"
 #include "core/number.h"
 #include "geometry/mesh/convex.h"
-#include "model/distance.h"
-#include "model/lower.h"
+#include "model/distance/distance.h"
+#include "model/lower/lower.h"
 #include "model/sketch.h"
 
 namespace partscribe::testing::recovery {

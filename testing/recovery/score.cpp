@@ -9,7 +9,7 @@
 
 #include "core/number.h"
 #include "fit/build.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "model/sketch.h"
 
 namespace partscribe::testing::recovery {

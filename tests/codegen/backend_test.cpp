@@ -11,7 +11,7 @@
 #include "codegen/emit.h"
 #include "core/number.h"
 #include "geometry/mesh/mesh_distance.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "model/json.h"
 #include "testing/golden_models.h"
 #include "verify/evaluate/evaluate.h"
@@ -468,4 +468,24 @@ TEST_CASE("descriptions: numbers as a person writes them") {
   p.nominal->kept = false;
   p.value = 10.998;
   CHECK_FALSE(as_built_text(p, 0.1).has_value());
+}
+
+TEST_CASE("backends: patterns are loops over their count, parameters that follow from others are formulas") {
+  const std::string script = script_of(golden("flange"));
+  CHECK(contains(script, "bolts = 6;"));
+  CHECK(contains(script, "bolt_circle_r = bolt_circle_d / 2;"));
+  CHECK(contains(script, "bolt_step = 360 / bolts;"));
+  CHECK(contains(script, "for (i = [0 : bolts - 1]) rotate([0, 0, i * bolt_step]) bolt_hole();"));
+  CHECK(contains(script, "bore(d = bore_d, from = -(thickness + hub_height) - 1, to = 1);"));
+}
+
+TEST_CASE("backends: a count edited in the script drills as many holes") {
+  Artifact flange = emitted(golden("flange"), "openscad");
+  const double six = volume(evaluated(flange, 0.1).mesh);
+  std::string& script = flange.files[0].bytes;
+  script.replace(script.find("bolts = 6;"), 10, "bolts = 4;");
+  const double four = volume(evaluated(flange, 0.1).mesh);
+  // A hole of 6.6 through 12 mm, and a countersink to 13.
+  const double r = 3.3, R = 6.5, depth = R - r, cone = pi / 3 * depth * (R * R + R * r + r * r);
+  CHECK(four - six == Approx(2 * (pi * r * r * (12 - depth) + cone)).epsilon(0.01));
 }

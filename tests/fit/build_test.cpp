@@ -9,7 +9,7 @@
 #include <map>
 #include <optional>
 
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "model/json.h"
 #include "testing/models.h"
 #include "testing/sampled.h"

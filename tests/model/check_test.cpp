@@ -75,7 +75,7 @@ TEST_CASE("check: sketches are simple, closed the right way round, and keep off 
   const Loop far = polygon({{22, 2}, {22, 4}, {24, 4}, {24, 2}});
   expect_complaint(model_with(Extrude{{{outer, far}}, 5}), "outside the outer loop");
   const Loop large = polygon({{1, 1}, {1, 9}, {9, 9}, {9, 1}}), small = polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}});
-  expect_complaint(model_with(Extrude{{{outer, large, small}}, 5}), "another hole");
+  expect_complaint(model_with(Extrude{{{outer, large, small}}, 5}), "must run counter-clockwise");
 }
 
 TEST_CASE("check: triangulations are manifold and face outward") {
@@ -90,4 +90,66 @@ TEST_CASE("check: triangulations are manifold and face outward") {
   auto bad = tetrahedron;
   bad.triangles[0][0] = 9;
   expect_complaint(model_with(bad), "names vertex 9");
+}
+
+TEST_CASE("check: relations of a sketch name pieces that exist, and hold") {
+  Loop outline = polygon({{0, 0}, {10, 0}, {10, 6}, {0, 6}});
+  const char* roles[] = {"front", "right", "back", "left"};
+  for (std::size_t i = 0; i < 4; ++i) std::get<SketchPoint>(outline.elements[i]).edge = roles[i];
+  const Loop bore{"bore", {SketchArc{3, 3, 1, 2 * pi, 0, "bore", ""}}},
+      pin{"pin", {SketchArc{7, 3, 1, 2 * pi, 0, "pin", ""}}};
+  auto with = [&](const SketchRelation& relation) {
+    return model_with(Extrude{Sketch{{outline, bore, pin}, {relation}}, 5});
+  };
+  for (const SketchRelation& good : {SketchRelation{"parallel", "front", "back"},
+                                     {"perpendicular", "front", "left"},
+                                     {"equal", "left", "right"},
+                                     {"equal", "bore", "pin"}})
+    CHECK(std::holds_alternative<CheckedModel>(check(with(good))));
+  expect_complaint(with({"parallel", "front", "left"}), "contradict it by 1");
+  expect_complaint(with({"equal", "front", "left"}), "contradict it by 4");
+  expect_complaint(with({"concentric", "bore", "pin"}), "contradict it by 4");
+  expect_complaint(with({"parallel", "front", "lid"}), "expected one piece called 'lid', found 0");
+  expect_complaint(with({"parallel", "front", "bore"}), "straight edges");
+  expect_complaint(with({"tangent", "front", "back"}), "do not meet");
+  expect_complaint(with({"beside", "front", "back"}), "as its kind");
+  // A slot: its ends are tangent to its sides, and it is its own image behind both axes.
+  const Loop slot{"slot",
+                  {SketchArc{4, 0, 2, -pi / 2, pi / 2, "right end", "top"},
+                   SketchArc{-4, 0, 2, pi / 2, 3 * pi / 2, "left end", "bottom"}}};
+  for (const SketchRelation& good : {SketchRelation{"tangent", "right end", "top"},
+                                     {"symmetric_y", "right end", "left end"},
+                                     {"symmetric_x", "top", "bottom"},
+                                     {"equal", "right end", "left end"}})
+    CHECK(std::holds_alternative<CheckedModel>(check(model_with(Extrude{Sketch{{slot}, {good}}, 5}))));
+}
+
+TEST_CASE("check: a formula is computed, and refers to earlier parameters only") {
+  Model m = model_with(Sphere{Expr::of("radius")}, {length("diameter", 14), length("radius", 0)});
+  m.parameters[0].fitted = 14.02;
+  m.parameters[1].formula = Expr::of("diameter") / Expr(2);
+  const auto good = check(m);
+  REQUIRE(std::holds_alternative<CheckedModel>(good));
+  CHECK(std::get<CheckedModel>(good)->parameters[1].value == 7);
+  CHECK(std::get<CheckedModel>(good)->parameters[1].fitted == Approx(7.01));
+  std::swap(m.parameters[0], m.parameters[1]);
+  expect_complaint(m, "unknown parameter 'diameter'");
+  Model counted = model_with(Sphere{3}, {{"rows", Quantity::count, 2.5, 2.5}});
+  expect_complaint(counted, "a whole number");
+}
+
+TEST_CASE("check: features make sense") {
+  expect_complaint(model_with(Hole{6, 10, true, 2.0}), "has no tip");
+  expect_complaint(model_with(Hole{6, 10, true, 0, 5, 3}), "wider than its hole");
+  expect_complaint(model_with(Hole{6, 10, true, 0, 9, 0}), "a diameter and a depth");
+  expect_complaint(model_with(Hole{6, 10, true, 0, 0, 0, 40}), "less deep than its hole");
+  expect_complaint(model_with(Slot{6, 6, 4}), "above its width");
+  expect_complaint(model_with(Revolve{{{polygon({{1, 0}, {5, 0}, {5, 5}})}}, 7}), "a full turn at most");
+  Model m = model_with(Sphere{3});
+  m.objects.push_back({"row", LinearPattern{"ball", 3, 10, 0, 0}, {}, {}, {}});
+  expect_complaint(m, "'ball' is not an earlier object");
+  m.objects[1].shape = LinearPattern{"body", 3, 0, 0, 0};
+  expect_complaint(m, "must not be 0");
+  m.objects[1].shape = Mirror{"body", "w", 0, true};
+  expect_complaint(m, "expected axis x, y or z");
 }

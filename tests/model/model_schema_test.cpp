@@ -37,6 +37,8 @@ Model full_model() {
   m.provenance.version = "0.1.0";
   m.parameters[0].nominal = NominalEvidence{20, 0.3, true, "0.5 mm grid"};
   m.parameters[0].note = "radius of the head";
+  m.parameters.push_back({"head_diameter", Quantity::length, 40, 40});
+  m.parameters.back().formula = Expr(2) * Expr::of("head_radius");
   m.objects[0].note = "a pin";
   m.objects[0].frame.x = Expr::call(Expr::Kind::atan2, {Expr::of("head_radius"), -Expr::of("head_height")});
   m.objects[0].frame.rx = Expr::call(Expr::Kind::sqrt, {Expr::of("head_radius") / Expr::of("head_height")});

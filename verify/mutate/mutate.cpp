@@ -8,6 +8,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "model/lower/lower.h"
 #include "verify/mutate/mutate_edits.h"
 #include "verify/mutate/mutate_features.h"
 #include "verify/mutate/mutate_gauge.h"
@@ -36,7 +37,8 @@ class Damages {
     parameters();
     for (std::size_t o = 0; o < model_.objects.size(); ++o) numbers(o);
     placements();
-    for (auto& edit : omissions(model_)) take(edit.kind, edit.name, std::move(edit.model));
+    // Each copy of a pattern can be missing alone.
+    for (auto& edit : omissions(lowered(model_, Kinds{}))) take(edit.kind, edit.name, std::move(edit.model));
     for (auto& edit : additions(model_, gauge_)) take_either(edit.kind, edit.name, std::move(edit.model));
     for (const auto& edit : sized_edits(model_)) damage(edit.kind, edit.name, edit.start, edit.exact, edit.change);
     for (int axis = 0; axis < 3; ++axis)
@@ -134,6 +136,15 @@ class Damages {
 
   void parameters() {
     for (std::size_t i = 0; i < model_.parameters.size(); ++i) {
+      if (model_.parameters[i].quantity == Quantity::count && !model_.parameters[i].formula) {
+        for (const int more : {-1, 1}) {
+          Model m = model_;
+          m.parameters[i].value += more;
+          take_either(Mutation::Kind::parameter, m.parameters[i].name + (more > 0 ? " one more" : " one fewer"),
+                      std::move(m));
+        }
+        continue;
+      }
       const bool length = model_.parameters[i].quantity == Quantity::length;
       damage(
           Mutation::Kind::parameter, model_.parameters[i].name, length ? 2 * tolerance_ : small_angle(), length,
@@ -141,6 +152,7 @@ class Damages {
             Model m = model_;
             auto& p = m.parameters[i];
             p.value += size, p.fitted = p.value, p.nominal.reset();
+            if (p.formula) p.formula = *p.formula + Expr(size);
             return m;
           },
           true, true);
@@ -152,7 +164,7 @@ class Damages {
     visit_expressions(std::as_const(model_.objects[o].shape), [&](const Expr& e, Domain d) { all.push_back({e, d}); });
     for (std::size_t i = 0; i < all.size(); ++i) {
       const auto& [e, domain] = all[i];
-      if (e.is_parameter() || domain == Domain::component) continue;
+      if (e.is_parameter() || domain == Domain::component || domain == Domain::count) continue;
       const bool length = domain == Domain::length || domain == Domain::length_or_zero || domain == Domain::coordinate;
       const std::string what =
           model_.objects[o].name + ": value " + print_number(double(i + 1)) + ", " + shown(evaluate(e, values_));

@@ -59,6 +59,8 @@ bool combines(const Shape& shape) { return operands_of(shape) != nullptr; }
 Sketch* sketch_of(Shape& shape) {
   if (auto* e = std::get_if<Extrude>(&shape)) return &e->sketch;
   if (auto* r = std::get_if<Revolve>(&shape)) return &r->sketch;
+  if (auto* p = std::get_if<Pocket>(&shape)) return &p->sketch;
+  if (auto* b = std::get_if<Boss>(&shape)) return &b->sketch;
   return nullptr;
 }
 

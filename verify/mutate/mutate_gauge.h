@@ -1,7 +1,7 @@
 /// Measures by how much a damaged model differs from the true one; for the .cpp files behind mutate.h only.
 #pragma once
 
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "verify/mutate/mutate.h"
 
 namespace partscribe::verify {

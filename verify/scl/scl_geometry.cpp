@@ -210,8 +210,10 @@ SclMade scl_shell_of(const SclGeometryPtr& geometry) {
   return SclGeometryPtr(shell);
 }
 
-SclMade scl_revolved(const std::vector<SclGeometryPtr>& profiles) {
+SclMade scl_revolved(const std::vector<SclGeometryPtr>& profiles, double angle) {
   if (profiles.empty()) return refuse("expected a profile to turn");
+  if (!(angle > 0) || angle > 2 * pi + 1e-9)
+    return refuse("expected a turn above 0 and of 360 degrees at most, found " + print_degrees(angle));
   try {
     std::vector<TopoDS_Wire> wires;
     for (const auto& profile : profiles) {
@@ -224,7 +226,9 @@ SclMade scl_revolved(const std::vector<SclGeometryPtr>& profiles) {
     }
     auto face = plane_face(gp_Pln(gp_Pnt(0, 0, 0), gp_Dir(0, 1, 0)), wires);
     if (!face.ok()) return face.error();
-    BRepPrimAPI_MakeRevol maker(*face, gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)));
+    const gp_Ax1 axis(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1));
+    BRepPrimAPI_MakeRevol maker =
+        angle > 2 * pi - 1e-9 ? BRepPrimAPI_MakeRevol(*face, axis) : BRepPrimAPI_MakeRevol(*face, axis, angle);
     if (!maker.IsDone() || !has_solid(maker.Shape())) return refuse("the profile does not turn into a solid");
     return made(SclGeometryKind::shell, outward(maker.Shape()), true);
   } catch (const Standard_Failure& f) {

@@ -82,9 +82,9 @@ SclMade scl_cylinder(const Vec3& base, const Vec3& axis, double radius);
 SclMade scl_unit_sphere();
 /// The shell of a primitive; a shell stays what it is.
 SclMade scl_shell_of(const SclGeometryPtr& geometry);
-/// Profiles in the plane y = 0 with x >= 0, turned fully about z: the first is the outline, the others are holes. An
-/// open outline is closed straight to the axis.
-SclMade scl_revolved(const std::vector<SclGeometryPtr>& profiles);
+/// Profiles in the plane y = 0 with x >= 0, turned about z by an angle (rad, above 0, a full turn at most): the
+/// first is the outline, the others are holes. An open outline is closed straight to the axis.
+SclMade scl_revolved(const std::vector<SclGeometryPtr>& profiles, double angle);
 /// Closed profiles in the plane z = 0, moved along z: the first is the outline, the others are holes.
 SclMade scl_extruded(const std::vector<SclGeometryPtr>& profiles, double height);
 /// Surfaces that meet along their edges, as one shell.

@@ -167,6 +167,16 @@ Called combine_call(const SclValues& values, SclCallContext& context) {
     operation = SclOperation::intersect;
   else if (name != "union")
     a.expected("\"union\", \"difference\" or \"intersection\"");
+  if (values.size() == 2) {  // an array of any number
+    const auto all = a.geometries("an array of shells");
+    return wrapped(a, [&]() -> SclMade {
+      if (all.empty()) return bad_input("expected at least one shell to combine");
+      SclMade made = all[0];
+      for (std::size_t i = 1; i < all.size() && made.ok(); ++i)
+        made = scl_combined(operation, *made, all[i], context.stop);
+      return made;
+    });
+  }
   const auto first = a.geometry(), second = a.geometry();
   return wrapped(a, [&] { return scl_combined(operation, first, second, context.stop); });
 }
@@ -438,13 +448,14 @@ const std::map<std::string, Entry>& natives() {
       {"savemodel", {2, 2, dump_call}},
       {"show", {1, many, show_call}},
       // behind the prelude: what they do is known, what Alpha_1 calls them is not
-      {"combineshells", {3, 3, combine_call}},
+      {"combineshells", {2, 3, combine_call}},
       {"surfrev",
-       {1, 1,
+       {1, 2,
         [](const SclValues& v, SclCallContext&) {
           SclArguments a(v);
           const auto p = profiles(a);
-          return wrapped(a, [&] { return scl_revolved(p); });
+          const double turn = v.size() == 2 ? radians(a.number()) : 2 * pi;
+          return wrapped(a, [&] { return scl_revolved(p, turn); });
         }}},
       {"extrudeprofiles",
        {2, 2,

@@ -11,7 +11,7 @@
 #include "codegen/alpha1/alpha1_superellipsoid.h"
 #include "core/number.h"
 #include "core/random.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "model/json.h"
 #include "testing/golden_models.h"
 #include "verify/evaluate/alpha1.h"

@@ -7,7 +7,7 @@
 #include "core/random.h"
 #include "fit/evidence/one_sided.h"
 #include "fit/refine/refine.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "testing/models.h"
 
 using namespace partscribe::fit;

@@ -6,7 +6,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 #include "testing/recovery/cases.h"
 
 using namespace partscribe::fit;

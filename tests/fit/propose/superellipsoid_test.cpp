@@ -11,7 +11,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
-#include "model/distance.h"
+#include "model/distance/distance.h"
 
 using namespace partscribe::fit;
 

@@ -1,0 +1,34 @@
+/// Says a model in terms of fewer kinds of shapes, exactly: features as solids, patterns as copies, images as solids of
+/// the other hand, nested sketches as several. Whoever writes or measures models calls this first and then has to know
+/// only the kinds it names.
+#pragma once
+
+#include <set>
+#include <string_view>
+
+#include "model/model.h"
+
+namespace partscribe::model {
+
+/// Kinds of shapes that are left as they are, beside the basic ones (box to tri_surface without fillet, and booleans).
+using Kinds = std::set<std::string_view>;
+
+/// The same part with the same parameters. Each object keeps its name; objects that it needs come before it, with names
+/// that nobody else has. `feature` and `repeats` of every object say what it comes from. Counts are those of the
+/// parameters' present values. Needs a model whose references are right (check()).
+Model lowered(const Model& model, const Kinds& known);
+
+/// The same with every expression replaced by its value.
+Model lowered(const Model& model, const Values& values, const Kinds& known = {});
+
+/// True for the kinds that lowered() never replaces.
+template <class S>
+constexpr bool is_basic = S::kind != "fillet" && S::kind != "hole" && S::kind != "slot" && S::kind != "pocket" &&
+                          S::kind != "boss" && S::kind != "linear_pattern" && S::kind != "circular_pattern" &&
+                          S::kind != "mirror" && S::kind != "edge_fillet" && S::kind != "edge_chamfer";
+
+/// A shape that lowered() replaces: a visitor that runs after it needs one function for all of them.
+template <class S>
+concept LoweredAway = !is_basic<S>;
+
+}  // namespace partscribe::model

@@ -1,0 +1,124 @@
+#include "model/lower/solids.h"
+
+#include <cmath>
+
+#include "model/sketch.h"
+
+namespace partscribe::model {
+namespace {
+
+Expr half(const Expr& e) { return e / Expr(2); }
+
+Expr cosine(const Expr& angle) {
+  return angle.is_number() ? Expr(std::cos(angle.number)) : Expr::call(Expr::Kind::cos, {angle});
+}
+Expr sine(const Expr& angle) {
+  return angle.is_number() ? Expr(std::sin(angle.number)) : Expr::call(Expr::Kind::sin, {angle});
+}
+
+/// How deep a cone of this whole angle is that narrows from one radius to another.
+Expr cone_depth(const Expr& wide, const Expr& narrow, const Expr& angle) {
+  // The usual countersink: tan(45 deg) is 1.
+  if (angle == Expr(pi / 2)) return wide - narrow;
+  const Expr a = half(angle);
+  return (wide - narrow) * cosine(a) / sine(a);
+}
+
+bool zero(const Expr& e) { return e == Expr(0); }
+
+Extrude cut(const Sketch& sketch, const Expr& depth, bool through, const Expr& overshoot) {
+  return {sketch, overshoot, through ? depth + overshoot : depth};
+}
+
+}  // namespace
+
+Extrude solid_of(const Fillet& s) {
+  Loop loop{"outline", {SketchPoint{0, 0, "base"}}};
+  if (s.width == s.height) {
+    loop.elements.push_back(SketchArc{s.width, s.width, s.width, -pi / 2, -pi, "fillet", "wall"});
+  } else {
+    SketchNurbs curve;
+    curve.degree = 2;
+    curve.knots = {0, 0, 0, 1, 1, 1};
+    curve.weights = {1, std::sqrt(0.5), 1};
+    curve.control = {{{s.width, 0}}, {{0, 0}}, {{0, s.height}}};
+    curve.name = "fillet", curve.edge = "wall";
+    loop.elements.push_back(curve);
+  }
+  return {{{loop}}, s.length};
+}
+
+Revolve solid_of(const Hole& s) {
+  const Expr radius = half(s.diameter);
+  Loop loop{"hole", {}};
+  auto corner = [&](const Expr& r, const Expr& z, const char* edge) {
+    loop.elements.push_back(SketchPoint{r, z, edge});
+  };
+  // From the axis at the far end outwards, up the wall and back to the axis at the mouth.
+  const Expr bottom = s.through ? -(s.depth + s.overshoot) : -s.depth;
+  if (!s.through && !zero(s.tip_angle)) {
+    corner(0, bottom - cone_depth(radius, 0, s.tip_angle), "tip");
+  } else {
+    corner(0, bottom, s.through ? "far end" : "floor");
+  }
+  corner(radius, bottom, "wall");
+  const bool head = !zero(s.head_diameter), sink = !zero(s.sink_diameter);
+  const Expr head_radius = half(s.head_diameter), sink_radius = half(s.sink_diameter);
+  const Expr floor = head ? -s.head_depth : Expr(0);
+  if (sink) {
+    corner(radius, floor - cone_depth(sink_radius, radius, s.sink_angle), "countersink");
+    corner(sink_radius, floor, head ? "counterbore floor" : "rim");
+  } else if (head) {
+    corner(radius, floor, "counterbore floor");
+  }
+  if (head) corner(head_radius, floor, "counterbore");
+  const Expr mouth = head ? head_radius : sink ? sink_radius : radius;
+  corner(mouth, s.overshoot, "mouth");
+  corner(0, s.overshoot, "axis");
+  return {{{loop}}};
+}
+
+Extrude solid_of(const Slot& s) {
+  const Expr reach = half(s.length - s.width), radius = half(s.width);
+  const Loop loop{"slot",
+                  {SketchArc{reach, 0, radius, -pi / 2, pi / 2, "end", "side"},
+                   SketchArc{-reach, 0, radius, pi / 2, 3 * pi / 2, "end 2", "side 2"}}};
+  return cut({{loop}}, s.depth, s.through, s.overshoot);
+}
+
+Extrude solid_of(const Pocket& s) { return cut(s.sketch, s.depth, s.through, s.overshoot); }
+
+Extrude solid_of(const Boss& s) { return {s.sketch, s.height, s.root}; }
+
+std::vector<Sketch> without_islands(const Sketch& sketch, const Values& values) {
+  if (sketch.loops.size() < 2) return {sketch};
+  const auto now = std::get<ExtrudeOf<double>>(evaluate(Shape(Extrude{sketch, 1}), values)).sketch;
+  const Outline2 outline = outline_of(now);
+  const std::size_t count = sketch.loops.size();
+  std::vector<OutlineDistance> alone;
+  std::vector<Vec2> place(count);
+  for (std::size_t l = 0; l < count; ++l) {
+    Outline2 one;
+    for (const auto& c : outline.curves)
+      if (c.loop == static_cast<int>(l)) one.curves.push_back(c);
+    place[l] = start_of(one.curves.front().curve);
+    alone.emplace_back(std::move(one));
+  }
+  std::vector<std::vector<std::size_t>> around(count);
+  for (std::size_t l = 0; l < count; ++l)
+    for (std::size_t k = 0; k < count; ++k)
+      if (k != l && alone[k].inside(place[l])) around[l].push_back(k);
+  std::vector<Sketch> result;
+  for (std::size_t l = 0; l < count; ++l) {
+    if (around[l].size() % 2) continue;
+    Sketch one{{sketch.loops[l]}};
+    for (std::size_t h = 0; h < count; ++h)
+      if (around[h].size() == around[l].size() + 1 &&
+          std::find(around[h].begin(), around[h].end(), l) != around[h].end())
+        one.loops.push_back(sketch.loops[h]);
+    result.push_back(std::move(one));
+  }
+  return result;
+}
+
+}  // namespace partscribe::model

@@ -1,0 +1,2 @@
+module {{name}}()
+  {{place}}bore(d = {{diameter}}, from = {{from}}, to = {{to}});
