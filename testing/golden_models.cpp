@@ -445,7 +445,8 @@ Model tray() {
 }
 
 Model clamp() {
-  Model m = model("clamp", "clamp", "an angle with a filled inner edge, a rounded and a chamfered outer one, and a bore");
+  Model m =
+      model("clamp", "clamp", "an angle with a filled inner edge, a rounded and a chamfered outer one, and a bore");
   length(m, "length", 50, 50.01, 0.008, "length of the foot");
   length(m, "width", 30, 29.994, 0.006, "width of foot and wall");
   length(m, "height", 36, 36.004, 0.007, "height of the wall");
@@ -488,7 +489,7 @@ Model elbow() {
 std::vector<Model> golden_models() {
   return {sphere(),      box(),    wedge(),         cylinder(), cone(),    torus(),       ellipsoid(), superellipsoid(),
           supertoroid(), fillet(), half_spaces(),   pin(),      tie_bar(), tri_surface(), sheet(),     nurbs_vase(),
-          bracket(),     lens(),   drilled_plate(), flange(),   tray(), clamp(),    elbow()};
+          bracket(),     lens(),   drilled_plate(), flange(),   tray(),    clamp(),       elbow()};
 }
 
 }  // namespace partscribe::testing

@@ -150,7 +150,9 @@ ModelDistance::~ModelDistance() = default;
 ModelDistance::ModelDistance(ModelDistance&&) noexcept = default;
 
 ModelHit ModelDistance::operator()(const Vec3& point) const { return tree_->nearest(tree_->part_from_scan * point); }
-double ModelDistance::bound(const Vec3& point) const { return tree_->bound(tree_->root, tree_->part_from_scan * point); }
+double ModelDistance::bound(const Vec3& point) const {
+  return tree_->bound(tree_->root, tree_->part_from_scan * point);
+}
 const std::vector<ModelFace>& ModelDistance::faces() const { return faces_; }
 Box3 ModelDistance::bounds() const { return moved(tree_->root.bounds, tree_->part_from_scan.inverse()); }
 
