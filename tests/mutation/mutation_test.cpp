@@ -92,6 +92,19 @@ TEST_CASE("mutation: every visible parameter is damaged, every bore can be missi
   CHECK(count_of(mutations_of(golden_part("sphere")), {Kind::mirrored}) == 0);
 }
 
+TEST_CASE(
+    "mutation: each copy of a pattern can be missing, its count be wrong, a size that follows from others be off") {
+  const auto flange = mutations_of(golden_part("flange"));
+  auto has = [&](const std::string& name) {
+    return std::any_of(flange.begin(), flange.end(), [&](const Mutation& m) { return m.name.rfind(name, 0) == 0; });
+  };
+  for (int copy = 1; copy <= 6; ++copy) CHECK(has("without bolt_holes_" + std::to_string(copy)));
+  CHECK(has("bolts one fewer"));
+  CHECK(has("bolts one more"));
+  CHECK(has("bolt_circle_r "));
+  CHECK(has("bolt_step "));
+}
+
 TEST_CASE("mutation: a damage moves the surface by as much as it says") {
   const Model pin = golden_part("pin");
   for (const auto& m : mutations_of(pin)) {

@@ -236,7 +236,8 @@ Pooled pooled(Trouble trouble, int runs, const TrialOptions& options) {
 
 namespace {
 
-/// Runs of the short tests. The bounds are those of many runs; `slack` is what chance may add to them in few.
+/// Runs of the short tests. The bounds are those of many runs; `slack` is what chance may add to them in few. Whether
+/// a sigma exaggerates is not asked of few runs: they cannot tell that from luck.
 constexpr int few = 5;
 
 void ideal_data(int runs, double slack) {
@@ -271,14 +272,14 @@ void neighbours_err_together(int runs, double slack) {
   CHECK(p.independent < 0.25);  // the noise is smoothed by a 3 x 3 kernel that leaves 1 in 7
   CHECK(p.noise_coverage > 0.88 - slack / 2);
   CHECK(p.total_coverage > 0.91 - slack / 2);
-  CHECK(p.worst_ratio < 4 * (1 + 10 * slack));  // rims that nothing has rounded say that nothing was smoothed
+  if (slack == 0) CHECK(p.worst_ratio < 4);  // rims that nothing has rounded say that nothing was smoothed
 }
 
 void disturbed_poses(int runs, double slack) {
   const Pooled p = pooled(Trouble::poses, runs, {});
   CHECK(p.noise_coverage < 0.8);  // the noise part alone would not
   CHECK(p.total_coverage > 0.91 - slack / 2);
-  CHECK(p.worst_ratio < 2 * (1 + 10 * slack));
+  if (slack == 0) CHECK(p.worst_ratio < 2);
 }
 
 void disturbed_unknown_views(int runs, double slack) {
@@ -287,13 +288,13 @@ void disturbed_unknown_views(int runs, double slack) {
   const Pooled p = pooled(Trouble::poses, runs, unknown);
   CHECK(p.noise_coverage < 0.7);
   CHECK(p.total_coverage > 0.88 - slack / 2);
-  CHECK(p.worst_ratio < 3.5 * (1 + 10 * slack));
+  if (slack == 0) CHECK(p.worst_ratio < 3.5);
 }
 
 void facets_and_filters(int runs, double slack) {
   const Pooled facets = pooled(Trouble::facets, runs, {});
   CHECK(facets.total_coverage > 0.93 - slack / 2);
-  CHECK(facets.worst_ratio < 2 * (1 + 10 * slack));
+  if (slack == 0) CHECK(facets.worst_ratio < 2);
   TrialOptions fine;
   fine.views = 5, fine.resolution = 64;
   const Pooled filtered = pooled(Trouble::filtered, runs, fine);
