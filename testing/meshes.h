@@ -102,12 +102,12 @@ inline TriangleMesh holed_plate(double half, double thickness, double radius, do
 }
 
 /// A hole in the middle of a cell, or as far aside; radius 0: none.
-struct Hole {
+struct StripHole {
   double radius = 0, x = 0, y = 0;
 };
 
 /// A row along x of square cells of edge 2 `half`, the first about the origin; bottom in z = 0.
-inline TriangleMesh holed_strip(const std::vector<Hole>& cells, double half, double thickness, int sectors = 64) {
+inline TriangleMesh holed_strip(const std::vector<StripHole>& cells, double half, double thickness, int sectors = 64) {
   TriangleMesh mesh;
   const auto n = static_cast<std::uint32_t>(sectors);
   auto exact = [](double v) { return std::round(v * 1e6) / 1e6; };  // so that neighbours share their corners
@@ -116,7 +116,7 @@ inline TriangleMesh holed_strip(const std::vector<Hole>& cells, double half, dou
     if (c != d) mesh.triangles.push_back({a, c, d});
   };
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Hole& hole = cells[i];
+    const StripHole& hole = cells[i];
     const double middle = 2 * half * static_cast<double>(i);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const double z : {0.0, thickness})

@@ -210,8 +210,6 @@ TriangleMesh mesh_of(const EvaluatedShape& shape, int around) {
     return turned({{0, 0}, {s->bottom_radius, 0}, {s->top_radius, s->height}, {0, s->height}}, false, around);
   if (const auto* s = std::get_if<RevolveOf<double>>(&shape))
     return turned(corners_of(s->sketch, around)[0], true, around);
-  if (const auto* s = std::get_if<FilletOf<double>>(&shape))
-    return prism(corners_of(lowered(*s).sketch, around), s->length);
   if (const auto* s = std::get_if<ExtrudeOf<double>>(&shape)) return prism(corners_of(s->sketch, around), s->height);
   const auto* s = std::get_if<HalfSpacesOf<double>>(&shape);
   ensure(s != nullptr, "the kind has a mesh");
@@ -221,7 +219,8 @@ TriangleMesh mesh_of(const EvaluatedShape& shape, int around) {
 }  // namespace
 
 TriangleMesh coarse_mesh(const Model& truth, int around) {
-  TriangleMesh mesh = mesh_of(evaluate(truth.objects.back().shape, values_of(truth)), around);
+  const Model simple = lowered(truth, values_of(truth));
+  TriangleMesh mesh = mesh_of(evaluate(simple.objects.back().shape, {}), around);
   mesh = welded(mesh, 1e-9);
   if (volume(mesh) < 0)
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);

@@ -72,7 +72,7 @@ bool begins(const std::string& text, const std::string& start) { return text.rfi
 }  // namespace
 
 TEST_CASE("first finding: equal holes are counted on both sides, and those that the scan lacks are named") {
-  const std::vector<Hole> seven(7, Hole{1.5});
+  const std::vector<StripHole> seven(7, StripHole{1.5});
   auto five = seven;
   five[1].radius = five[4].radius = 0;
   const auto scan = scanned(holed_strip(five, 6, 7), 60000, sigma);
