@@ -143,6 +143,12 @@ std::vector<ParameterGroup> grouped_parameters(const Model& model) {
   each_frame_expression(model.scan_from_part, [&](const Expr& e) {
     visit_parameters(e, [&](const std::string& name) { group_of.emplace(name, "Placement"); });
   });
+  // What only a formula uses belongs to what the formula gives.
+  for (auto p = model.parameters.rbegin(); p != model.parameters.rend(); ++p)
+    if (const auto own = group_of.find(p->name); p->formula && own != group_of.end()) {
+      const std::string title = own->second;
+      visit_parameters(*p->formula, [&](const std::string& name) { group_of.emplace(name, title); });
+    }
   std::vector<ParameterGroup> groups;
   for (const Parameter& parameter : model.parameters) {
     const auto known = group_of.find(parameter.name);

@@ -37,6 +37,8 @@ Expr operator+(Expr a, Expr b) {
   if (is(a, 0)) return b;
   if (is(b, 0)) return a;
   if (b.kind == Kind::negate) return std::move(a) - b.arguments[0];
+  if (b.is_number() && a.kind == Kind::add && a.arguments[1].is_number())
+    return a.arguments[0] + Expr(a.arguments[1].number + b.number);
   if (b.is_number() && b.number < 0) return Expr::call(Kind::subtract, {std::move(a), Expr(-b.number)});
   return Expr::call(Kind::add, {std::move(a), std::move(b)});
 }

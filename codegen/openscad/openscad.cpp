@@ -71,14 +71,17 @@ class Guards {
 
 class Writer {
  public:
-  Writer(const Model& model, const TemplatePack& pack) : model_(model), pack_(pack), text_(model), guards_(text_) {
+  /// `stated`: the model before it was lowered, whose sizes the script guards.
+  Writer(const Model& model, const Model& stated, const TemplatePack& pack)
+      : model_(model), pack_(pack), text_(model), guards_(text_) {
+    for (const Object& object : stated.objects)
+      visit_expressions(object.shape, [&](const Expr& e, Domain d) { guards_.add(e, d); });
     for (const auto& [name, spelled] : text_.names().object) modules_.insert(spelled);
   }
 
   Result<std::string> write() {
     TemplateList objects;
     for (const Object& object : model_.objects) {
-      visit_expressions(object.shape, [&](const Expr& e, Domain d) { guards_.add(e, d); });
       auto body = std::visit([&](const auto& shape) { return module_of(object, shape); }, object.shape);
       if (!body.ok()) return body;
       while (!body->empty() && body->back() == '\n') body->pop_back();
@@ -426,7 +429,7 @@ Result<Artifact> emit_openscad(const CheckedModel& checked, const EmitOptions& o
   if (!pack.ok()) return pack.error();
   const Model model =
       lowered(*checked, Kinds{Hole::kind, Slot::kind, LinearPattern::kind, CircularPattern::kind, Mirror::kind});
-  Writer writer(model, *pack);
+  Writer writer(model, *checked, *pack);
   auto script = writer.write();
   if (!script.ok()) return script.error();
   Artifact artifact{"openscad", {{options.stem + ".scad", std::move(script).value()}}};

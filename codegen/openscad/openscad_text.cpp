@@ -59,6 +59,7 @@ const std::set<std::string> taken_modules = {"assert",
                                              "superellipsoid",
                                              "supertoroid",
                                              "thick_sheet",
+                                             "round_cutter",
                                              "scan_from_part"};
 const std::set<std::string> taken_variables = {
     "as_designed", "as_scanned", "assert",  "chord_error", "each",   "echo", "else", "false", "for", "function",

@@ -11,6 +11,7 @@
 namespace partscribe::model {
 
 /// Kinds of shapes that are left as they are, beside the basic ones (box to tri_surface without fillet, and booleans).
+/// Worked edges never are.
 using Kinds = std::set<std::string_view>;
 
 /// The same part with the same parameters. Each object keeps its name; objects that it needs come before it, with names

@@ -16,12 +16,12 @@ Expr sine(const Expr& angle) {
   return angle.is_number() ? Expr(std::sin(angle.number)) : Expr::call(Expr::Kind::sin, {angle});
 }
 
-/// How deep a cone of this whole angle is that narrows from one radius to another.
+/// How deep a cone of this whole angle is that narrows from one diameter to another.
 Expr cone_depth(const Expr& wide, const Expr& narrow, const Expr& angle) {
-  // The usual countersink: tan(45 deg) is 1.
-  if (angle == Expr(pi / 2)) return wide - narrow;
+  const Expr across = half(wide - narrow);
+  if (angle == Expr(pi / 2)) return across;  // the usual countersink: tan(45 deg) is 1
   const Expr a = half(angle);
-  return (wide - narrow) * cosine(a) / sine(a);
+  return across * cosine(a) / sine(a);
 }
 
 bool zero(const Expr& e) { return e == Expr(0); }
@@ -57,7 +57,7 @@ Revolve solid_of(const Hole& s) {
   // From the axis at the far end outwards, up the wall and back to the axis at the mouth.
   const Expr bottom = s.through ? -(s.depth + s.overshoot) : -s.depth;
   if (!s.through && !zero(s.tip_angle)) {
-    corner(0, bottom - cone_depth(radius, 0, s.tip_angle), "tip");
+    corner(0, bottom - cone_depth(s.diameter, 0, s.tip_angle), "tip");
   } else {
     corner(0, bottom, s.through ? "far end" : "floor");
   }
@@ -66,7 +66,7 @@ Revolve solid_of(const Hole& s) {
   const Expr head_radius = half(s.head_diameter), sink_radius = half(s.sink_diameter);
   const Expr floor = head ? -s.head_depth : Expr(0);
   if (sink) {
-    corner(radius, floor - cone_depth(sink_radius, radius, s.sink_angle), "countersink");
+    corner(radius, floor - cone_depth(s.sink_diameter, s.diameter, s.sink_angle), "countersink");
     corner(sink_radius, floor, head ? "counterbore floor" : "rim");
   } else if (head) {
     corner(radius, floor, "counterbore floor");

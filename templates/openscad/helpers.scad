@@ -29,7 +29,7 @@ module disc(r) {
 {{/disc}}
 {{#bore}}
 // A round cutter about z.
-module bore(d, from, to) {
+module round_cutter(d, from, to) {
   n = facets(d / 2);
   translate([0, 0, from]) cylinder(r = straddled(d / 2, n), h = to - from, $fn = n);
 }

@@ -1,2 +1,2 @@
 module {{name}}()
-  {{place}}bore(d = {{diameter}}, from = {{from}}, to = {{to}});
+  {{place}}round_cutter(d = {{diameter}}, from = {{from}}, to = {{to}});

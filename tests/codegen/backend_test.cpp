@@ -476,7 +476,7 @@ TEST_CASE("backends: patterns are loops over their count, parameters that follow
   CHECK(contains(script, "bolt_circle_r = bolt_circle_d / 2;"));
   CHECK(contains(script, "bolt_step = 360 / bolts;"));
   CHECK(contains(script, "for (i = [0 : bolts - 1]) rotate([0, 0, i * bolt_step]) bolt_hole();"));
-  CHECK(contains(script, "bore(d = bore_d, from = -(thickness + hub_height) - 1, to = 1);"));
+  CHECK(contains(script, "round_cutter(d = bore_d, from = -(thickness + hub_height) - 1, to = 1);"));
 }
 
 TEST_CASE("backends: a count edited in the script drills as many holes") {
