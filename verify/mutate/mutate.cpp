@@ -140,7 +140,7 @@ class Damages {
         for (const int more : {-1, 1}) {
           Model m = model_;
           m.parameters[i].value += more;
-          take_either(Mutation::Kind::parameter, m.parameters[i].name + (more > 0 ? " one more" : " one fewer"),
+          take_either(Mutation::Kind::parameter, model_.parameters[i].name + (more > 0 ? " one more" : " one fewer"),
                       std::move(m));
         }
         continue;
