@@ -151,7 +151,7 @@ ModelDistance::ModelDistance(ModelDistance&&) noexcept = default;
 
 ModelHit ModelDistance::operator()(const Vec3& point) const { return tree_->nearest(tree_->part_from_scan * point); }
 double ModelDistance::bound(const Vec3& point) const {
-  return tree_->bound(tree_->root, tree_->part_from_scan * point);
+  return tree_->bound(tree_->root, tree_->part_from_scan * point).distance;
 }
 const std::vector<ModelFace>& ModelDistance::faces() const { return faces_; }
 Box3 ModelDistance::bounds() const { return moved(tree_->root.bounds, tree_->part_from_scan.inverse()); }

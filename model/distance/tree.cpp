@@ -71,22 +71,23 @@ bool ModelDistance::Tree::on_surface(const Vec3& q, const Vec3& normal, const Fa
   return false;
 }
 
-/// Signed, and no larger than the distance: the largest or least of the operands'.
-double ModelDistance::Tree::bound(const Node& node, const Vec3& p) const {
+/// Signed, and no larger than the distance: the largest or least of the operands', and whose face it is.
+ModelDistance::Tree::Bound ModelDistance::Tree::bound(const Node& node, const Vec3& p) const {
   if (node.operation == Node::Operation::leaf) {
     const Leaf& leaf = leaves[static_cast<std::size_t>(node.leaf)];
-    return leaf.solid->hit(leaf.leaf_from_part * p).distance;
+    const LocalHit h = leaf.solid->hit(leaf.leaf_from_part * p);
+    return {h.distance, {node.leaf, h.face}};
   }
-  double best = bound(node.operands[0], p);
+  Bound best = bound(node.operands[0], p);
   for (std::size_t i = 1; i < node.operands.size(); ++i) {
     // Operands whose box is farther than what is known change nothing.
     const double box = distance_to(node.operands[i].bounds, p);
-    if (node.operation == Node::Operation::join && box > 0 && box >= best) continue;
-    if (node.operation == Node::Operation::cut && box > 0 && -box <= best) continue;
-    const double other = bound(node.operands[i], p);
-    if (node.operation == Node::Operation::join) best = std::min(best, other);
-    if (node.operation == Node::Operation::common) best = std::max(best, other);
-    if (node.operation == Node::Operation::cut) best = std::max(best, -other);
+    if (node.operation == Node::Operation::join && box > 0 && box >= best.distance) continue;
+    if (node.operation == Node::Operation::cut && box > 0 && -box <= best.distance) continue;
+    Bound other = bound(node.operands[i], p);
+    if (node.operation == Node::Operation::cut) other.distance = -other.distance;
+    if (node.operation == Node::Operation::join ? other.distance < best.distance : other.distance > best.distance)
+      best = other;
   }
   return best;
 }
@@ -157,6 +158,13 @@ ModelHit ModelDistance::Tree::nearest(const Vec3& p) const {
     const LocalHit h = leaves[0].solid->hit(leaves[0].leaf_from_part * p);
     return {h.distance, leaves[0].first_face + h.face};
   }
+  // Where the bound is reached by a visible face, nothing is nearer: so it is in most places.
+  const Bound at_least = bound(root, p);
+  const Foot first = foot(at_least.face, p);
+  if (first.distance <= std::abs(at_least.distance) + 1e-9 && first.distance > small &&
+      on_surface(first.point, first.normal, &at_least.face, 1))
+    return {at_least.distance, face_id(at_least.face)};
+
   // Leaves in order of how near they can be.
   std::vector<std::pair<double, int>> order;
   for (std::size_t i = 0; i < leaves.size(); ++i)
@@ -217,7 +225,7 @@ ModelHit ModelDistance::Tree::nearest(const Vec3& p) const {
   // On a face that is hidden, both of its sides are alike, and the place itself may be rounded to either.
   const bool on_hidden = !hidden.empty() && hidden[0].foot.distance <= small;
   const bool in = inside(on_hidden ? Vec3(p + small * hidden[0].foot.normal) : p);
-  if (best > 1e299) best = std::abs(bound(root, p));  // nothing is left of the body, or only less than `small`
+  if (best > 1e299) best = std::abs(at_least.distance);  // nothing is left of the body, or only less than `small`
   return {in ? -best : best, best_face};
 }
 

@@ -38,13 +38,18 @@ struct ModelDistance::Tree {
   Node root;
   double small = 1e-7;  ///< mm; surfaces nearer to each other touch
 
+  struct Face {
+    int leaf = 0, face = 0;
+  };
+  struct Bound {
+    double distance = 0;
+    Face face;
+  };
+
   ModelHit nearest(const Vec3& p) const;
-  double bound(const Node& node, const Vec3& p) const;
+  Bound bound(const Node& node, const Vec3& p) const;
 
  private:
-  struct Face {
-    int leaf, face;
-  };
   struct Probe;
   bool holds(const Node& node, Probe& probe) const;
   bool inside(const Vec3& p) const;
