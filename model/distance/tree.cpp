@@ -161,8 +161,7 @@ ModelHit ModelDistance::Tree::nearest(const Vec3& p) const {
   // Where the bound is reached by a visible face, nothing is nearer: so it is in most places.
   const Bound at_least = bound(root, p);
   const Foot first = foot(at_least.face, p);
-  if (first.distance <= std::abs(at_least.distance) + 1e-9 && first.distance > small &&
-      on_surface(first.point, first.normal, &at_least.face, 1))
+  if (first.distance <= std::abs(at_least.distance) + 1e-9 && on_surface(first.point, first.normal, &at_least.face, 1))
     return {at_least.distance, face_id(at_least.face)};
 
   // Leaves in order of how near they can be.
