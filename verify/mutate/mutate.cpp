@@ -70,7 +70,7 @@ class Damages {
     const Vec3 low = gauge_.box().low, size = gauge_.box().size();
     Random random(19);
     for (int i = 0; i < 20000; ++i)
-      if (distance(low + size.cwiseProduct(Vec3(random.uniform(), random.uniform(), random.uniform()))).distance < 0)
+      if (distance.bound(low + size.cwiseProduct(Vec3(random.uniform(), random.uniform(), random.uniform()))) < 0)
         return true;
     return false;
   }
