@@ -138,10 +138,10 @@ std::optional<Vec3> ModelDistance::Tree::meeting_point(const Face* faces, int co
   if (towards[0].cross(towards[1]).norm() < 1e-3) return {};  // they touch there and do not cross
   // Along the curve towards p, by shorter and shorter steps.
   double share = 1;
-  for (int round = 0; round < 40 && share > 1e-4; ++round) {
+  for (int round = 0; round < 40 && share > 1e-2; ++round) {
     const Vec3 along = towards[0].cross(towards[1]);
     const Vec3 step = along * along.dot(p - x) / along.squaredNorm();
-    if (share * step.norm() < close) break;
+    if (share * step.norm() < small) break;
     Vec3 next = x + share * step;
     const auto before = towards;
     if (project(next) && (next - p).squaredNorm() < (x - p).squaredNorm()) {
