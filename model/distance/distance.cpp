@@ -140,7 +140,7 @@ class Unfolding {
 ModelDistance::ModelDistance(const Model& model, const Values& values, const ModelDistance* like)
     : tree_(std::make_unique<Tree>()) {
   ensure(!model.objects.empty(), "a model has an object");
-  const Model simple = lowered(model, with_formulas(model, values));
+  const Model simple = lowered(model, with_formulas(model, values), {islands});
   Unfolding(simple, *tree_, faces_, like ? like->tree_.get() : nullptr).run(model.objects.size() == 1);
   if (model.as_scanned) tree_->part_from_scan = evaluate(simple.scan_from_part, {}).inverse();
 }

@@ -103,6 +103,7 @@ class Lowering {
   /// Each piece of material on its own.
   template <class S>
   void add_sketched(Object o, const S& s) {
+    if (known(islands)) return keep(std::move(o), s);
     const auto sketches = without_islands(s.sketch, values_);
     if (sketches.size() == 1) return keep(std::move(o), s);
     Union all;

@@ -14,6 +14,9 @@ namespace partscribe::model {
 /// Worked edges never are.
 using Kinds = std::set<std::string_view>;
 
+/// In place of a kind: sketches with islands are left as they are.
+inline constexpr std::string_view islands = "islands";
+
 /// The same part with the same parameters. Each object keeps its name; objects that it needs come before it, with names
 /// that nobody else has. `feature` and `repeats` of every object say what it comes from. Counts are those of the
 /// parameters' present values. Needs a model whose references are right (check()).

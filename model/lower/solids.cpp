@@ -109,6 +109,7 @@ std::vector<Sketch> without_islands(const Sketch& sketch, const Values& values) 
     for (std::size_t k = 0; k < count; ++k)
       if (k != l && alone[k].inside(place[l])) around[l].push_back(k);
   std::vector<Sketch> result;
+  std::size_t used = 0;
   for (std::size_t l = 0; l < count; ++l) {
     if (around[l].size() % 2) continue;
     Sketch one{{sketch.loops[l]}};
@@ -116,9 +117,11 @@ std::vector<Sketch> without_islands(const Sketch& sketch, const Values& values) 
       if (around[h].size() == around[l].size() + 1 &&
           std::find(around[h].begin(), around[h].end(), l) != around[h].end())
         one.loops.push_back(sketch.loops[h]);
+    used += one.loops.size();
     result.push_back(std::move(one));
   }
-  return result;
+  // Loops that cross say nothing about what is inside what.
+  return used == count ? result : std::vector<Sketch>{sketch};
 }
 
 }  // namespace partscribe::model
