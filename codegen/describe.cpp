@@ -26,10 +26,6 @@ std::string two_digits(double value) {
 /// `value` rounded down in precision to one significant digit.
 std::string one_digit(double value) { return print_number(snapped(value, power_of_ten_below(value))); }
 
-void each_frame_expression(const Frame& f, const std::function<void(const Expr&)>& visit) {
-  for (const Expr* e : {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz}) visit(*e);
-}
-
 }  // namespace
 
 std::string with_thousands(std::size_t count) {
@@ -118,7 +114,7 @@ std::string value_text(Quantity quantity, double value) {
 }
 
 std::optional<std::string> as_built_text(const Parameter& p, double tolerance) {
-  if (p.sigma <= 0) return {};
+  if (p.sigma <= 0 || p.formula) return {};
   const bool angle = p.quantity == Quantity::angle;
   const double resolution = resolution_of(p, tolerance);
   const double shown = snapped(angle ? degrees(p.fitted) : p.fitted, resolution);
@@ -138,9 +134,9 @@ std::vector<ParameterGroup> grouped_parameters(const Model& model) {
       visit_parameters(e, [&](const std::string& name) { group_of.emplace(name, title); });
     };
     visit_expressions(object.shape, [&](const Expr& e, Domain) { visit(e); });
-    each_frame_expression(object.frame, visit);
+    visit_expressions(object.frame, visit);
   }
-  each_frame_expression(model.scan_from_part, [&](const Expr& e) {
+  visit_expressions(model.scan_from_part, [&](const Expr& e) {
     visit_parameters(e, [&](const std::string& name) { group_of.emplace(name, "Placement"); });
   });
   // What only a formula uses belongs to what the formula gives.

@@ -136,26 +136,18 @@ struct Check {
 
   /// Everything lies inside the first loop, and which way a loop runs says whether material is inside it or outside.
   void check_nesting(const std::string& where, const EvaluatedSketch& sketch, const Outline2& outline) {
-    std::vector<OutlineDistance> alone;
-    std::vector<Vec2> places;
-    for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
-      Outline2 one;
-      for (const auto& c : outline.curves)
-        if (c.loop == static_cast<int>(l)) one.curves.push_back(c);
-      places.push_back(start_of(one.curves.front().curve));
-      alone.emplace_back(std::move(one));
-    }
+    const auto around = loops_around(outline, sketch.loops.size());
     for (std::size_t l = 0; l < sketch.loops.size(); ++l) {
       const std::string loop = ": loop " + quoted(sketch.loops[l].name);
-      int around = 0;
-      for (std::size_t k = 0; k < sketch.loops.size(); ++k) around += k != l && alone[k].inside(places[l]);
-      if (l > 0 && !alone[0].inside(places[l])) return complain(where + loop + " lies outside the outer loop");
+      const bool in_hole = around[l].size() % 2 == 1;
+      if (l > 0 && (around[l].empty() || around[l].front() != 0))
+        return complain(where + loop + " lies outside the outer loop");
       const bool counter_clockwise = signed_area(outline, static_cast<int>(l)) > 0;
       if (l == 0 && !counter_clockwise)
         complain(where + ": the outer loop must run counter-clockwise");
-      else if (around % 2 == 1 && counter_clockwise)
+      else if (in_hole && counter_clockwise)
         complain(where + loop + " is a hole and must run clockwise");
-      else if (around % 2 == 0 && !counter_clockwise)
+      else if (!in_hole && !counter_clockwise)
         complain(where + loop + " is an island in a hole and must run counter-clockwise");
     }
   }
@@ -376,15 +368,12 @@ struct Check {
         else
           check_domain(where, evaluate(e, values), domain);
       });
-      for (const Expr* e :
-           {&object.frame.x, &object.frame.y, &object.frame.z, &object.frame.rx, &object.frame.ry, &object.frame.rz})
-        check_expr(where + " frame", *e);
+      visit_expressions(std::as_const(object.frame), [&](const Expr& e) { check_expr(where + " frame", e); });
       if (good) check_shape(where, evaluate(object.shape, values), earlier);
       if (complaints.empty()) check_edge(where, object);
       earlier.insert(object.name);
     }
-    const Frame& f = model.scan_from_part;
-    for (const Expr* e : {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz}) check_expr("scan_from_part", *e);
+    visit_expressions(std::as_const(model.scan_from_part), [&](const Expr& e) { check_expr("scan_from_part", e); });
     if (!complaints.empty()) return Complaints{std::move(complaints)};
     return CheckedModel(std::move(model));
   }

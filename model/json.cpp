@@ -117,11 +117,8 @@ struct FieldWriter {
     Sketch::fields(sketch, FieldWriter{j});
     out[name] = std::move(j);
   }
-  void operator()(const char* name, const std::vector<SketchRelation>& items, const char*) const {
-    if (items.empty()) return;
-    Json list = Json::array();
-    for (const auto& item : items) SketchRelation::fields(item, FieldWriter{list.emplace_back(Json::object())});
-    out[name] = std::move(list);
+  void operator()(const char* name, const std::vector<SketchRelation>& items, const char* meaning) const {
+    if (!items.empty()) operator()<SketchRelation>(name, items, meaning);
   }
   template <class Item>
   void operator()(const char* name, const std::vector<Item>& items, const char*) const requires
@@ -208,11 +205,8 @@ struct FieldReader {
   void operator()(const char* name, Sketch& sketch, const char*) const {
     Sketch::fields(sketch, FieldReader{member(in, name, path), at(name)});
   }
-  void operator()(const char* name, std::vector<SketchRelation>& items, const char*) const {
-    if (!in.is_object() || !in.contains(name)) return;
-    int index = 0;
-    for (const auto& j : list_of(in[name], at(name)))
-      SketchRelation::fields(items.emplace_back(), FieldReader{j, at(name) + "[" + std::to_string(index++) + "]"});
+  void operator()(const char* name, std::vector<SketchRelation>& items, const char* meaning) const {
+    if (in.is_object() && in.contains(name)) operator()<SketchRelation>(name, items, meaning);
   }
   template <class Item>
   void operator()(const char* name, std::vector<Item>& items, const char*) const requires

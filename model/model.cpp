@@ -4,6 +4,14 @@ namespace partscribe::model {
 
 bool Frame::identity() const { return *this == Frame{}; }
 
+void visit_expressions(Frame& f, const std::function<void(Expr&)>& visit) {
+  for (Expr* e : {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz}) visit(*e);
+}
+
+void visit_expressions(const Frame& f, const std::function<void(const Expr&)>& visit) {
+  for (const Expr* e : {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz}) visit(*e);
+}
+
 Values values_of(const Model& model) {
   Values values;
   for (const auto& p : model.parameters) values[p.name] = p.value;

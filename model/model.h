@@ -1,6 +1,7 @@
 /// The intermediate model: what a part is, in named parameters and named steps.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -120,6 +121,10 @@ struct Model {
   std::vector<Rival> rivals;
   std::vector<Unexplained> unexplained;
 };
+
+/// Calls `visit` with the six expressions of a frame.
+void visit_expressions(Frame& frame, const std::function<void(Expr&)>& visit);
+void visit_expressions(const Frame& frame, const std::function<void(const Expr&)>& visit);
 
 /// Names and values of all parameters, those with a formula computed by it.
 Values values_of(const Model& model);

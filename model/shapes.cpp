@@ -130,6 +130,12 @@ EvaluatedShape evaluate(const Shape& shape, const Values& values) {
       shape);
 }
 
+EvaluatedSketch evaluate(const Sketch& sketch, const Values& values) {
+  EvaluatedSketch result;
+  convert(sketch, result, values);
+  return result;
+}
+
 void visit_expressions(Shape& shape, const std::function<void(Expr&, Domain)>& visit) {
   std::visit([&](auto& s) { walk(s, visit); }, shape);
 }

@@ -61,6 +61,7 @@ std::string_view kind_of(const ShapeOf<N>& shape) {
 
 /// The same shape with every expression replaced by its value.
 EvaluatedShape evaluate(const Shape& shape, const Values& values);
+EvaluatedSketch evaluate(const Sketch& sketch, const Values& values);
 
 /// Calls `visit` with every expression of the shape, in fields() order.
 void visit_expressions(Shape& shape, const std::function<void(Expr&, Domain)>& visit);

@@ -55,4 +55,21 @@ Outline2 outline_of(const EvaluatedSketch& sketch) {
   return outline;
 }
 
+std::vector<std::vector<std::size_t>> loops_around(const Outline2& outline, std::size_t loops) {
+  std::vector<OutlineDistance> alone;
+  std::vector<Vec2> places;
+  for (std::size_t l = 0; l < loops; ++l) {
+    Outline2 one;
+    for (const auto& c : outline.curves)
+      if (c.loop == static_cast<int>(l)) one.curves.push_back(c);
+    places.push_back(start_of(one.curves.front().curve));
+    alone.emplace_back(std::move(one));
+  }
+  std::vector<std::vector<std::size_t>> around(loops);
+  for (std::size_t l = 0; l < loops; ++l)
+    for (std::size_t k = 0; k < loops; ++k)
+      if (k != l && alone[k].inside(places[l])) around[l].push_back(k);
+  return around;
+}
+
 }  // namespace partscribe::model

@@ -13,4 +13,8 @@ inline constexpr double sketch_join = 1e-6;
 /// where there is none.
 Outline2 outline_of(const EvaluatedSketch& sketch);
 
+/// For each of the outline's loops those that it lies in, in rising order, by one of its points: for loops that do not
+/// cross.
+std::vector<std::vector<std::size_t>> loops_around(const Outline2& outline, std::size_t loops);
+
 }  // namespace partscribe::model

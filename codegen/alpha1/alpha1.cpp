@@ -108,13 +108,8 @@ class Writer {
       std::vector<std::string> statements;
       auto real = [](const std::string& number) { return print_real(*parse_number(number)); };
       for (const Parameter* p : group.parameters) {
-        if (p->formula) {
-          const bool angle = p->quantity == Quantity::angle;
-          statements.push_back(text_.parameter(p->name) + " : " +
-                               (angle ? text_.angle(*p->formula) : text_.plain(*p->formula)) + ";");
-          continue;
-        }
-        const std::string value = real(value_text(p->quantity, p->value));
+        std::string value = real(value_text(p->quantity, p->value));
+        if (p->formula) value = p->quantity == Quantity::angle ? text_.angle(*p->formula) : text_.plain(*p->formula);
         std::string statement = text_.parameter(p->name) + " : " + value + ";";
         if (const auto as_built = as_built_text(*p, model_.tolerance)) {
           statement = text_.parameter(p->name) + " : if ( AsDesigned ) " + value + "; else " + real(*as_built) + ";";

@@ -153,11 +153,8 @@ class Writer {
     for (const auto& group : grouped_parameters(model_)) {
       std::vector<std::string> statements;
       for (const Parameter* p : group.parameters) {
-        std::string value = p->formula ? formula_text(*p) : value_text(p->quantity, p->value);
-        if (p->formula) {
-          statements.push_back(text_.names().parameter.at(p->name) + " = " + value + ";");
-          continue;
-        }
+        std::string value = value_text(p->quantity, p->value);
+        if (p->formula) value = p->quantity == Quantity::angle ? text_.angle(*p->formula) : text_.plain(*p->formula);
         if (const auto as_built = as_built_text(*p, model_.tolerance)) {
           value = "as_designed ? " + value + " : " + *as_built;
           as_designed_ = true;
@@ -167,10 +164,6 @@ class Writer {
       groups.push_back({{"title", group.title}, {"parameters", parameter_rows(group, statements, model_.tolerance)}});
     }
     return groups;
-  }
-
-  std::string formula_text(const Parameter& p) const {
-    return p.quantity == Quantity::angle ? text_.angle(*p.formula) : text_.plain(*p.formula);
   }
 
   TemplateRecord data_of(const Object& object, bool own_line = true) const {
@@ -272,7 +265,9 @@ class Writer {
   }
 
   /// k times a step: "i * pitch".
-  std::string steps(const Expr& step) const { return step == Expr(0) ? "0" : "i * " + text_.factor(step); }
+  std::string steps(const Expr& step) const {
+    return step == Expr(0) ? "0" : "i * " + text_.factor(step, Domain::coordinate);
+  }
 
   Result<std::string> module_of(const Object& o, const LinearPattern& s) {
     TemplateRecord data = data_of(o);
@@ -284,7 +279,7 @@ class Writer {
 
   Result<std::string> module_of(const Object& o, const CircularPattern& s) {
     TemplateRecord data = data_of(o);
-    data["motion"] = "rotate([0, 0, i * " + text_.angle_factor(s.step) + "])";
+    data["motion"] = "rotate([0, 0, i * " + text_.factor(s.step, Domain::angle) + "])";
     data["last"] = text_.plain(s.count - Expr(1));
     data["operand"] = text_.names().object.at(s.object);
     return pack_.render("pattern.scad", data);

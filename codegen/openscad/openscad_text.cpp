@@ -107,12 +107,8 @@ OpenscadText::OpenscadText(const Model& model) : names_(model), values_(values_o
 std::string OpenscadText::plain(const Expr& expr) const { return piece(expr, false).text; }
 std::string OpenscadText::angle(const Expr& expr) const { return piece(expr, true).text; }
 
-std::string OpenscadText::factor(const Expr& expr) const {
-  Piece p = piece(expr, false);
-  return guarded(std::move(p.text), p.strength, sign);
-}
-std::string OpenscadText::angle_factor(const Expr& expr) const {
-  Piece p = piece(expr, true);
+std::string OpenscadText::factor(const Expr& expr, Domain domain) const {
+  Piece p = piece(expr, is_angle(domain));
   return guarded(std::move(p.text), p.strength, sign);
 }
 

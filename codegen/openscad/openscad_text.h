@@ -23,12 +23,9 @@ class OpenscadText {
   std::string plain(const Expr& expr) const;
   /// An angle, in degrees.
   std::string angle(const Expr& expr) const;
-  std::string of(const Expr& expr, Domain domain) const {
-    return domain == Domain::angle || domain == Domain::turn ? angle(expr) : plain(expr);
-  }
-  /// As plain and angle, fit to stand right of a product's sign.
-  std::string factor(const Expr& expr) const;
-  std::string angle_factor(const Expr& expr) const;
+  std::string of(const Expr& expr, Domain domain) const { return piece(expr, is_angle(domain)).text; }
+  /// The same, fit to stand right of a product's sign.
+  std::string factor(const Expr& expr, Domain domain) const;
 
   const OpenscadNames& names() const { return names_; }
   double value(const Expr& expr) const { return evaluate(expr, values_); }
@@ -40,6 +37,7 @@ class OpenscadText {
     int strength;
   };
   Piece piece(const Expr& expr, bool as_angle) const;
+  static bool is_angle(Domain domain) { return domain == Domain::angle || domain == Domain::turn; }
   bool carries_angle(const Expr& expr) const;
 
   OpenscadNames names_;

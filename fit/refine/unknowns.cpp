@@ -169,6 +169,7 @@ Jacobian Unknowns::jacobian(const Candidate& c, const std::vector<Vec3>& points,
   const Pose part_from_scan = c.scan_from_part.inverse();
   const double h = 1e-6 * size_;
   const auto asked = samples_of_faces(at.face);
+  const ModelDistance distance(model_, base);
   for (std::size_t k = 0; k < free_.size(); ++k) {
     const auto& p = c.parameters[free_[k]];
     double step = p.quantity == Quantity::length ? h : 1e-6;
@@ -177,7 +178,7 @@ Jacobian Unknowns::jacobian(const Candidate& c, const std::vector<Vec3>& points,
       step = -step;
     Values shifted = base;
     shifted[p.name] += step;
-    const ModelDistance above(model_, shifted);
+    const ModelDistance above(model_, shifted, &distance);
     const auto column = static_cast<Eigen::Index>(k);
     std::set<int> answering;
     for (const std::size_t i : asked)
@@ -194,7 +195,6 @@ Jacobian Unknowns::jacobian(const Candidate& c, const std::vector<Vec3>& points,
       }
     });
   }
-  const ModelDistance distance(model_, base);
   const auto first = static_cast<Eigen::Index>(free_.size());
   // Half-spaces move with their offsets: shifting the frame as well would say the same twice.
   const bool floats = !std::holds_alternative<HalfSpaces>(c.shape);

@@ -103,9 +103,12 @@ class Unfolding {
     if (made.solid) return made.solid;
     if (like_) {
       const auto earlier = like_->solids.find(name);
-      if (earlier != like_->solids.end() && *earlier->second.shape == shape) return (made = earlier->second).solid;
+      if (earlier != like_->solids.end() && earlier->second.shape && *earlier->second.shape == shape)
+        return (made = earlier->second).solid;
     }
-    made = {std::make_shared<EvaluatedShape>(shape), make_solid(shape)};
+    made.solid = make_solid(shape);
+    // Of a single object all is built anew, or nothing: its shape, maybe a million triangles, need not be known.
+    if (!single_) made.shape = std::make_shared<EvaluatedShape>(shape);
     return made.solid;
   }
 

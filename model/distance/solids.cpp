@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/ensure.h"
 #include "core/number.h"
@@ -73,8 +74,8 @@ class Extruded : public Solid {
 /// The sketch (radius, z) turned about z, by a full turn or from the plane y = 0 to the plane at `angle`.
 class Revolved : public Solid {
  public:
-  Revolved(const EvaluatedSketch& sketch, double angle)
-      : outline_(outline_of(sketch)), whole_(outline_of(sketch)), angle_(angle), full_(angle > 2 * pi - 1e-9) {
+  Revolved(const EvaluatedSketch& sketch, double angle) : outline_(outline_of(sketch)), angle_(angle) {
+    if (angle <= 2 * pi - 1e-9) whole_.emplace(outline_.outline());
     const auto& curves = outline_.outline().curves;
     for (std::size_t i = 0; i < curves.size(); ++i) {
       faces.push_back(curves[i].name);
@@ -84,14 +85,14 @@ class Revolved : public Solid {
       if (on_axis) outline_.ignore(static_cast<int>(i));
       on_axis_.push_back(on_axis);
     }
-    if (!full_) faces.push_back("start"), faces.push_back("end");
+    if (whole_) faces.push_back("start"), faces.push_back("end");
     const Box3 flat = flat_box(outline_.outline());
     bounds.low = Vec3(-flat.high.x(), -flat.high.x(), flat.low.y());
     bounds.high = Vec3(flat.high.x(), flat.high.x(), flat.high.y());
   }
   LocalHit hit(const Vec3& p) const override {
     const Vec2 q(std::hypot(p.x(), p.y()), p.z());
-    if (full_) {
+    if (!whole_) {
       const auto h = outline_(q);
       return {h.distance, h.curve};
     }
@@ -104,16 +105,16 @@ class Revolved : public Solid {
     }
     for (const int end : {walls, walls + 1})
       if (const double d = foot(p, end).distance; d < best.distance) best = {d, end};
-    if (between && whole_.inside(q)) best.distance = -best.distance;
+    if (between && whole_->inside(q)) best.distance = -best.distance;
     return best;
   }
   Foot foot(const Vec3& p, int face) const override {
-    const int walls = static_cast<int>(faces.size()) - (full_ ? 0 : 2);
+    const int walls = static_cast<int>(faces.size()) - (whole_ ? 2 : 0);
     Foot f;
     if (face < walls) {
       if (on_axis_[static_cast<std::size_t>(face)]) return {1e300, p};
       double turn = std::atan2(p.y(), p.x());
-      if (!full_ && azimuth(p) > angle_) turn = azimuth(p) - angle_ < 2 * pi - azimuth(p) ? angle_ : 0;
+      if (whole_ && azimuth(p) > angle_) turn = azimuth(p) - angle_ < 2 * pi - azimuth(p) ? angle_ : 0;
       const Vec3 out(std::cos(turn), std::sin(turn), 0);
       const auto on_curve = outline_.foot({out.dot(p), p.z()}, face);
       f.point = on_curve.point.x() * out + on_curve.point.y() * Vec3::UnitZ();
@@ -122,7 +123,7 @@ class Revolved : public Solid {
       const double turn = face == walls ? 0 : angle_;
       const Vec3 out(std::cos(turn), std::sin(turn), 0);
       const Vec2 flat(out.dot(p), p.z());
-      const Vec2 at = whole_.inside(flat) ? flat : whole_(flat).foot;
+      const Vec2 at = whole_->inside(flat) ? flat : (*whole_)(flat).foot;
       f.point = at.x() * out + at.y() * Vec3::UnitZ();
       f.normal = Vec3(-out.y(), out.x(), 0);
     }
@@ -135,10 +136,10 @@ class Revolved : public Solid {
     const double a = std::atan2(p.y(), p.x());
     return a < 0 ? a + 2 * pi : a;
   }
-  OutlineDistance outline_, whole_;  // without and with the edges on the axis
+  OutlineDistance outline_;               // without the edges on the axis
+  std::optional<OutlineDistance> whole_;  // with them; for part of a turn, which has ends
   std::vector<char> on_axis_;
   double angle_;
-  bool full_;
 };
 
 class MeshSolid : public Solid {

@@ -108,7 +108,7 @@ std::optional<Vec3> ModelDistance::Tree::meeting_point(const Face* faces, int co
   // Newton's method for being on all faces at once: the shortest step onto their tangent planes.
   auto project = [&](Vec3& x) {
     for (int round = 0; round < 30; ++round) {
-      Eigen::Matrix<double, 3, 3> normals = Mat3::Zero();
+      Mat3 normals = Mat3::Zero();
       Vec3 gaps = Vec3::Zero();
       double worst = 0;
       for (int i = 0; i < count; ++i) {
@@ -177,8 +177,8 @@ ModelHit ModelDistance::Tree::nearest(const Vec3& p) const {
   double best = 1e300;
   int best_face = 0;
   std::vector<Near> met, hidden;  // faces as near as the best; those whose foot is no part of the surface
-  for (const auto& [at_least, index] : order) {
-    if (at_least >= best) break;
+  for (const auto& [box_distance, index] : order) {
+    if (box_distance >= best) break;
     const auto& leaf = leaves[static_cast<std::size_t>(index)];
     for (std::size_t k = 0; k < leaf.solid->faces.size(); ++k) {
       const Face face{index, static_cast<int>(k)};

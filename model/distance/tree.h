@@ -28,7 +28,7 @@ struct ModelDistance::Tree {
 
   /// What was built of which shape, by the object's name.
   struct Made {
-    std::shared_ptr<const EvaluatedShape> shape;
+    std::shared_ptr<const EvaluatedShape> shape;  ///< in trees
     std::shared_ptr<const Solid> solid;
   };
 

@@ -339,12 +339,12 @@ class Maker {
     if (!corner) return std::string("the two faces do not meet in an edge");
     // A cut reaches out where it leaves the part, and stops where material begins.
     auto open = [&](const Expr& end, double sign) {
+      if (!corner->convex) return false;
       Vec3 beyond = middle;
       beyond[Eigen::Index(k3)] = value(end) + sign * small;
       const Vec3 inward =
           3 * small * (corner->a * Vec3::Unit(Eigen::Index(k2)) + corner->b * Vec3::Unit(Eigen::Index(k1)));
-      return part_(beyond + (corner->convex ? Vec3(-inward) : inward)).distance > 0 && corner->convex &&
-             part_(beyond + inward).distance > 0;
+      return part_(beyond - inward).distance > 0 && part_(beyond + inward).distance > 0;
     };
     const Expr low_end = open(range->low, -1) ? range->low - overshoot : range->low;
     const Expr high_end = open(range->high, 1) ? range->high + overshoot : range->high;

@@ -15,23 +15,16 @@ namespace {
 
 bool turned(const Frame& f) { return !(f.rx == Expr(0) && f.ry == Expr(0) && f.rz == Expr(0)); }
 
-void to_number(Expr& e, const Values& values) { e = Expr(evaluate(e, values)); }
-
-void to_numbers(Frame& f, const Values& values) {
-  for (Expr* e : {&f.x, &f.y, &f.z, &f.rx, &f.ry, &f.rz}) to_number(*e, values);
-}
-
 class Lowering {
  public:
-  Lowering(const Model& model, const Values& values, const Kinds& known)
-      : model_(model), values_(values), known_(known) {
+  /// Takes the model's objects for good.
+  Lowering(Model& model, const Values& values, const Kinds& known) : model_(model), values_(values), known_(known) {
     for (const auto& p : model.parameters) taken_.insert(p.name);
     for (const auto& o : model.objects) taken_.insert(o.name);
   }
 
   std::vector<Object> run() {
-    for (const Object& object : model_.objects) {
-      Object o = object;
+    for (Object& o : model_.objects) {
       if (o.feature.empty()) o.feature = o.name;
       add(std::move(o));
     }
@@ -55,8 +48,20 @@ class Lowering {
 
   /// Appends an object, and before it what it needs.
   void add(Object o) {
+    if (std::visit([&](const auto& s) { return stays(s); }, o.shape)) {
+      done_.push_back(std::move(o));
+      return;
+    }
     const Shape shape = std::move(o.shape);
-    std::visit([&](const auto& s) { add(std::move(o), s); }, shape);
+    std::visit([&](const auto& s) { replace(std::move(o), s); }, shape);
+  }
+
+  template <class S>
+  bool stays(const S& s) const {
+    if constexpr (!is_basic<S>)
+      if (!known(S::kind)) return false;
+    if constexpr (requires { s.sketch; }) return known(islands) || without_islands(s.sketch, values_).size() == 1;
+    return true;
   }
 
   void keep(Object o, Shape shape) {
@@ -64,64 +69,44 @@ class Lowering {
     done_.push_back(std::move(o));
   }
 
+  void put(Object o, Shape shape) {
+    o.shape = std::move(shape);
+    add(std::move(o));
+  }
+
   /// A helper that belongs to the same feature; the name it got.
   std::string helper(const Object& of, const std::string& wish, Shape shape, const Frame& frame = {}) {
     Object o;
     o.name = fresh(wish);
     o.feature = of.feature;
-    o.shape = std::move(shape);
     o.frame = frame;
     const std::string name = o.name;
-    add(std::move(o));
+    put(std::move(o), std::move(shape));
     return name;
   }
 
+  /// A feature by the solid that it is; a sketch with islands by a body for each piece of material.
   template <class S>
-  void add(Object o, const S& s) {
-    keep(std::move(o), s);
-  }
-  void add(Object o, const Extrude& s) { add_sketched(std::move(o), s); }
-  void add(Object o, const Revolve& s) { add_sketched(std::move(o), s); }
-  void add(Object o, const Pocket& s) {
-    if (known(s.kind)) return add_sketched(std::move(o), s);
-    add(std::move(o), solid_of(s));
-  }
-  void add(Object o, const Boss& s) {
-    if (known(s.kind)) return add_sketched(std::move(o), s);
-    add(std::move(o), solid_of(s));
-  }
-  void add(Object o, const Fillet& s) { add_feature(std::move(o), s); }
-  void add(Object o, const Hole& s) { add_feature(std::move(o), s); }
-  void add(Object o, const Slot& s) { add_feature(std::move(o), s); }
-
-  template <class S>
-  void add_feature(Object o, const S& s) {
-    if (known(s.kind)) return keep(std::move(o), s);
-    add(std::move(o), solid_of(s));
-  }
-
-  /// Each piece of material on its own.
-  template <class S>
-  void add_sketched(Object o, const S& s) {
-    if (known(islands)) return keep(std::move(o), s);
-    const auto sketches = without_islands(s.sketch, values_);
-    if (sketches.size() == 1) return keep(std::move(o), s);
-    Union all;
-    for (const Sketch& sketch : sketches) {
-      S one = s;
-      one.sketch = sketch;
-      all.objects.push_back(helper(o, o.name + "_island", one));
+  void replace(Object o, const S& s) {
+    if constexpr (requires { solid_of(s); }) {
+      if (!known(S::kind)) return put(std::move(o), solid_of(s));
     }
-    keep(std::move(o), all);
+    if constexpr (requires { s.sketch; }) {
+      Union all;
+      for (const Sketch& sketch : without_islands(s.sketch, values_)) {
+        S one = s;
+        one.sketch = sketch;
+        all.objects.push_back(helper(o, o.name + "_island", one));
+      }
+      keep(std::move(o), all);
+    }
   }
 
-  void add(Object o, const LinearPattern& s) {
-    if (known(s.kind)) return keep(std::move(o), s);
+  void replace(Object o, const LinearPattern& s) {
     repeat(std::move(o), s.object, s.count,
            [&](double k) { return Frame{Expr(k) * s.step_x, Expr(k) * s.step_y, Expr(k) * s.step_z, 0, 0, 0}; });
   }
-  void add(Object o, const CircularPattern& s) {
-    if (known(s.kind)) return keep(std::move(o), s);
+  void replace(Object o, const CircularPattern& s) {
     repeat(std::move(o), s.object, s.count, [&](double k) { return Frame{0, 0, 0, 0, 0, Expr(k) * s.step}; });
   }
 
@@ -141,12 +126,13 @@ class Lowering {
     return made;
   }
 
-  void add(Object o, const EdgeFillet& s) { add_edge(std::move(o), s); }
-  void add(Object o, const EdgeChamfer& s) { add_edge(std::move(o), s); }
+  void replace(Object o, const EdgeFillet& s) { work_edge(std::move(o), s); }
+  void replace(Object o, const EdgeChamfer& s) { work_edge(std::move(o), s); }
 
   template <class S>
-  void add_edge(Object o, const S& s) {
-    Model part = model_;
+  void work_edge(Object o, const S& s) {
+    Model part;
+    part.parameters = model_.parameters;
     part.objects.assign(done_.begin(), done_.begin() + (&object(s.object) - done_.data()) + 1);
     auto made = edge_tool(part, values_, s);
     const auto* tool = std::get_if<EdgeTool>(&made);
@@ -158,37 +144,28 @@ class Lowering {
       keep(std::move(o), Union{{s.object, name}});
   }
 
-  void add(Object o, const Mirror& s) {
-    if (known(s.kind)) return keep(std::move(o), s);
+  void replace(Object o, const Mirror& s) {
     Union all;
     if (s.keep) all.objects.push_back(copy(o, o.name + "_1", s.object, {}));
     const int axis = s.axis == "x" ? 0 : s.axis == "y" ? 1 : 2;
-    all.objects.push_back(copy(o, o.name + "_" + (s.keep ? "2" : "1"), image(o, s.object, axis, s.offset), {}));
+    all.objects.push_back(copy(o, o.name + "_" + (s.keep ? "2" : "1"), image(s.object, axis, s.offset), {}));
     keep(std::move(o), all);
   }
 
   /// The image of an object that is in `done_`, with the images of what it refers to; its name.
-  std::string image(const Object& of, const std::string& name, int axis, const Expr& offset) {
+  std::string image(const std::string& name, int axis, const Expr& offset) {
     const Object original = object(name);
     const std::string wish = name + "_image";
-    if (const auto* mirror = std::get_if<Mirror>(&original.shape)) {
-      // A mirror that stays as it is: its object's image, and the plane's.
-      Mirror m = *mirror;
-      m.object = image(of, m.object, axis, 0);
-      if (m.axis == std::string(1, "xyz"[axis])) m.offset = -m.offset;
-      return add_image(original, wish, m, reflected(original.frame, axis, offset));
-    }
-    const auto made =
-        reflected(original.shape, axis, [&](const std::string& other) { return image(of, other, axis, 0); });
-    ensure(made.has_value(), "every shape but a mirror has an image");
+    const Placed made =
+        reflected(original.shape, axis, [&](const std::string& other) { return image(other, axis, 0); });
     const Frame frame = reflected(original.frame, axis, offset);
-    if (made->frame.identity()) return add_image(original, wish, made->shape, frame);
+    if (made.frame.identity()) return add_image(original, wish, made.shape, frame);
     if (!turned(frame)) {
-      Frame both = made->frame;
+      Frame both = made.frame;
       both.x = frame.x + both.x, both.y = frame.y + both.y, both.z = frame.z + both.z;
-      return add_image(original, wish, made->shape, both);
+      return add_image(original, wish, made.shape, both);
     }
-    return add_image(original, wish, Union{{add_image(original, wish + "_body", made->shape, made->frame)}}, frame);
+    return add_image(original, wish, Union{{add_image(original, wish + "_body", made.shape, made.frame)}}, frame);
   }
 
   std::string add_image(const Object& original, const std::string& wish, Shape shape, const Frame& frame) {
@@ -201,7 +178,7 @@ class Lowering {
     return done_.back().name;
   }
 
-  const Model& model_;
+  Model& model_;
   const Values& values_;
   const Kinds& known_;
   std::set<std::string> taken_;
@@ -213,19 +190,20 @@ class Lowering {
 Model lowered(const Model& model, const Kinds& known) {
   const Values values = values_of(model);
   Model result = model;
-  result.objects = Lowering(model, values, known).run();
+  result.objects = Lowering(result, values, known).run();
   return result;
 }
 
 Model lowered(const Model& model, const Values& values, const Kinds& known) {
-  Model fixed = model;
-  for (Object& o : fixed.objects) {
-    visit_expressions(o.shape, [&](Expr& e, Domain) { to_number(e, values); });
-    to_numbers(o.frame, values);
+  Model result = model;
+  auto to_number = [&](Expr& e) { e = Expr(evaluate(e, values)); };
+  for (Object& o : result.objects) {
+    visit_expressions(o.shape, [&](Expr& e, Domain) { to_number(e); });
+    visit_expressions(o.frame, to_number);
   }
-  to_numbers(fixed.scan_from_part, values);
-  fixed.objects = Lowering(fixed, values, known).run();
-  return fixed;
+  visit_expressions(result.scan_from_part, to_number);
+  result.objects = Lowering(result, values, known).run();
+  return result;
 }
 
 }  // namespace partscribe::model

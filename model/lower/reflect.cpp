@@ -85,6 +85,12 @@ Placed over_sketch(S s, int axis) {
 }
 
 template <class S>
+Placed lowered_before(const S& s) {
+  ensure(false, "worked edges are lowered before they are reflected");
+  return {s, {}};
+}
+
+template <class S>
 Placed combined(S s, const Renamed& renamed) {
   for (auto& name : s.objects) name = renamed(name);
   return {s, {}};
@@ -92,77 +98,81 @@ Placed combined(S s, const Renamed& renamed) {
 
 }  // namespace
 
-std::optional<Placed> reflected(const Shape& shape, int axis, const Renamed& renamed) {
+Placed reflected(const Shape& shape, int axis, const Renamed& renamed) {
   return std::visit(Overloaded{
-                        [&](const Box& s) -> std::optional<Placed> { return symmetric_along_z(s, axis, s.size_z); },
-                        [&](const Wedge& s) -> std::optional<Placed> { return symmetric_along_z(s, axis, s.size_z); },
-                        [&](const Cylinder& s) -> std::optional<Placed> {
+                        [&](const Box& s) -> Placed { return symmetric_along_z(s, axis, s.size_z); },
+                        [&](const Wedge& s) -> Placed { return symmetric_along_z(s, axis, s.size_z); },
+                        [&](const Cylinder& s) -> Placed {
                           return axis == 2 ? symmetric_along_z(s, axis, s.height) : symmetric(s, axis, {0, 1});
                         },
-                        [&](const Cone& s) -> std::optional<Placed> {
+                        [&](const Cone& s) -> Placed {
                           return symmetric(s, axis, {0, 1});
                         },
-                        [&](const Sphere& s) -> std::optional<Placed> {
+                        [&](const Sphere& s) -> Placed {
                           return symmetric(s, axis, {0, 1, 2});
                         },
-                        [&](const Ellipsoid& s) -> std::optional<Placed> {
+                        [&](const Ellipsoid& s) -> Placed {
                           return symmetric(s, axis, {0, 1, 2});
                         },
-                        [&](const Torus& s) -> std::optional<Placed> {
+                        [&](const Torus& s) -> Placed {
                           return symmetric(s, axis, {0, 1, 2});
                         },
-                        [&](const Superellipsoid& s) -> std::optional<Placed> {
+                        [&](const Superellipsoid& s) -> Placed {
                           return symmetric(s, axis, {0, 1});
                         },
-                        [&](const Supertoroid& s) -> std::optional<Placed> {
+                        [&](const Supertoroid& s) -> Placed {
                           return symmetric(s, axis, {0, 1, 2});
                         },
-                        [&](const Fillet& s) -> std::optional<Placed> { return symmetric_along_z(s, axis, s.length); },
-                        [&](HalfSpaces s) -> std::optional<Placed> {
+                        [&](const Fillet& s) -> Placed { return symmetric_along_z(s, axis, s.length); },
+                        [&](HalfSpaces s) -> Placed {
                           for (auto& p : s.planes) {
                             Expr& normal = axis == 0 ? p.normal_x : axis == 1 ? p.normal_y : p.normal_z;
                             normal = -normal;
                           }
                           return Placed{s, {}};
                         },
-                        [&](const Extrude& s) -> std::optional<Placed> { return over_sketch(s, axis); },
-                        [&](const Revolve& s) -> std::optional<Placed> {
+                        [&](const Extrude& s) -> Placed { return over_sketch(s, axis); },
+                        [&](const Revolve& s) -> Placed {
                           if (s.angle == Expr(2 * pi)) return Placed{s, axis == 2 ? half_turn(0) : Frame{}};
                           // The image behind y = 0 runs from -angle to 0.
                           if (axis == 0) return Placed{s, {0, 0, 0, 0, 0, Expr(pi) - s.angle}};
                           if (axis == 1) return Placed{s, {0, 0, 0, 0, 0, -s.angle}};
                           return Placed{s, {0, 0, 0, pi, 0, s.angle}};
                         },
-                        [&](TriSurface s) -> std::optional<Placed> {
+                        [&](TriSurface s) -> Placed {
                           for (auto& v : s.vertices)
                             v[static_cast<std::size_t>(axis)] = -v[static_cast<std::size_t>(axis)];
                           for (auto& t : s.triangles) std::swap(t[1], t[2]);
                           return Placed{s, {}};
                         },
-                        [&](const Union& s) -> std::optional<Placed> { return combined(s, renamed); },
-                        [&](const Difference& s) -> std::optional<Placed> { return combined(s, renamed); },
-                        [&](const Intersection& s) -> std::optional<Placed> { return combined(s, renamed); },
-                        [&](const Hole& s) -> std::optional<Placed> {
+                        [&](const Union& s) -> Placed { return combined(s, renamed); },
+                        [&](const Difference& s) -> Placed { return combined(s, renamed); },
+                        [&](const Intersection& s) -> Placed { return combined(s, renamed); },
+                        [&](const Hole& s) -> Placed {
                           return symmetric(s, axis, {0, 1});
                         },
-                        [&](const Slot& s) -> std::optional<Placed> {
+                        [&](const Slot& s) -> Placed {
                           return symmetric(s, axis, {0, 1});
                         },
-                        [&](const Pocket& s) -> std::optional<Placed> { return over_sketch(s, axis); },
-                        [&](const Boss& s) -> std::optional<Placed> { return over_sketch(s, axis); },
-                        [&](LinearPattern s) -> std::optional<Placed> {
+                        [&](const Pocket& s) -> Placed { return over_sketch(s, axis); },
+                        [&](const Boss& s) -> Placed { return over_sketch(s, axis); },
+                        [&](LinearPattern s) -> Placed {
                           Expr& step = axis == 0 ? s.step_x : axis == 1 ? s.step_y : s.step_z;
                           step = -step, s.object = renamed(s.object);
                           return Placed{s, {}};
                         },
-                        [&](CircularPattern s) -> std::optional<Placed> {
+                        [&](CircularPattern s) -> Placed {
                           if (axis != 2) s.step = -s.step;
                           s.object = renamed(s.object);
                           return Placed{s, {}};
                         },
-                        [&](const Mirror&) -> std::optional<Placed> { return std::nullopt; },
-                        [&](const EdgeFillet&) -> std::optional<Placed> { return std::nullopt; },
-                        [&](const EdgeChamfer&) -> std::optional<Placed> { return std::nullopt; },
+                        [&](Mirror s) -> Placed {
+                          s.object = renamed(s.object);
+                          if (s.axis == std::string(1, "xyz"[axis])) s.offset = -s.offset;
+                          return {s, {}};
+                        },
+                        [&](const EdgeFillet& s) -> Placed { return lowered_before(s); },
+                        [&](const EdgeChamfer& s) -> Placed { return lowered_before(s); },
                     },
                     shape);
 }

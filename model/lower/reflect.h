@@ -1,7 +1,8 @@
 /// Shapes of the other hand.
 #pragma once
 
-#include <optional>
+#include <functional>
+#include <string>
 
 #include "model/model.h"
 
@@ -15,9 +16,8 @@ struct Placed {
 
 /// The image of a shape behind the plane through its origin whose normal is axis 0, 1 or 2, said without a reflection:
 /// a shape of the same kind, turned and moved. Objects that it refers to have to be reflected by the same plane, and
-/// `renamed` gives the names of those images. Nothing for mirrors and worked edges, which are lowered before.
-std::optional<Placed> reflected(const Shape& shape, int axis,
-                                const std::function<std::string(const std::string&)>& renamed);
+/// `renamed` gives the names of those images. Worked edges are lowered before.
+Placed reflected(const Shape& shape, int axis, const std::function<std::string(const std::string&)>& renamed);
 
 /// The frame of an image: with the plane at `offset` along the axis, reflection * frame = result * (reflection in the
 /// plane through the origin of the same normal).

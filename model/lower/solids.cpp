@@ -92,22 +92,8 @@ Extrude solid_of(const Boss& s) { return {s.sketch, s.height, s.root}; }
 
 std::vector<Sketch> without_islands(const Sketch& sketch, const Values& values) {
   if (sketch.loops.size() < 2) return {sketch};
-  const auto now = std::get<ExtrudeOf<double>>(evaluate(Shape(Extrude{sketch, 1}), values)).sketch;
-  const Outline2 outline = outline_of(now);
   const std::size_t count = sketch.loops.size();
-  std::vector<OutlineDistance> alone;
-  std::vector<Vec2> place(count);
-  for (std::size_t l = 0; l < count; ++l) {
-    Outline2 one;
-    for (const auto& c : outline.curves)
-      if (c.loop == static_cast<int>(l)) one.curves.push_back(c);
-    place[l] = start_of(one.curves.front().curve);
-    alone.emplace_back(std::move(one));
-  }
-  std::vector<std::vector<std::size_t>> around(count);
-  for (std::size_t l = 0; l < count; ++l)
-    for (std::size_t k = 0; k < count; ++k)
-      if (k != l && alone[k].inside(place[l])) around[l].push_back(k);
+  const auto around = loops_around(outline_of(evaluate(sketch, values)), count);
   std::vector<Sketch> result;
   std::size_t used = 0;
   for (std::size_t l = 0; l < count; ++l) {
