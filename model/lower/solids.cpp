@@ -1,5 +1,6 @@
 #include "model/lower/solids.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/sketch.h"
@@ -9,19 +10,12 @@ namespace {
 
 Expr half(const Expr& e) { return e / Expr(2); }
 
-Expr cosine(const Expr& angle) {
-  return angle.is_number() ? Expr(std::cos(angle.number)) : Expr::call(Expr::Kind::cos, {angle});
-}
-Expr sine(const Expr& angle) {
-  return angle.is_number() ? Expr(std::sin(angle.number)) : Expr::call(Expr::Kind::sin, {angle});
-}
-
 /// How deep a cone of this whole angle is that narrows from one diameter to another.
 Expr cone_depth(const Expr& wide, const Expr& narrow, const Expr& angle) {
   const Expr across = half(wide - narrow);
   if (angle == Expr(pi / 2)) return across;  // the usual countersink: tan(45 deg) is 1
   const Expr a = half(angle);
-  return across * cosine(a) / sine(a);
+  return across * Expr::call(Expr::Kind::cos, {a}) / Expr::call(Expr::Kind::sin, {a});
 }
 
 bool zero(const Expr& e) { return e == Expr(0); }
