@@ -44,8 +44,8 @@ inline double worth_a_shape(const FitInput& input) {
 }
 
 /// Nats by which one candidate may be better than another because of outliers alone: outliers that lie on it and not on
-/// the other, and, if there are many outliers, all points that are farther from the other than noise explains. Curtains
-/// and heaps start at the surface.
+/// the other, and, if there are many outliers, all points that are farther from the other than noise explains, because
+/// curtains and clusters of outliers begin at the surface.
 inline double gained_by_outliers(const CandidateEvidence& ahead, const CandidateEvidence& other,
                                  const FitInput& input) {
   const double left = nats_per_outlier * (double(other.unexplained) - double(ahead.unexplained));

@@ -5,10 +5,10 @@
 
 namespace partscribe::fit {
 
-/// Share of the points on its surface (within three sigmas, or half of the tolerance) that the sensor could have seen
-/// only through the body: on the way to them, within twenty sigmas before the point, their viewing rays are deeper in
-/// it than noise, or the tolerance, puts a point. A face that looks away from the sensor has such points, whatever lies
-/// on it. 0 where no rays are known, or no point lies on it.
+/// Of the points on the surface of the candidate (within three sigmas, or half of the tolerance), the share that the
+/// sensor could have seen only through its body: within the last twenty sigmas before the point, the viewing ray runs
+/// deeper inside the body than noise, or the tolerance, explains. Whatever points lie on a face that looks away from
+/// the sensor are of this kind. 0 where no rays are known, or no point lies on the surface.
 double share_seen_through(const Candidate& candidate, const FitInput& input, Context& context);
 
 }  // namespace partscribe::fit

@@ -23,8 +23,8 @@ struct SmoothingEffect {
 SmoothingEffect smoothing_effect(const Candidate& candidate, const AllPoints& all, double variance,
                                  const ModelDistance& distance, int threads);
 
-/// Probability that the correlation comes from smoothing, by a filter or when the mesh was made, and not from the
-/// sensor; prior 1/2. Only smoothing disturbs rims: it rounds edges off, and beside a step or a silhouette it averages
+/// Probability (prior 1/2) that the correlation comes from smoothing, by a filter or when the mesh was made, and not
+/// from the sensor. Only smoothing disturbs rims: it rounds edges off, and beside a step or a silhouette it averages
 /// over one side only. `residuals` of the points, mm. Nothing if there are too few points near rims to decide; 0 or
 /// nothing if all points are near rims.
 std::optional<double> chance_by_rims(const AllPoints& all, const std::vector<double>& residuals, const Deviation& rim,

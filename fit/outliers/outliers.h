@@ -19,15 +19,20 @@ struct SurfacePoints {
   std::size_t outliers = 0;
 };
 
-/// `sigma`: a first guess of the noise, mm. Neighbourhoods are at least ten sigmas wide, so that a surface can be told
-/// from a cloud; where points are dense a sample of them, spread over that width, stands for all. Planes through each
-/// point are drawn from pairs of neighbours. A point belongs to a surface if it lies on the planes of three neighbours,
-/// each of which contains most of that neighbour's own neighbours. Neighbours that were seen from behind the plane are
-/// the far side of a thin wall and do not count. Repeated without the outliers until nothing changes, and with a new
-/// estimate of the noise, because the guess may be several times too large. Also outliers are: curtains, that is planes
-/// along the viewing rays (`rays`: of each point, or none); if a tenth of the points are outliers or so sparse that
-/// most have no clear plane, points a tenth as dense as the median of the surface; and connected pieces of less than 3
-/// % of the points. The same for any number of threads.
+/// A point belongs to a surface if it lies on the local planes of three neighbours, each of which contains most of that
+/// neighbour's own neighbours. Candidates for the plane through a point are drawn from pairs of its neighbours.
+/// Neighbourhoods are at least ten sigmas wide (`sigma`: a first guess of the noise, mm), so that a surface can be told
+/// from a volume filled with points; where points are dense, a sample of them that is spread over this width is used.
+/// Neighbours that were seen from behind the plane are on the far side of a thin wall and do not count. All this is
+/// repeated without the outliers found, and with a new estimate of the noise because the first guess may be several
+/// times too large, until nothing changes.
+///
+/// Also outliers are
+/// - curtains, that is planes along the viewing rays (`rays`: one per point, or none);
+/// - connected pieces of less than 3 % of the points;
+/// - points a tenth as dense as the median of the surface, if a tenth of all points are outliers, or are so sparse that
+///   most of them have no clear plane.
+/// The result does not depend on the number of threads.
 SurfacePoints surface_points_of(const std::vector<Vec3>& points, const std::vector<Vec3>& rays, double sigma,
                                 Context& context);
 

@@ -40,15 +40,15 @@ ConvexFace closing_face(const std::vector<Vec3>& on, const Vec3& normal);
 /// The scanned faces of the convex body that explains the points, largest first; empty if they are not those of one.
 std::vector<ConvexFace> scanned_faces(const FitInput& input, Context& context);
 
-/// The scanned faces with one more that few points show: of the points that the closed body leaves far inside or
-/// outside, the plane that holds most and has hardly any beyond it. Empty if none has as many as a face needs, or if
-/// chance may have put them there.
+/// The scanned faces and one more, of which the data show little: among the points far inside or outside of the closed
+/// body, the plane that contains most of them and has hardly any points beyond it. Empty if it contains fewer points
+/// than a face needs, or no more than chance explains.
 std::vector<ConvexFace> with_a_face_more(std::vector<ConvexFace> scanned, const std::vector<ConvexFace>& closed,
                                          const FitInput& input, Context& context);
 
-/// The faces with those that close the body where nothing was scanned; empty if the data do not tell. They lie opposite
-/// or square to scanned ones if the data reach the edges that this gives, else where they leave the scanned faces
-/// smallest.
+/// The faces with those that close the body where nothing was scanned; empty if the data do not determine them. They
+/// are opposite or perpendicular to scanned ones if the data reach the edges that this gives; otherwise they lie where
+/// they leave the scanned faces smallest.
 std::vector<ConvexFace> closed_body(std::vector<ConvexFace> faces, const FitInput& input, Context& context);
 
 }  // namespace partscribe::fit

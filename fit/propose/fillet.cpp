@@ -173,10 +173,11 @@ bool ends_reach_legs(const Start& start, const FitInput& input, double near, std
   return all > least && 2 * double(std::min(low_x, low_y)) > share_beside * double(all);
 }
 
-/// True if the concave side explains points, with matching normals, far better than the sides of the block around it
-/// would, and enough points lie on a leg, or on ends that reach both legs. Without its concave side a fillet cannot be
-/// told from a block, without its legs from any curved patch. With many outliers only points whose normals slant to
-/// both legs count: some outliers always lie along a leg as its thin tip would.
+/// True if the data show the fillet itself: its concave side explains points, with matching normals, far better than
+/// the sides of the block around it would, and enough points lie on a leg, or on ends that reach both legs. Without its
+/// concave side a fillet cannot be told from a block, without its legs from any curved patch. With many outliers only
+/// points whose normals are oblique to both legs count, because some outliers always lie along a leg, as the thin tip
+/// of a fillet would.
 bool shows_itself(const Start& start, const FitInput& input) {
   constexpr std::size_t least_points = 40;  // fewer lie there by chance
   constexpr double facing = 0.8, on_leg = 0.98, slanting = 0.35,

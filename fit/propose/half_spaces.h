@@ -7,10 +7,10 @@
 
 namespace partscribe::fit {
 
-/// Box, Wedge and HalfSpaces, the simplest first, as far as the faces of the body allow; empty for other parts.
-/// A face that was not scanned is put where the data end: opposite or square to scanned ones if the data reach the
-/// edges that this gives, else where it leaves the scanned faces smallest; its parameter's note says so. It may also
-/// lean: then wedges in the frames of the scanned faces are proposed as well.
+/// Box, Wedge and HalfSpaces, the simplest first, as far as the faces of the body allow; empty for other parts. A face
+/// that was not scanned is placed where the data end, and its parameter's note says so. It is opposite or perpendicular
+/// to scanned faces if the data reach the edges that this gives; otherwise it lies where it leaves the scanned faces
+/// smallest. It may also be inclined: therefore wedges in the frames of the scanned faces are proposed as well.
 std::vector<Candidate> propose_polyhedra(const FitInput& input, Context& context);
 
 }  // namespace partscribe::fit

@@ -15,10 +15,12 @@ struct SparseStep {
   std::size_t points = 0;
 };
 
-/// `places`: radii (x) and heights (y) about the axis of what belongs to nothing else; `from`: the height at which the
-/// rest of the part ends, beyond which, towards `sign`, the step would lie. Its wall is the window, five sigmas of the
-/// noise wide, that holds more of the places beyond than outliers strewn evenly through that room put into the best of
-/// all windows (Chernoff's bound, odds of a thousand). Nothing if there is none with `least` places.
+/// Looks for a step of a turned part beyond its last face. `places`: radius (x) and height (y) about the axis of all
+/// points that belong to nothing else; `from`: the height at which the rest of the part ends; `sign`: the direction in
+/// which the step would lie. The wall of the step is a window of radii, five sigmas of the noise wide. It must hold
+/// more of the places than the best of all such windows would hold by chance if the places were outliers, spread evenly
+/// over the room beyond `from` (Chernoff's bound, odds of a thousand). Nothing if no window with at least `least`
+/// places does.
 std::optional<SparseStep> step_beyond(const std::vector<Vec2>& places, double from, double sign, double noise,
                                       std::size_t least);
 

@@ -13,10 +13,10 @@ struct SuperellipsoidFit {
   double inlier_share = 0;  ///< of the Gaussian-uniform mixture
 };
 
-/// Equations (5), (6) of the 1993 paper, bounds 0.1..2 on e1 and e2, linear taper, several starts, robust against
-/// outliers by a Gaussian-uniform mixture with annealed sigma (Liu 2022). Uses at most some 1500 points. `normals`, of
-/// any sign, or none: where they keep to three directions square to each other, these are tried as axes; a body that
-/// was seen from one side has other principal axes.
+/// Equations (5), (6) of the 1993 paper, with 0.1..2 as bounds of e1 and e2, linear taper and several starts. Robust
+/// against outliers by a Gaussian-uniform mixture with annealed sigma (Liu 2022). Uses at most some 1500 points.
+/// `normals` may be empty or of any sign. Where they keep to three perpendicular directions, these are tried as axes: a
+/// body that was seen from one side only has other principal axes.
 SuperellipsoidFit recover_superellipsoid(const std::vector<Vec3>& points, Context& context,
                                          const std::vector<Vec3>& normals = {});
 

@@ -36,13 +36,13 @@ struct MixtureState {
   double inliers = 0;     ///< mean membership
 };
 
-/// Expectation and maximisation in turn on the first `count` points; sigma falls by no more than a third per round, so
-/// that early rounds see all points, and to no less than `floor`. `volume` is that of the uniform part. `State` is a
-/// MixtureState with `unknowns` unknowns for which these are defined:
+/// Expectation maximisation (EM) on the first `count` points, of a Gaussian about the surface and a uniform density in
+/// `volume`. sigma falls by no more than a third per round, so that early rounds see all points, and to no less than
+/// `floor`. `State` is a MixtureState with `unknowns` unknowns for which these are defined:
 ///   double residual(const State&, const Vec3&, Gradient*)   signed distance to first order, and its derivatives
-///   State stepped(const State&, const Gradient&)
-///   double rough_area(const State&)                         inliers are spread over it
-///   bool held(const State&, int k, double push)             unknown k stays where it is when pushed that way
+///   State stepped(const State&, const Gradient&)            after a step
+///   double rough_area(const State&)                         over which the inliers are spread
+///   bool held(const State&, int k, double push)             unknown k is at a bound, and `push` points beyond it
 template <int unknowns, class State>
 void improve_mixture(State& s, const std::vector<Vec3>& points, std::size_t count, double volume, double floor,
                      int rounds) {

@@ -8,9 +8,9 @@
 
 namespace partscribe::fit {
 
-/// The wedges in the frames of scanned plane faces that explain most points, refined on a few: one with a top and one
-/// without. Where the leaning side was not seen they say what a block may be as well. `ends` are sides that were put
-/// where the data end: the likeliest of them as the leaning side make wedges too.
+/// The two wedges, one with a top face and one without, that explain most points in the frames of scanned plane faces,
+/// refined on a few of them. Where the inclined side was not seen they are alternatives to a block. `ends` are sides
+/// that were placed where the data end: wedges with the likeliest of these as the inclined side are added.
 std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, const std::vector<ConvexFace>& ends,
                                       const FitInput& input, Context& context);
 

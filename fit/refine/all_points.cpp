@@ -138,11 +138,11 @@ void settle_places(AllPoints& all, const ModelDistance& distance, const Pose& pa
   });
 }
 
-/// Points whose own noise could have changed the face they are nearest to would bias both faces: what pushes them over
-/// the edge also makes them look closer. Their place on the surface, not their residual, decides, so that nothing is
-/// selected by its error.
-/// Those that could only have come from the far side of a thin wall are named where no ray tells the sides apart and
-/// `pairs`.
+/// Leaves out points so near an edge that their noise could have changed the face they are nearest to. They would bias
+/// both faces, because noise that pushes a point over the edge also makes it look closer. They are chosen by their
+/// place on the surface, not by their residuals, so that nothing is selected by its error.
+/// Returns the points that could only have come from the far side of a thin wall, if `pairs` and no ray tells its sides
+/// apart.
 std::vector<std::size_t> exclude_edges(AllPoints& all, const ModelDistance& distance, const Pose& part_from_scan,
                                        double cell, bool pairs, int threads) {
   all.used.assign(all.points.size(), 1);

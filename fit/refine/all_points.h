@@ -57,10 +57,10 @@ struct AllPointsOptions {
 AllPoints all_points(const Candidate& candidate, const FitInput& input, const Unknowns& unknowns, double least_sigma,
                      const AllPointsOptions& options, Context& context);
 
-/// Gauss-Newton on all points. The estimating equations sum psi(d_i / sigma_i) / sigma_i * J = 0 hold for the exact
-/// distance of every point; J is that of the point's node, which costs efficiency only in the second order of how much
-/// J varies inside a node, and no bias. Distances in `all` are then those at the result. Returns by how much the log
-/// likelihood improved, about.
+/// Gauss-Newton on all points. The estimating equations sum psi(d_i / sigma_i) / sigma_i * J = 0 use the exact distance
+/// of every point. J is that of the point's node, which causes no bias and costs efficiency only in the second order of
+/// how much J varies inside a node. Afterwards `all` holds the distances at the result. Returns about how much the log
+/// likelihood has improved.
 double polish(Candidate& candidate, AllPoints& all, const Unknowns& unknowns, double least_sigma,
               const AllPointsOptions& options, Context& context);
 

@@ -33,9 +33,11 @@ constexpr std::size_t hardly_any_points = 10;
 
 /// Levenberg-Marquardt on Welsch-weighted signed distances of thinned points (reference equations: orthogonal distance
 /// regression, Forbes 1989, Ahn 2004), then Gauss-Newton on all points (all_points.h). Directions that the data leave
-/// free (symmetries) are cut out of the normal matrix. Fills Parameter value, fitted, points and sigma: the noise part,
-/// and a systematic part from what the views disagree about, facets, filters and a floor (uncertainty.h), or, where
-/// the data end, how well they tell the place (open_ends.h).
+/// free (symmetries) are removed from the normal matrix.
+///
+/// Fills value, fitted, points and sigma of every Parameter. sigma has a noise part and a systematic part: disagreement
+/// between views, facets, filters, and a least value (uncertainty.h). Of a length that the data leave open, it says how
+/// well they determine its end (open_ends.h).
 RefineReport refine(Candidate& candidate, const FitInput& input, const RefineOptions& options, Context& context);
 
 /// A model with just this candidate in it, for distances; in the part's own frame.

@@ -47,10 +47,10 @@ class Unknowns {
   const Vec3& center() const { return center_; }
 
   Distances distances(const Candidate& c, const std::vector<Vec3>& points, int threads) const;
-  /// A range sensor errs along its ray. The orthogonal distance of what it saw at a slant is off by the surface's
-  /// curvature times the square of the error, always to the same side; the way along the ray is not. Within `reach` mm
-  /// of the surface the residual is that way times the cosine of the incidence; elsewhere, and where the ray meets
-  /// nothing near the point, it is the orthogonal distance, which comes in as `orthogonal`.
+  /// A range sensor errs along its ray. Where it sees a curved surface at a slant, the orthogonal distance of a point
+  /// is biased by the curvature times the square of the error; the distance along the ray is not. Within `reach` mm of
+  /// the surface the residual is the distance along the ray times the cosine of the incidence. Elsewhere, and where the
+  /// ray meets no surface near the point, it stays the orthogonal distance, which is given in `orthogonal`.
   RayFeet along_rays(const Candidate& c, const std::vector<Vec3>& points, const std::vector<Vec3>& rays,
                      Distances orthogonal, double reach, int threads) const;
   /// By differences of the exact distance. A parameter that moves none of some dozens of a face's points moves none of

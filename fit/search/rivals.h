@@ -18,34 +18,37 @@ std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInp
 /// is zero within two of them. Empty for anything else.
 std::string simpler_kind(const Candidate& refined);
 
-/// For a rival that was refused because it is off by more than the tolerance at some place, in a scan with many
-/// outliers: the place may be a cluster of outliers, and a shape that fits the cluster costs more everywhere else. Says
-/// so if the rival costs less in all; else empty.
+/// A sentence if a rival costs less in all although it was refused for being off by more than the tolerance at some
+/// place, in a scan with many outliers: the place may be a cluster of outliers, and a shape that fits the cluster costs
+/// more everywhere else. Empty otherwise.
 std::string off_where_outliers_are(const CandidateEvidence& winner, const CandidateEvidence& rival,
                                    const FitInput& input);
 
-/// Says so if a shorter rival may be the truth because the points that it does not explain and the winner does may be
-/// outliers: they are few compared with those that were set aside, and without them the rival is hardly less likely.
-/// Else empty.
+/// A sentence if a shorter rival may be the truth because the points that only the winner explains may be outliers:
+/// they are few compared with those that were set aside, and without them the rival is hardly less likely. Empty
+/// otherwise.
 std::string leaves_out_outliers(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
 
-/// For a rival of another procedure within the tolerance. The cheaper of the two is not certain if the difference is
-/// smaller than a choice between kinds requires with many outliers, which a body of another kind can fit everywhere on
-/// its surface (far_more_likely), or smaller than 20 nats where even the winner's residuals are twice the noise or
-/// more; such nats are scaled down by how much larger than noise the residuals are. Says so; empty where it is decided.
+/// A sentence if a rival of another procedure, within the tolerance, costs so nearly the same as the winner that
+/// neither is certain. Empty otherwise. The difference must be
+/// - with many outliers, smaller than far_more_likely: a body of another kind can fit outliers everywhere on its
+///   surface;
+/// - where even the winner's residuals are twice the noise or more, smaller than 20 nats times the ratio of its misfit
+///   to that of noise.
 std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
 
 /// All radii of a ball, ellipsoid, cylinder or cone, some of which may be plain numbers; none of any other shape.
 std::vector<Expr> radii_of(const Shape& shape);
 
-/// Why a refined ball, ellipsoid or cylinder is none, whatever it follows: the data do not fix one of its radii to
-/// within itself ("its radius 230 +- 4800 mm is not known"). A cone may end in a tip. Else empty.
+/// Why a refined ball, ellipsoid or cylinder cannot be the answer, however well it fits: the data do not determine one
+/// of its radii ("its radius 230 +- 4800 mm is not known"). Cones are exempt, because they may end in a tip. Empty
+/// otherwise.
 std::string unknown_radius(const Candidate& refined);
 
-/// Why a refined extrusion is none, whatever it follows: a wall between two parallel sides of its outline may as well
-/// be of no thickness
-/// ("a wall of 0.9 +- 1.1 mm may be none"), although points depend on it. Such a wall is the noise of one face, or
-/// outliers beside it; for a side that was not seen, its large sigma says so. Else empty.
+/// Why a refined extrusion cannot be the answer, however well it fits: a wall between two parallel sides of its outline
+/// may have no thickness at all ("a wall of 0.9 +- 1.1 mm may be none"), although points depend on it. Such a wall is
+/// the noise of one face, or outliers beside it. A side that was not seen is exempt: its large sigma already says so.
+/// Empty otherwise.
 std::string unknown_wall(const Candidate& refined);
 
 /// Twelve of the rivals, in their order: those that may be the truth ("cannot tell", "fits as well") before all others,
@@ -56,11 +59,17 @@ std::vector<Rival> worth_naming(std::vector<Rival> all);
 /// flat faces won although nearly all points lie on one sheet that bends by more than three sigmas; empty otherwise.
 std::string bent_sheet(const Candidate& winner, const FitInput& input);
 
-/// Says so if a few plane faces contain nearly all points and the ends of these faces were not scanned, so that any
-/// convex polyhedron with such faces may be the truth; else empty. For a superellipsoid or supertoroid, which are used
-/// only where no other procedure fits. With many outliers also for a winner with plane faces, of `cost` nats, if there
-/// are only one to three faces, and three cost less alone or are all perpendicular to one plane, so that nothing closes
-/// the body along it; and for a cylinder, cone or wedge that is not clearly cheaper than the faces (far_more_likely).
+/// A sentence if the data leave open how the body is closed: a few plane faces contain nearly all points and what lies
+/// beyond them was not scanned, so that any convex polyhedron with such faces may be the truth. Empty otherwise. It is
+/// said of
+/// - a superellipsoid or supertoroid, which win only where no other procedure fits, if the scanned faces determine no
+///   closed body;
+/// - a box, wedge or extrusion in a scan with many outliers, if there are at most three faces. Three faces around a
+///   corner end where the body ends, and count only if they alone cost less than the winner, whose `cost` is in nats
+///   (for a wedge: not clearly more, far_more_likely). Three that are all perpendicular to one plane leave both ends of
+///   the body open;
+/// - a cylinder or cone in a scan with many outliers, if there are at most three faces and they alone cost less than
+///   the winner or not clearly more.
 std::string open_polyhedron(const Candidate& winner, double cost, const FitInput& input, Context& context);
 
 }  // namespace partscribe::fit

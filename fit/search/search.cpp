@@ -139,11 +139,15 @@ double ends_told(const Judged& a, const Judged& b, const FitInput& input) {
   return face_ends_told(a.candidate, b.candidate, input);
 }
 
-/// True if a longer description is worth its length: it must cost less in total. In addition it must be clearly closer
-/// to the data everywhere (with many outliers, where a body of another kind comes closer by fitting noise, only if the
-/// shorter one is off by more than noise), or explain points that the shorter one does not, or, where the tolerance is
-/// not much wider than the noise, be far more likely without such points. Of two equally long ones the closer is
-/// better. A body that ends where the points of its flat faces end counts as closer than one that needs a shadow there.
+/// True if `a`, with the longer description, is to be preferred to `b`. It must cost less in total, and one of these
+/// must hold:
+/// - it ends where the points of its flat faces end, and the shorter one does not (ends_told);
+/// - it is clearly closer to the data everywhere. With many outliers a body of another kind may come closer by fitting
+///   noise, so there the shorter one must also be off by more than noise;
+/// - it explains points that the shorter one does not;
+/// - the tolerance is not much wider than the noise, and it is far more likely even without the points that may be
+///   outliers;
+/// - both descriptions are about equally long.
 bool worth_its_length(const Judged& a, const Judged& b, const FitInput& input) {
   constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
   const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
@@ -167,9 +171,9 @@ bool worth_its_length(const Judged& a, const Judged& b, const FitInput& input) {
   return only_noise && gain - gained_by_outliers(longer, shorter, input) > enough;
 }
 
-/// Each candidate of the list was preferred to the one before it; the last one is the choice. But the evidence from the
-/// borders of faces need not be transitive: an earlier candidate may be preferred to the last one. Then the last that
-/// is not clearly behind another.
+/// Each candidate of the list was preferred to the one before it, so the last one is the choice. But the evidence from
+/// the borders of faces is not always transitive: an earlier candidate may be preferred to the last one. Then the last
+/// that no other clearly beats is taken.
 std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::size_t>& led, const FitInput& input) {
   std::size_t best = led.back();
   double least = INFINITY;

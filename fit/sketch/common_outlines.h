@@ -29,10 +29,10 @@ struct CommonOutline {
   LoopPieces loop() const;                ///< counter-clockwise, named "outline"
 };
 
-/// One of each form, the likeliest first. Robust: the cost of wall points that are farther off than noise or face
-/// another way (of an L also the wrong side, if it is known), and of a few points of the end faces outside, is limited
-/// to that of outliers. Area that end faces do not fill costs a little, which pulls a side without seen wall to the end
-/// of the data.
+/// The best of each form, the likeliest first. Robust: wall points that are farther off than noise explains, or face
+/// another way (for an L also inwards, if the sign of the normals is known), cost no more than outliers, and so do a
+/// few points of the end faces outside the outline. Area that end faces do not fill costs a little, which pulls a side
+/// whose wall was not seen to the end of the data.
 std::vector<CommonOutline> common_outlines(const OutlineData& data);
 
 }  // namespace partscribe::fit

@@ -7,9 +7,10 @@
 
 namespace partscribe::fit {
 
-/// Points of one end face, in its plane -> the points on its rim, moved out to the line that their neighbours do not
-/// pass, with the direction out of the face. A point is on the rim if none of its 20 nearest neighbours lies within a
-/// sector of 132 degrees. The rim of a shadow looks the same. In the order of `face`.
+/// The points on the rim of an end face, given its points in their plane; in the order of `face`. Each is moved
+/// outwards to the line that none of its neighbours passes, and has the direction out of the face. A point is on the
+/// rim if there is a sector of 132 degrees about it without any of its 20 nearest neighbours. The rim of a shadow looks
+/// the same.
 std::vector<PlanePoint> rim_of(const std::vector<Vec2>& face);
 
 }  // namespace partscribe::fit

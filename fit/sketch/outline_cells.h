@@ -19,12 +19,12 @@ struct OutlineData {
   bool outward = false;          ///< the walls' normals point out of the part; else nobody knows their sign
 };
 
-/// The outer loop first; none where no closed outline comes out.
+/// The outer loop first; empty if no closed outline is found.
 ///
-/// Lines and circles are drawn at random from pairs of wall points (RANSAC), then from what is left of the rims.
-/// Between them the plane falls into cells. The labels solid and empty are those of least cost: end faces seen in an
-/// empty cell and not seen in a solid one, borders without a wall, and walls within one label. Two primitives that
-/// touch meet in one point.
+/// Lines and circles are drawn at random from pairs of wall points (RANSAC), then from what is left of the rims. They
+/// divide the plane into cells, and each cell is labelled solid or empty, so that the total cost is least. These cost:
+/// points of end faces in an empty cell, their absence in a solid one, a border between solid and empty without a wall,
+/// and a wall with the same label on both sides. Two primitives that touch are joined in one point.
 std::vector<LoopPieces> outline_by_cells(const OutlineData& data);
 
 }  // namespace partscribe::fit

@@ -9,14 +9,14 @@
 
 namespace partscribe::fit {
 
-/// Of which at least 70 degrees of wall were seen, in one piece or several: circles on which the normals of two walls
-/// meet, those with most points first. End faces must lie around them, and not in them.
+/// Holes of which at least 70 degrees of wall were seen, in one piece or several, those with most points first. The
+/// centre is where the normals of two wall points meet. End faces must lie around a hole, and not in it.
 std::vector<PlaneCircle> partly_seen_holes(std::vector<PlanePoint> walls, const std::vector<Vec2>& ends, double band,
                                            double size);
 
-/// The same without normals, which few points do not have: from the points `between` the planes of both end faces. At
-/// least 50 degrees; what the end faces leave free says how large a hole is where its wall hardly does. `by_walls`: it
-/// does not, because a shadow in the end faces would be filled.
+/// The same without normals, which sparse points do not have: from the points `between` the planes of both end faces,
+/// with at least 50 degrees of wall. Where the wall hardly determines how large a hole is, the gap in the end faces
+/// does. `by_walls`: the wall alone does, because a hole would grow to fill a shadow in the end faces.
 std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std::vector<Vec2>& ends, double band,
                                            double size, bool by_walls = false);
 

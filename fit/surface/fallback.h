@@ -11,9 +11,9 @@ struct Fallback {
   CandidateEvidence evidence;  ///< of up to 400,000 points
 };
 
-/// The smallest triangulation that lies safely within the tolerance of the scan. It aims at a share of the tolerance;
-/// where that was not enough it tries again, finer, as long as the triangles are what is in the way and not the surface
-/// that they follow. `input` is of a scan.
+/// The smallest triangulation that lies safely within the tolerance of the scan. It aims at a share of the tolerance.
+/// Where that was not enough it tries again with finer triangles, as long as the triangles and not the surface that
+/// they approximate are the cause. `input` must come from a scan.
 Result<Fallback> fallback_of(const FitInput& input, Context& context);
 
 }  // namespace partscribe::fit

@@ -31,9 +31,10 @@ struct Samples {
   std::vector<Vec3> points, normals, rays;  // rays: empty or as points
 };
 
-/// The picture in which at most the share `max_hidden` of the points lies clearly behind another one: from the one
-/// view's sensor, from where the rays meet, along them, from the frame's origin, along the normals' main direction or
-/// an axis; the first good one, or the best. `oriented`: the normals' side is known and must face the sensor.
+/// A projection in which at most the share `max_hidden` of the points lies clearly behind other points. Tried are, in
+/// this order, the sensor of the only view, the point where the rays meet, the direction of the rays, the frame's
+/// origin, the main direction of the normals, and the axes; the first good one is taken, or else the best. `oriented`:
+/// the sign of the normals is known, and they must face the sensor.
 std::optional<Projection> find_projection(const Samples& s, const std::vector<View>& views, double spacing,
                                           double max_hidden, bool oriented);
 

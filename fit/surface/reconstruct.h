@@ -23,11 +23,12 @@ struct Reconstruction {
   std::size_t dropped_pieces = 0;
 };
 
-/// Dual contouring [Ju et al. 2002] of the signed distance from averaged points; vertices go to the least-squares
-/// meeting point of the planes around them, so that edges and corners stay sharp. Where no points are, the sign is
-/// continued harmonically [Davis et al. 2002], but what viewing rays passed, if the cloud has them, is outside [Curless
-/// & Levoy 1996]. Points that no others continue are outliers. Does not depend on the order of the points. `cloud`
-/// needs normals; rejected points are left out. Fewer than some dozen usable points give an empty mesh.
+/// Dual contouring [Ju et al. 2002] of the signed distance from averaged points. Vertices go to the least-squares
+/// intersection of the planes around them, so that edges and corners stay sharp. Where there are no points the sign is
+/// continued harmonically [Davis et al. 2002], except that everything a viewing ray passed through is outside [Curless
+/// & Levoy 1996]. Points whose surface no other points continue are taken for outliers. The result does not depend on
+/// the order of the points. `cloud` needs normals; rejected points are left out. Fewer than some dozen usable points
+/// give an empty mesh.
 Reconstruction reconstruct(const PointCloud& cloud, const SamplingSummary& sampling, const ReconstructOptions& options,
                            Context& context);
 

@@ -15,9 +15,9 @@ struct Correlation {
 
 /// Autocorrelation of `residuals` (any common scale) against the distance between points of the same `group` (views
 /// have separate noise), up to some six pixels. What has not decayed by then is no noise but a systematic deviation,
-/// and is left out. Lags count until the first that chance could explain, so that white noise gives 1. `places` are
-/// where the points would be without noise, at least up to what is the same for all: points with similar errors lie
-/// closer together than others, which would look like correlation.
+/// and is left out. Lags are summed up to the first that chance could explain, so that white noise gives 1. `places`
+/// are the points without their noise, except for what is common to all: measured points with similar errors lie closer
+/// together than others, which would look like correlation.
 Correlation correlation_of(const std::vector<Vec3>& places, const std::vector<double>& residuals,
                            const std::vector<int>& group, int group_count, int threads);
 

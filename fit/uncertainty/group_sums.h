@@ -18,9 +18,9 @@ struct PointSums {
 PointSums sums_of(const AllPoints& all, const Matrix& rows, const std::vector<double>& share, const Unknowns& unknowns,
                   const Welsch& kernel, double slope, int threads);
 
-/// Where nobody says which view a point is from: views from all around, each of which saw what faces it. A place gets
-/// the mean of the views that saw it, so that their error is smaller there, and extends farther, than that of regions
-/// err.
+/// For points whose views are unknown: the sums for assumed views from all around, each of which saw what faces it. A
+/// place takes the mean error of the views that saw it. That is smaller than the error of one region, and extends
+/// farther.
 GroupSums sums_of_imagined_views(const AllPoints& all, const Matrix& rows, const PointSums& sums,
                                  const Unknowns& unknowns);
 

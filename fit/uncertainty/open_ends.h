@@ -15,14 +15,21 @@ struct OpenEnd {
   bool unlimited = false;     ///< ten points stand against it on one side only
 };
 
-/// None of a closed mesh. The free lengths, or combinations with other numbers, that at most hardly_any_points or (of
-/// scans without many outliers) a hundredth of all points depend on, counted by squared derivatives (eigenvectors of
-/// the normal matrix). Points on the walls are assumed to be as dense beyond the end as the last ten before it, so that
-/// an empty millimetre costs as many nats as there should be points on it. If the wall continues beyond the end,
-/// `candidate` is moved to the place of least cost (not with many outliers). sigma is a third of the range that holds
-/// the place in 95 % (it is exponentially distributed); of a length that is limited on either side, a quarter of the
-/// two-sigma range. The end of the data is never known to less than half the distance of neighbouring points. `noise`
-/// in mm.
+/// Finds the lengths that the data leave open, moves each to the most likely end, and says how uncertain that is. None
+/// for a closed mesh.
+///
+/// A free length is open if at most hardly_any_points or, in scans without many outliers, a hundredth of all points
+/// depend on it or on a combination of it with other numbers. They are counted by squared derivatives: eigenvalues of
+/// the normal matrix.
+///
+/// Beyond the end, a wall is assumed to have as many points per millimetre as in the last ten points before it, so that
+/// each empty millimetre costs as many nats as points are missing from it. `candidate` is moved to the end of least
+/// cost, but not with many outliers, which it would follow.
+///
+/// sigma is a third of the range that holds the end with a probability of 95 %, because the end is distributed
+/// exponentially; it is at least half the distance of neighbouring points there. If the length is limited on both
+/// sides, sigma is a quarter of the range in which the cost is less than 2 nats (two sigmas) above its least. `noise`
+/// is in mm.
 std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all, const Unknowns& unknowns,
                                       const std::vector<Vec3>& points, const FitInput& input, double noise,
                                       Context& context);

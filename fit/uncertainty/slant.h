@@ -7,11 +7,11 @@
 
 namespace partscribe::fit {
 
-/// A range sensor's noise moves a point of a slanted surface sideways as well, by sigma tan(incidence), and off a
-/// curved one by half the square of that times its curvature. Where rays are known the residuals run along them
-/// (all_points.h). Where they are not, and the points show one side of the part only, the part was seen about along
-/// their mean normal: the deviation that this would mean, mm along the normal, one number per node. All zero where the
-/// points lie all around.
+/// The bias that noise along the viewing rays causes: mm along the normal, one number per node. On a slanted surface
+/// such noise also moves a point sideways, by sigma tan(incidence), and thereby off a curved surface by half the square
+/// of that times its curvature. Zero where rays are known, because residuals then run along them (all_points.h), and
+/// where the points lie all around. Otherwise the points show one side of the part only, and it is assumed to have been
+/// seen along their mean normal.
 Deviation slant_deviation(const Candidate& candidate, const AllPoints& all, const ModelDistance& distance, int threads);
 
 }  // namespace partscribe::fit

@@ -21,9 +21,9 @@ struct Uncertainty {
   double rms = 0;  ///< mm, of the residuals that count
 };
 
-/// At the result of polish(). Noise: the sandwich of an M-estimator, E psi^2 / (E psi')^2 (sum J J^T / sigma^2)^-1
-/// [Huber 1967], times the points per independent one.
-/// Where a scan was smoothed the points learn their noise anew, without rims, at least `least_sigma`.
+/// At the result of polish(). Noise: the sandwich covariance of an M-estimator, E psi^2 / (E psi')^2 (sum J J^T /
+/// sigma^2)^-1 [Huber 1967], times the number of points per independent one. The noise of the points of a smoothed scan
+/// is estimated again without rims, as at least `least_sigma`.
 Uncertainty uncertainty_of(const Candidate& candidate, AllPoints& all, const FitInput& input, const Unknowns& unknowns,
                            double least_sigma, const Welsch& kernel, Context& context);
 

@@ -24,9 +24,10 @@ struct EdgeOptions {
   double low = 3, high = 6;  ///< deviations by which an edge stands out, everywhere and at least somewhere
 };
 
-/// Steps are ridges of the slope, roofs ridges of its change that belong to no step; both one or two pixels wide.
-/// What counts is how far a ridge stands out from both its sides, so that neither slopes nor round surfaces are edges.
-/// Single rejected pixels are bridged, missing ones end everything: the border of the part is no edge here.
+/// Steps are ridges of the depth's slope; roofs are ridges of the slope's change that belong to no step. Both are one
+/// or two pixels wide. What counts is how far a ridge stands out from both its sides, so that neither slopes nor round
+/// surfaces are edges. Single rejected pixels are bridged; where there is no return everything ends, and so the border
+/// of the part is no edge here.
 std::vector<RangeEdge> range_edges(const RangeImage& image, const FilteredImage& filtered, const EdgeOptions& options);
 
 }  // namespace partscribe::geometry

@@ -6,11 +6,13 @@
 
 namespace partscribe::geometry {
 
-/// Carries the sense along a minimum spanning tree over the nearest neighbours, from where normals agree best [Hoppe et
-/// al. 1992]. Out is the side of a piece from which more straight lines lead past all points [Takayama et al. 2014],
-/// and faces that tell by themselves are not turned by what meets them at an edge; where neither side is more open the
-/// outermost points say it. Rejected points and zero normals stay as they are. Does not depend on the order of the
-/// points. Returns the number of connected pieces.
+/// The sign of the normals is propagated along a minimum spanning tree over the nearest neighbours, first where normals
+/// agree best [Hoppe et al. 1992]. The outside of a connected piece is the side from which more straight lines lead
+/// past all points [Takayama et al. 2014]; if neither side is more open, its outermost points decide. Where two faces
+/// meet at an edge and each is open enough to determine its own outside, neither is flipped to agree with the other.
+///
+/// Rejected points and zero normals stay as they are. Does not depend on the order of the points. Returns the number of
+/// connected pieces.
 std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context);
 
 }  // namespace partscribe::geometry

@@ -27,9 +27,9 @@ struct Primitive {
 /// closed kinds.
 double distance(const Primitive& primitive, const Vec3& point);
 
-/// What a fit found, and how sure it is. The sigmas are those of the Cramer-Rao bound at the fit: 1.96 of them hold the
-/// truth in 95 of 100 scans whose noise is independent from point to point. They know nothing of errors that points
-/// share.
+/// What a fit found, with its uncertainty. The sigmas are those of the Cramer-Rao bound at the fit: if the noise is
+/// independent from point to point, the truth lies within 1.96 of them in 95 of 100 scans. Errors that points have in
+/// common are not included.
 struct PrimitiveFit {
   Primitive primitive;
   double rms = 0;           ///< mm, weighted, of the distances that count

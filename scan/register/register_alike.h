@@ -23,11 +23,11 @@ struct AlikeSides {
   bool any_open() const;
 };
 
-/// Other arrangements of the views on the sides that look alike, two or more, are held against the present one, by the
-/// places that one view measured where another saw through, saw nothing or measured another surface; pairs of views
-/// that go over together say the same in both. Places beside creases do not count. A part that may be turned
-/// continuously (round about an axis) is not meant, that is a free motion. `poses`: world_from_view; `views` are those
-/// that are placed, of which the first stays.
+/// For parts that look alike from two or more sides: compares the present arrangement of the views on these sides with
+/// the others. The evidence is the places that one view measured where another saw through, saw nothing, or measured
+/// another surface; places beside creases do not count. Pairs of views that change sides together say the same in both.
+/// A part that may be turned continuously (round about an axis) is not meant: that is a free motion. `poses`:
+/// world_from_view; `views` are those that are placed, of which the first stays.
 AlikeSides alike_sides(const std::vector<ViewSurface>& surfaces, const std::vector<Pose>& poses,
                        const std::vector<std::size_t>& views, Context& context);
 

@@ -192,12 +192,13 @@ SeenBorder seen_from(const Pose& there, const ViewSurface& from, const ContourPo
           there.rotation * from.raster.ray(c.point)};
 }
 
-/// `of_samples`: asked of these alone; `near`: room for points of `to` in order of their distance from the border.
-/// Right beside an edge places are rounded off where noise is large (half a pixel too low were found), a little farther
-/// on they are not, and far away a round face has bent off and a flat one has ended: of those within reach the one that
-/// is known best, unless it is too far. Nothing if none lies next to the border, or if that one is another face than
-/// the best: a chamfer or a round lies between, so narrow that hardly a place speaks for it, and what ends at the
-/// border is not the face behind it. Nor is it the other side of a wall, of whose edge nothing returned.
+/// The place of `to` that a border of another view is compared with. Right beside an edge places are rounded off where
+/// noise is large (half a pixel too low was measured), a little farther on they are not, and far away a round face has
+/// curved away and a flat one has ended. So the best known place within reach is taken, at a penalty for its distance.
+/// Places on the other side of a wall whose edge returned nothing do not count. Nothing if no place lies next to the
+/// border, or if the nearest one is on another face than the best: then a chamfer or a round lies between them, so
+/// narrow that it has hardly a place of its own, and the border does not end at the face behind it. `of_samples`: only
+/// samples are asked; `near`: scratch space for points of `to` in order of their distance from the border.
 std::optional<Beside> surface_beside(const ViewSurface& to, const ContourPoint& border, const SeenBorder& seen,
                                      bool of_samples, const Round& round, std::vector<Neighbour>& near) {
   constexpr double next_to = 1.5, reach = 4, far = 0.05;  // spacings across; what the square of one spacing costs

@@ -13,11 +13,12 @@
 namespace partscribe::scan {
 namespace {
 
-/// True poses leave 0.014 of range images where creases are left out, and 0.11 of unorganised real views. Two views
-/// whom nobody else contradicts have to agree better, the more motions their shape leaves free, for a cap lies on any
-/// other cap. Without guesses only shape speaks against chance, and creases count: a part full of edges leaves up to
-/// 0.07 of a view at its true pose, and of all its views much, so that three times what is usual among them may be left
-/// of one. `motions`: of two views, those that will be declared; `usual`: the middle of what all views leave.
+/// The share of a view that may disagree with the others. At true poses it was 0.014 for range images, creases left
+/// out, and 0.11 for unorganised real views. Two views that no third one can contradict must agree better, and the more
+/// so the more motions their shape leaves free, because a cap fits any other cap. Without guesses only the shape speaks
+/// against chance, and creases count: a part full of edges has up to 0.07 at a true pose, and much in all of its views,
+/// so that one view may have three times what is usual. `motions`: those of two views that will be declared free;
+/// `usual`: the median over the views.
 double most_disagreement(const RegisterOptions& options, const ViewSurface& surface, std::size_t motions,
                          std::size_t views, double usual) {
   constexpr double at_most = 0.15, of_images = 0.05, of_some_motions = 0.03, of_many_motions = 0.02, by_shape = 0.04,

@@ -21,11 +21,11 @@ struct AdjustedViews {
   Eigen::VectorXd border_g;
 };
 
-/// Filtered places are quiet, but on a narrow face between two edges, or past the limb of a round one, all of them lie
-/// off by a part of the noise, to a side that depends on how the face was seen, and that does not average out over the
-/// face as noise does. Measured places are off by noise alone. So partners are found by filtered places and normals,
-/// and held against each other by measured places: all of them, for a window's mean says no more than its samples.
-/// `poses` (world_from_view, of all surfaces) are changed for `views`.
+/// Filtered places have little noise. But on a narrow face between two edges, or past the limb of a round one, they are
+/// all off by a part of the noise, to a side that depends on the direction of view, and that does not average out over
+/// the face. Measured places are off by noise alone. So correspondences are found by filtered places and normals, and
+/// the distances between them by measured places; by all of these, because the mean of a window carries no more
+/// information than its samples. `poses` (world_from_view, of all surfaces) are changed for `views`.
 void adjust_by_measured(const std::vector<ViewSurface>& surfaces, const AdjustedViews& adjusted,
                         std::vector<Pose>& poses, Context& context);
 

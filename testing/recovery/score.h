@@ -37,9 +37,10 @@ struct Score {
   std::vector<std::uint8_t> rejected;  ///< points of the scan that were set aside
 };
 
-/// Fits the scan and judges the answer. The bound is that of the truth's own parametrisation with the true noise of
-/// each point; numbers that the scanned places leave open to more than a tenth of the size are not judged. A number is
-/// right within 4 of its own sigmas or 6 times the bound; a surface within 6 times the error expected of the fit.
+/// Fits the scan and compares the answer with the truth. The bound of a number is the Cramer-Rao bound in the truth's
+/// own parameters with the true noise of each point. A number whose bound is more than a tenth of the size is open, and
+/// is not judged. A number is right within 4 of its own sigmas or 6 times the bound; a surface within 6 times the error
+/// expected of the fit.
 Score recovered(const Case& c, Context& context);
 
 }  // namespace partscribe::testing::recovery

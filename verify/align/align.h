@@ -12,15 +12,15 @@
 
 namespace partscribe::verify {
 
-/// Best fit: least squares of the distances to the surface (Welsch weights), from the frames as they are and from the
-/// 24 ways in which the principal axes can be laid onto each other; of fits that are equally good the nearest to how
-/// the scan lies, and the remark says how many others there are. A scan that lies right already, within a fiftieth of
-/// the tolerance, is not moved at all.
+/// Best fit: robust least squares of the distances to the surface (Welsch weights), started from the frames as they are
+/// and from the 24 ways to map the principal axes of the one onto those of the other. Of equally good fits the one
+/// nearest to the scan's given pose is taken, and the remark says how many others there are. A scan that already lies
+/// right within a fiftieth of the tolerance is not moved at all.
 ///
-/// Datums (3-2-1): the plane through the scanned points of the artifact's largest flat face is laid onto that face,
-/// that of the largest face across to it fixes the rest of the rotation, a third one the last coordinate. Which points
-/// belong to which face is known from a best fit before. Errors: an artifact without three such faces, or faces without
-/// data.
+/// Datums (3-2-1): the plane through the scanned points of the artifact's largest flat face is laid onto that face. The
+/// largest face at an angle of at least 30 degrees to it fixes the rest of the rotation, a third one the last
+/// coordinate. A best fit before that tells which points belong to which face. Errors: an artifact without three such
+/// faces, or faces without data.
 Result<Alignment> align(const ScanSource& source, const TriangleMesh& mesh, const MeshDistance& surface, AlignBy by,
                         double tolerance, Context& context);
 

@@ -79,9 +79,10 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const TriangleMesh& mesh, 
   return neighbours;
 }
 
-/// Where a feature stands in the wrong place, points near its rim are nearest to its neighbours, and theirs to it. A
-/// place is not held against its row if it lies where another feature was measured, on the row's own surface and only
-/// beyond its rim, or on a neighbour's surface that goes on where a displaced feature should not be.
+/// Clears rows of what a displaced feature causes: where a feature stands in the wrong place, points near its rim are
+/// nearest to its neighbours, and points of its neighbours are nearest to it. A place is not held against its row if it
+/// lies where another feature was measured, or on the row's own surface and only beyond its rim, or, if the row's own
+/// feature is displaced, on the surface of a neighbour that continues there.
 void exonerate(Compared& compared, const RowOf& row, const std::vector<std::vector<std::uint32_t>>& neighbours,
                const std::vector<Inspection>& found, const VerifyOptions& options, std::vector<FeatureVerdict>& rows) {
   const auto& features = compared.features.features;

@@ -7,8 +7,8 @@
 namespace partscribe::verify {
 
 /// Fills data_to_model, model_to_data, objects, findings, point_deviation, reasons and the verdict of `verdict`, whose
-/// mesh is the evaluated one. `names`: of the rows; null: the features that are found on the mesh. Verdicts that are
-/// red already stay red.
+/// mesh is the evaluated one. `names`: of the rows; null: the features that are found on the mesh. A verdict that has
+/// already failed stays failed.
 void compare(const ScanSource& source, const FaceNames* names, const VerifyOptions& options, ArtifactVerdict& verdict,
              Context& context);
 

@@ -29,10 +29,11 @@ struct OutlierCluster {
 };
 
 /// Two tests on windows about every point off the model, each with half of `false_alarm` for the whole scan:
-/// - space: how many others are off within 2.5 and 5 spacings of it, against a Poisson count with the density of the
-///   ring outside the window, at least the scan's own share of outliers, at most the densest curtain of mixed pixels;
-/// - surface: how many of the points over the patch around its foot are off, against a binomial with the share of the
-///   ring around that patch. A feature hides the surface below it; outliers leave it in view.
+/// - space: how many other points off the model lie within 2.5 and 5 spacings of it, against a Poisson count. Its
+///   density is that of the ring around the window, but at least the scan's own share of outliers and at most that of
+///   the densest curtain of mixed pixels;
+/// - surface: how many of the points over the patch around its foot are off the model, against a binomial with the
+///   share in the ring around that patch. A feature hides the surface below it; outliers leave it in view.
 std::vector<OutlierCluster> clusters_beyond_chance(const OutlierScene& scene, double false_alarm, int threads);
 
 /// Outliers of one view that scatter between an edge and what lies behind it are at most so dense, as a share of the

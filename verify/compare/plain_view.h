@@ -5,13 +5,16 @@
 
 namespace partscribe::verify {
 
-/// Contradicts what sticks out of the part, has no data at all, and lies in plain view: patches of whole faces without
-/// data, behind which lies the patch itself, and without which the scanned surface still hangs together. They are in
-/// plain view if two views with known lines of sight see a fifth of them at less than 60 degrees, or if a fiftieth of
-/// all directions does from which the scanner may have looked, known or not: a pin is thinner than what tells a view
-/// that nothing hides it. Those are directions from which nearly everything else in plain view was scanned, and from
-/// which scanned surface is seen that leans as far to the patch's side as the patch does: whoever looks from above sees
-/// no underside.
+/// Marks surface as contradicted that sticks out of the part in plain view and yet has no data at all: a patch of whole
+/// faces without data, which has itself on the far side of its material, and without which the scanned surface is still
+/// connected (the sides of a plate are needed to connect its top and bottom).
+///
+/// A patch is in plain view if at least a fifth of it can be seen, at less than 60 degrees from its normal,
+/// - by two views with known lines of sight, or
+/// - from a fiftieth of all directions, counting only those from which the scanner may have looked: nearly everything
+///   else that is in plain view from there was scanned, and so was surface that leans as far to the patch's side as the
+///   patch does (from above, nobody sees an underside).
+/// The second test is also made where lines of sight are known, because a pin may be too thin for a view's depth map.
 void contradict_in_plain_view(const ScanSource& source, const TriangleMesh& mesh, const MeshDistance& surface,
                               const std::vector<Vec3>& normals, double tolerance, SurfaceField& field, int threads);
 

@@ -109,8 +109,8 @@ struct Sewn {
 };
 
 /// Loose faces sewn together and closed shells made solids; files that hold solids come back as they are. Edges are
-/// united at the least of several distances that leaves none alone, at most the share of the tolerance to which a file
-/// must agree with itself.
+/// united at the least of several distances that leaves no edge free, at most the share of the tolerance within which a
+/// file must agree with itself.
 Sewn as_solids(const TopoDS_Shape& shape, double tolerance) {
   if (count(shape, TopAbs_SOLID) > 0) return {shape, {}};
   constexpr double rounding = 1e-4;  // mm; faces mode keeps every edge twice, rounded to 9 digits

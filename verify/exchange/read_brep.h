@@ -14,9 +14,9 @@ struct BrepReading {
 };
 
 /// The bodies or faces of an IGES file, meshed with the error measured. Where the file also carries a tree of solid
-/// primitives (entities 150-184, 430), the tree is evaluated too and must describe the same body. Sets global options
-/// of OpenCASCADE and must not run on two threads, for its IGES reader corrupts memory then. Throws std::bad_alloc
-/// where the memory does not suffice; often OpenCASCADE ends the process with it before.
+/// primitives (entities 150-184, 430), the tree is evaluated too and must describe the same body. Must not run on two
+/// threads at once: it sets global options of OpenCASCADE, whose IGES reader then corrupts memory. Throws
+/// std::bad_alloc if memory runs out, unless OpenCASCADE ends the process before, as it often does.
 Result<BrepReading> read_iges(const Path& path, const EvaluateOptions& options);
 
 /// The bodies or faces of a STEP file; all else as for IGES.

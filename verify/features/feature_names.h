@@ -5,9 +5,10 @@
 
 namespace partscribe::verify {
 
-/// Planes first, then holes, bosses, ..., the larger ones first; of equal ones the place decides. Planes are called by
-/// their direction and place ("face +z at 10"), all others by their kind and a number ("hole 2"); what is too small to
-/// be recognised is counted: `small_faces`.
+/// Sorts the features and names them: planes first, then holes, bosses and so on, within each kind the larger first,
+/// and equal ones by their position. Planes are named by direction and position ("face +z at 10"), all others by kind
+/// and number ("hole 2"). Faces too small to be recognised have one entry, which says how many there are:
+/// `small_faces`.
 void name_features(std::vector<MeshFeature>& features, std::size_t small_faces);
 
 }  // namespace partscribe::verify
