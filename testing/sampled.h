@@ -12,7 +12,7 @@ using namespace model;
 struct Sampling {
   std::size_t points = 20000;
   double noise = 0.02;            ///< mm along the normal
-  double outliers = 0;            ///< share of points strewn over the bounding box
+  double outliers = 0;            ///< share of points scattered over the bounding box
   double reach = 40;              ///< mm; starts are drawn from this half cube
   Vec3 seen_from = Vec3::Zero();  ///< not zero: only what faces this direction
   std::uint64_t seed = 1;

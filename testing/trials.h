@@ -194,7 +194,7 @@ inline TriangleMesh faceted(const TrialPart& part, int segments, double phase) {
   return welded(mesh, 1e-9);
 }
 
-/// Corners and evenly strewn points of a mesh, as a reader of coarse files delivers them.
+/// Corners and evenly spread points of a mesh, as a reader of coarse files delivers them.
 inline Scan scan_of(TriangleMesh mesh, std::size_t count, Random& random) {
   Scan scan;
   scan.cloud.points = mesh.vertices;

@@ -24,7 +24,7 @@ double mean_depth(const TriangleMesh& mesh, const std::vector<double>& depths) {
   return curved > 0 ? sum / curved : 0;
 }
 
-/// For points strewn over a coarse mesh.
+/// For points scattered over a coarse mesh.
 std::vector<float> facet_depths(const TriangleMesh& mesh, const std::vector<Vec3>& points) {
   const std::vector<double> depths = chord_depths(mesh);
   const double mean = mean_depth(mesh, depths);

@@ -48,7 +48,7 @@ bool sees_other_side(const Vec3& normal, const Vec3& own_ray, const Vec3& ray) {
 constexpr double apart_sigmas = 2, apart_share = 0.4;
 
 /// Where points are so dense that all nearest neighbours are nearer than that, they determine no plane, and the densest
-/// part of a surface would be taken for a heap of outliers. Then as many neighbours are taken from those at a
+/// part of a surface would be taken for a cluster of outliers. Then as many neighbours are taken from those at a
 /// sufficient distance.
 void reach_beyond_noise(const KdTree& tree, const Vec3& p, double sigma, std::vector<Neighbour>& near) {
   if (near.size() < most_neighbours || std::sqrt(near.back().sq_distance) > apart_sigmas * sigma) return;
@@ -149,8 +149,8 @@ bool clear_planes(const std::vector<std::uint32_t>& some, const SurfacePoints& r
   return !shares.empty() && median(std::move(shares)) > clear_share;
 }
 
-/// Marks heaps of points that stand apart from everything else and are dots or threads: too narrow for noise to leave a
-/// face.
+/// Marks clusters of points that stand apart from everything else and are dots or threads: too narrow for noise to
+/// leave a face.
 void set_dots_aside(const std::vector<Vec3>& points, SurfacePoints& result) {
   constexpr double apart = 4, widest = 6,
                    narrowest = 2;  // sigmas: to the next point; standard deviations along and across

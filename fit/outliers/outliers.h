@@ -1,4 +1,4 @@
-/// Tells the points of surfaces from outliers: clusters, curtains behind edges, points strewn through space.
+/// Tells the points of surfaces from outliers: clusters, curtains behind edges, points scattered through space.
 #pragma once
 
 #include <cstdint>

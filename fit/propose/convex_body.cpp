@@ -295,12 +295,12 @@ bool close_freely(std::vector<ConvexFace>& faces, const FitInput& input, double 
   return body_of(faces, input).has_value();
 }
 
-/// Adds unscanned faces that are opposite or square to scanned ones, until the body is bounded; false if the data do
-/// not reach the edges that this gives.
+/// Adds unscanned faces that are opposite or perpendicular to scanned ones, until the body is bounded; false if the
+/// data do not reach the edges that this gives.
 bool close_regularly(std::vector<ConvexFace>& faces, const FitInput& input, double reach) {
   const std::vector<Vec3> on = points_on(faces, input, reach);
   // One missing face: the areas times normals of a closed body sum to zero, so the scanned ones name the last. What
-  // is measured so is rough; opposite to a face or square to two it is taken as exactly that.
+  // is measured so is rough; opposite to a face or perpendicular to two it is taken as exactly that.
   std::vector<std::vector<ConvexFace>> trials;
   Vec3 missing = Vec3::Zero();
   for (const ConvexFace& f : faces) missing -= static_cast<double>(f.points) * f.normal;
@@ -317,7 +317,7 @@ bool close_regularly(std::vector<ConvexFace>& faces, const FitInput& input, doub
       }
     trials.push_back({closing_face(on, missing)});
   }
-  // Several missing: the one opposite to each face that has none, and those square to two.
+  // Several missing: the one opposite to each face that has none, and those perpendicular to two.
   std::vector<ConvexFace> opposite;
   for (const ConvexFace& f : faces)
     if (std::none_of(faces.begin(), faces.end(), [&](const ConvexFace& g) { return g.normal.dot(f.normal) < -0.9; }))
@@ -491,7 +491,7 @@ std::vector<ConvexFace> with_a_face_more(std::vector<ConvexFace> scanned, const 
     if (score > most) most = score, best = {n, offset, static_cast<std::size_t>(score)};
   }
   if (most < static_cast<std::ptrdiff_t>(least_members(points.size()))) return {};
-  // By chance, of points strewn through the body: the best of all planes through three of them (Chernoff's bound).
+  // By chance, of points scattered through the body: the best of all planes through three of them (Chernoff's bound).
   std::size_t on = 0;
   for (const Vec3& p : open) on += std::abs(best.normal.dot(p) - best.offset) < reach;
   std::vector<double> along;

@@ -61,8 +61,8 @@ struct Sample {
   std::vector<Vec3> points, normals;
 };
 
-/// Directions along which the fillet may run: square to most normals, those of plane faces, or of the edges where two
-/// of these meet.
+/// Directions along which the fillet may run: perpendicular to most normals, those of plane faces, or of the edges
+/// where two of these meet.
 std::vector<Vec3> axes_of(const std::vector<Vec3>& normals, const std::vector<Vec3>& faces) {
   constexpr double known = 0.995;
   std::vector<Vec3> axes;
@@ -135,7 +135,8 @@ Start start_in(const Mat3& rotation, const Sample& sample, bool oriented, double
   return start;
 }
 
-/// Frames with their z along the axis or against it, and x along the faces that are square to it, or evenly around.
+/// Frames with their z along the axis or against it, and x along the faces that are perpendicular to it, or evenly
+/// around.
 std::vector<Mat3> frames_about(const Vec3& axis, const std::vector<Vec3>& faces) {
   constexpr int even = 24;
   std::vector<Vec3> across;

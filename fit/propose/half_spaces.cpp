@@ -133,8 +133,8 @@ std::optional<Candidate> box_of(const std::vector<ConvexFace>& faces, const FitI
   return c;
 }
 
-/// A block from the two largest faces that are square to each other, without regard to the others: a face of few points
-/// may be a curtain or be tilted. Sides that were not scanned are put where the data end.
+/// A block from the two largest faces that are perpendicular to each other, without regard to the others: a face of few
+/// points may be a curtain or be tilted. Sides that were not scanned are put where the data end.
 std::optional<Candidate> block_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
   constexpr double nearly = 0.12;  // of a right angle, 7 degrees
   if (faces.size() < 2) return std::nullopt;

@@ -7,7 +7,7 @@
 
 namespace partscribe::fit {
 
-/// The points are strewn over the facets of a mesh that are too large for its vertices to stand for its surface.
+/// The points are scattered over the facets of a mesh that are too large for its vertices to stand for its surface.
 bool on_facets(const FitInput& input);
 
 /// How far inside their facet corners are looked at, where their nearest face is the facet's own: with a candidate that

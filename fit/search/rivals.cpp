@@ -97,7 +97,7 @@ std::optional<Bend> bend_of(const FitInput& input) {
       quantile(along, 0.98) - quantile(along, 0.02)};
 }
 
-/// Of a cone, in degrees. The sizes hang together, and against each other: their sigmas add up at most.
+/// Of a cone, in degrees. The errors of the sizes are correlated, at worst so that their sigmas add up.
 Measured half_angle(const Candidate& c, const Cone& shape) {
   const Measured a = measured(c, shape.bottom_radius), b = measured(c, shape.top_radius), h = measured(c, shape.height);
   if (!(h.value > 0)) return {};

@@ -343,7 +343,7 @@ void put(const RangeHeights& h, int r, int c, const WindowFacet& facet, float si
 constexpr WindowFacet rejected_facet{0, 0, 0, 1, RltsModel::rejected};
 
 /// A sample that lies on the surfaces of two or more pixels beside it, one of them known well: the mean of its own
-/// height and what they foretell, with the slope of the one known best; rejected if there are none. Where a bent edge
+/// height and what they predict, with the slope of the one known best; rejected if there are none. Where a bent edge
 /// passes, or three faces meet, no two planes explain its own window, but one of theirs may hold it.
 WindowFacet continued(const RangeHeights& h, const FilteredImage& out, int r, int c, float sigma) {
   constexpr double limit = 3;  // deviations

@@ -42,7 +42,7 @@ struct FacetRow {
 void facets(const std::array<const float*, 5>& heights, const std::array<const float*, 5>& weights, int count,
             const FacetRow& out);
 
-/// Samples that lie within `tolerance` of what one of the four lines through them foretells from two or four
+/// Samples that lie within `tolerance` of what one of the four lines through them predicts from two or four
 /// neighbours. rows[r][i + c - 2] is the sample in row r and column c of the 5x5 window i, NaN where it is missing.
 /// weight: 1, or 0 for what is missing or on no line; height: finite everywhere, of the neighbours where the weight is
 /// 0.

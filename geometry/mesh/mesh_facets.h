@@ -1,4 +1,4 @@
-/// What the triangles of a mesh have one by one and between them: normals, edges, pieces that hang together.
+/// What the triangles of a mesh have one by one and between them: normals, edges, connected pieces.
 #pragma once
 
 #include <span>
@@ -51,7 +51,7 @@ bool turn_outward(TriangleMesh& mesh);
 /// How many triangles have no area though their corners differ.
 std::size_t flat_facets(const TriangleMesh& mesh);
 
-/// Pieces that hang together by shared vertices, in the order of their first vertices.
+/// Pieces connected by shared vertices, in the order of their first vertices.
 struct MeshPieces {
   std::vector<std::uint32_t> of;  ///< per triangle
   std::vector<double> area;       ///< per piece, mm^2

@@ -13,7 +13,7 @@
 namespace partscribe::geometry {
 namespace {
 
-/// Without branches, for nobody can foretell which points are kept.
+/// Without branches, because which points are kept cannot be predicted.
 template <int lanes, class Reals>
 __attribute__((always_inline)) inline std::size_t keep_one_by_one(const Reals& d, const Reals& limit,
                                                                   const std::uint32_t* index, double* to,

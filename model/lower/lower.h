@@ -1,5 +1,5 @@
-/// Says a model in terms of fewer kinds of shapes, exactly: features as solids, patterns as copies, images as solids of
-/// the other hand, nested sketches as several. Whoever writes or measures models calls this first and then has to know
+/// Says a model in terms of fewer kinds of shapes, exactly: features as solids, patterns as copies, mirror images as
+/// solids, nested sketches as several. Whoever writes or measures models calls this first and then has to know
 /// only the kinds it names.
 #pragma once
 

@@ -1,4 +1,4 @@
-/// Shapes of the other hand.
+/// Mirror images of shapes.
 #pragma once
 
 #include <functional>

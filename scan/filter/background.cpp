@@ -16,7 +16,7 @@ namespace {
 
 constexpr double same_way = 0.9;            // cosine of normals on the plane
 constexpr std::size_t fewest_points = 100;  // of a plane, and of a thing
-constexpr double reach = 4;  // spacings between points that hang together; far places are scanned more sparsely
+constexpr double reach = 4;                 // spacings between connected points; far places are scanned more sparsely
 
 struct Plane {
   Vec3 normal = Vec3::UnitZ();
@@ -67,7 +67,7 @@ Plane most_common_plane(const PointCloud& cloud, double within) {
   return best;
 }
 
-/// Pieces of points that hang together: a chain of cubes of edge `cell` that touch joins them. The largest first.
+/// Connected pieces: points are joined by a chain of cubes of edge `cell` that touch. The largest first.
 std::vector<std::vector<std::uint32_t>> pieces(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& some,
                                                double cell) {
   using Cell = std::array<std::int64_t, 3>;

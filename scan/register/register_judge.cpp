@@ -79,7 +79,7 @@ std::size_t least_answered(const std::vector<ViewSurface>& surfaces, const std::
 constexpr std::size_t many_motions = 3;
 constexpr double most_against_many_motions = 0.035;
 
-/// Without guesses, of the part's size: views that hang together by hardly more than one face may lie on the wrong one.
+/// Without guesses, of the part's size: views connected by hardly more than one face may lie on the wrong one.
 constexpr double most_unsure_by_shape = 0.02;
 
 /// Each fixes a pose by its noise; with a handful, chance does.

@@ -148,8 +148,8 @@ void refine(RoundFit& fit, int rounds) {
   update_profile(fit, 1);
 }
 
-/// Standard errors of stretch and shear by leaving out one view after the other: residuals hang together, so that their
-/// number says little.
+/// Standard errors of stretch and shear by leaving out one view after the other: residuals are correlated, so that
+/// their number says little.
 void jackknife(const RoundFit& fit, DepthCorrection& depth) {
   const std::size_t n = fit.points.size();
   if (n < 3) return;
