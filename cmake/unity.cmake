@@ -4,7 +4,7 @@
 # business of its file.
 
 # Characters of source in a group: two processors stay busy to the end, and a compiler needs less than 3 GB.
-set(PARTSCRIBE_UNITY_SIZE 150000 CACHE STRING "characters of source that a unity build compiles at once")
+set(PARTSCRIBE_UNITY_SIZE 200000 CACHE STRING "characters of source that a unity build compiles at once")
 
 # The names that a source file declares at the beginning of a line: types, functions, constants.
 function(partscribe_file_level_names source result)
@@ -16,7 +16,7 @@ function(partscribe_file_level_names source result)
   string(REGEX MATCHALL "\n(struct|class|enum|enum class|using) [A-Za-z0-9_]+" types "${text}")
   string(REGEX MATCHALL "\n[A-Za-z_][^\n(={]*[ &*][A-Za-z0-9_]+\\(" functions "${text}")
   string(REGEX MATCHALL "\n(const|constexpr|static|thread_local|inline|enum [A-Z]+[a-z]+ {) [^\n]*" lines "${text}")
-  string(REGEX MATCHALL "[A-Za-z0-9_]+ ?[<={,]" constants "${lines}")
+  string(REGEX MATCHALL "[^:A-Za-z0-9_.][A-Za-z_][A-Za-z0-9_]* ?[<={]" constants "${lines}")
   foreach(declaration IN LISTS types functions constants)
     string(REGEX REPLACE "[ (<={,]+$" "" name "${declaration}")
     string(REGEX REPLACE ".*[ &*\n]" "" name "${name}")

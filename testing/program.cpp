@@ -7,13 +7,15 @@
 namespace partscribe::testing {
 
 ProcessOutput run_partscribe(const std::vector<std::string>& arguments, const Path& working_directory) {
-  std::vector<std::string> words = {PARTSCRIBE_PROGRAM};
+  std::vector<std::string> words = {program().string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   Context context;
   const auto output = run_process(words, {.seconds = 800}, context, working_directory);
   REQUIRE(output.ok());
   return *output;
 }
+
+Path program() { return PARTSCRIBE_PROGRAM; }
 
 std::string bytes_of(const Path& file) {
   const auto bytes = read_file(file);

@@ -20,8 +20,6 @@ namespace {
 
 constexpr std::size_t fewest_points = 30;
 
-std::string shown(double mm) { return print_number(snapped(mm, 0.0001)); }
-
 /// Outcomes from best to worst.
 int badness(Outcome outcome) {
   switch (outcome) {
@@ -54,7 +52,7 @@ FaceNames model_faces(const Model& model) {
 
 /// "0.8 mm at the vertex (20, 0, 0)".
 std::string gap_text(const BrepGap& gap, double tolerance) {
-  return shown(gap.width) + " mm at the " + gap.kind + " " + Words(tolerance).place(gap.place);
+  return shown(gap.width, 0.0001) + " mm at the " + gap.kind + " " + Words(tolerance).place(gap.place);
 }
 
 /// Its vertices, edges and faces describe bodies that differ by so much that one of them may be wrong.
@@ -75,7 +73,7 @@ void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, boo
     if (verdict.reasons.empty()) verdict.reasons.push_back("the program delivered no solid");
   } else if (evaluation.error > tolerance / 4) {
     verdict.verdict = Outcome::cannot_decide;
-    verdict.reasons.push_back("the evaluation itself is only good to " + shown(evaluation.error) + " mm");
+    verdict.reasons.push_back("the evaluation itself is only good to " + shown(evaluation.error, 0.0001) + " mm");
   } else if (evaluation.gap.width > share_of_gap * tolerance) {
     verdict.verdict = Outcome::cannot_decide;
     verdict.reasons.push_back("the file itself is only good to " + gap_text(evaluation.gap, tolerance));
@@ -96,7 +94,7 @@ void ask_others(const Path& artifact, const Evaluation& evaluation, const Evalua
     if (opinion.delivered && !opinion.agrees && !opinion.exact_circles) {
       result.verdict = Outcome::out_of_tolerance;
       result.reasons.push_back(opinion.program + " " + opinion.version +
-                               " reads it differently: " + shown(opinion.distance) + " mm apart");
+                               " reads it differently: " + shown(opinion.distance, 0.0001) + " mm apart");
     }
 }
 
@@ -248,9 +246,10 @@ Result<Verdict> verify_artifacts(const std::vector<Path>& artifacts, const Scan&
     if (too_fine && (evaluation.solid || sheet) && !contradicts_itself(evaluation, options.tolerance)) {
       result.verdict = Outcome::cannot_decide;
       result.reasons = {"this scan cannot decide at " + print_number(options.tolerance) +
-                        " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance) + " mm" +
+                        " mm: its smallest honest tolerance is " + shown(verdict.smallest_honest_tolerance, 0.0001) +
+                        " mm" +
                         (view_reach * source.disagreement > options.tolerance
-                             ? ", since its views lie " + shown(source.disagreement) + " mm apart"
+                             ? ", since its views lie " + shown(source.disagreement, 0.0001) + " mm apart"
                              : "")};
     } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
       result.verdict = Outcome::cannot_decide;

@@ -22,7 +22,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* build_help =
     R"(Examples
   partscribe build bracket.ply                            writes bracket-partscribe/
   partscribe build bracket.stl --tolerance 0.1            within 0.1 mm everywhere, or it says so
@@ -271,7 +271,7 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   return exit_code_of(verdict.verdict);
 }
 
-Result<int> run(const BuildArguments& arguments, Session& session) {
+Result<int> run_build(const BuildArguments& arguments, Session& session) {
   const auto backends = chosen_backends(arguments.to);
   if (!backends) return backends.error();
   const Path named_after = arguments.fit.name.empty() ? arguments.scans.front() : Path(arguments.fit.name);
@@ -295,7 +295,7 @@ Result<int> run(const BuildArguments& arguments, Session& session) {
 
 Command build_command() {
   auto arguments = std::make_shared<BuildArguments>();
-  return {"build", "read scans, find the procedure, write it for every CAD system, verify it, report", help,
+  return {"build", "read scans, find the procedure, write it for every CAD system, verify it, report", build_help,
           [arguments](Arguments& a) {
             a.paths(arguments->scans, "scan", "scan files of one part");
             declare(arguments->poses, a);
@@ -307,7 +307,7 @@ Command build_command() {
             a.path(arguments->templates, "--templates", "DIR",
                    "a folder of template packs in place of the built-in ones");
           },
-          [arguments](Session& session) { return run(*arguments, session); }};
+          [arguments](Session& session) { return run_build(*arguments, session); }};
 }
 
 }  // namespace partscribe::cli

@@ -10,7 +10,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* emit_help =
     R"(Examples
   partscribe emit bracket-partscribe/model.json                    all backends, beside the model
   partscribe emit model.json --to openscad,step --out cad          two kinds of file into cad/
@@ -18,13 +18,13 @@ constexpr const char* help =
 
 Writes part.scad, part.scl with prelude.scl, part.igs, part.step. The same model always gives the same bytes.)";
 
-struct Options {
+struct EmitArguments {
   Path model;
   std::vector<std::string> to;
   Path templates;
 };
 
-Result<int> run(const Options& given, Session& session) {
+Result<int> run_emit(const EmitArguments& given, Session& session) {
   const auto chosen = chosen_backends(given.to);
   if (!chosen) return chosen.error();
   const Path folder = output_folder(session.options, given.model, given.model);
@@ -50,18 +50,18 @@ Result<int> run(const Options& given, Session& session) {
 }  // namespace
 
 Command emit_command() {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EmitArguments>();
   std::string list;
   for (const auto& backend : backends())
     list += "\n  " + backend.name + " (" + backend.suffix + "): " + backend.description;
-  return {"emit", "write a model as CAD files", help + ("\n\nBackends" + list),
+  return {"emit", "write a model as CAD files", emit_help + ("\n\nBackends" + list),
           [options](Arguments& a) {
             a.operand(options->model, "model", "a model.json");
             a.list(options->to, "--to", "LIST", "backends, comma-separated (default: all)");
             a.path(options->templates, "--templates", "DIR",
                    "a folder of template packs in place of the built-in ones");
           },
-          [options](Session& session) { return run(*options, session); }};
+          [options](Session& session) { return run_emit(*options, session); }};
 }
 
 }  // namespace partscribe::cli

@@ -10,7 +10,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* explain_help =
     R"(Examples
   partscribe explain bracket-partscribe/model.json          why each dimension is what it is
   partscribe explain bracket-partscribe                     the same
@@ -56,7 +56,7 @@ std::string explanation(const Model& model) {
   return text;
 }
 
-Result<int> run(const Path& given, Session& session) {
+Result<int> run_explain(const Path& given, Session& session) {
   const auto model = read_model(std::filesystem::is_directory(given) ? given / "model.json" : given);
   if (!model) return model.error();
   session.output(session.options.json ? write_model_json(**model) : explanation(**model));
@@ -67,9 +67,9 @@ Result<int> run(const Path& given, Session& session) {
 
 Command explain_command() {
   auto file = std::make_shared<Path>();
-  return {"explain", "say why each feature is what it is, with rivals and numbers", help,
+  return {"explain", "say why each feature is what it is, with rivals and numbers", explain_help,
           [file](Arguments& a) { a.operand(*file, "model", "a model.json, or the folder that holds one"); },
-          [file](Session& session) { return run(*file, session); }};
+          [file](Session& session) { return run_explain(*file, session); }};
 }
 
 }  // namespace partscribe::cli

@@ -12,7 +12,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* fit_help =
     R"(Examples
   partscribe fit bracket.ply --tolerance 0.1              writes bracket-partscribe/model.json
   partscribe fit bracket-partscribe/cloud.ply             the same from the stage before; model.json beside it
@@ -21,12 +21,12 @@ Reads a scan, or the cloud.ply that 'scan' wrote. Writes model.json: named param
 steps of the procedure, the rivals. 'emit' turns it into CAD files, 'explain' into words. Exit code 0 when a model was
 written; whether it is right says 'verify'.)";
 
-struct Options {
+struct FitArguments {
   std::vector<Path> scans;
   FitArguments fit;
 };
 
-Result<int> run(const Options& given, Session& session) {
+Result<int> run_fit(const FitArguments& given, Session& session) {
   const Path named_after = given.fit.name.empty() ? given.scans.front() : Path(given.fit.name);
   const std::string name = part_name(named_after);
   const Path folder = output_folder(session.options, given.scans.front(), named_after);
@@ -54,8 +54,8 @@ Result<int> run(const Options& given, Session& session) {
 }  // namespace
 
 Command fit_command() {
-  auto options = std::make_shared<Options>();
-  return {"fit", "find the procedure that describes a scan", help,
+  auto options = std::make_shared<FitArguments>();
+  return {"fit", "find the procedure that describes a scan", fit_help,
           [options](Arguments& a) {
             a.paths(options->scans, "scan", "scan files of one part, in one common frame");
             a.text(options->fit.name, "--name", "NAME", "name of the part (default: from the first file)");
@@ -63,7 +63,7 @@ Command fit_command() {
                    "keep every measured value; else a nominal size is taken where the data cannot tell the difference");
             declare_procedure(options->fit, a);
           },
-          [options](Session& session) { return run(*options, session); }};
+          [options](Session& session) { return run_fit(*options, session); }};
 }
 
 }  // namespace partscribe::cli

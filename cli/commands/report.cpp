@@ -13,7 +13,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* report_help =
     R"(Examples
   partscribe report bracket-partscribe --force              report.html again, after an edit
   partscribe report bracket-partscribe --pictures figures   the page, and its pictures as PNG files
@@ -23,7 +23,7 @@ Given a folder (or a model.json or verdict.json in it) it reads model.json, clou
 there. The verdict is the recorded one; the artifacts are run again for the pictures, because verdict.json holds no
 geometry. Given artifacts and scans it verifies them first. Writes report.html: one file that needs no network.)";
 
-struct Options {
+struct ReportArguments {
   std::vector<Path> files;
   Path pictures;
 };
@@ -133,7 +133,7 @@ Result<Material> verified_material(const std::vector<Path>& files, Session& sess
   return material;
 }
 
-Result<int> run(const Options& given, Session& session) {
+Result<int> run_report(const ReportArguments& given, Session& session) {
   const Path& first = given.files.front();
   const bool recorded =
       given.files.size() == 1 && (std::filesystem::is_directory(first) || has_suffix(first, {".json"}));
@@ -178,15 +178,15 @@ Result<int> run(const Options& given, Session& session) {
 }  // namespace
 
 Command report_command() {
-  auto options = std::make_shared<Options>();
-  return {"report", "make the HTML page of a build folder or of any artifact and scan, and its pictures", help,
+  auto options = std::make_shared<ReportArguments>();
+  return {"report", "make the HTML page of a build folder or of any artifact and scan, and its pictures", report_help,
           [options](Arguments& a) {
             a.paths(options->files, "files",
                     "a folder with model.json, cloud.ply and verdict.json, or artifacts and scans");
             a.path(options->pictures, "--pictures", "DIR",
                    "write the pictures (deviation.png, the six sides, each finding, ...) as PNG files there too");
           },
-          [options](Session& session) { return run(*options, session); }};
+          [options](Session& session) { return run_report(*options, session); }};
 }
 
 }  // namespace partscribe::cli

@@ -16,7 +16,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* scan_help =
     R"(Examples
   partscribe scan folder/scan.json --out part             range images with poses
   partscribe scan folder/scan.json --poses guess          rough poses: the views are registered
@@ -69,7 +69,7 @@ Result<std::string> cut_out(int which, SamplingSummary& sampling, PointCloud& cl
          readable(found->lost) + " mm went with the plane\n";
 }
 
-Result<int> run(const ScanArguments& arguments, Session& session) {
+Result<int> run_scan(const ScanArguments& arguments, Session& session) {
   const auto& inputs = arguments.inputs;
   const Path folder = output_folder(session.options, inputs.front(), inputs.front());
   if (auto ok = check_overwriting(folder, {"cloud.ply", "poses.json"}, session.options.force); !ok) return ok.error();
@@ -123,7 +123,7 @@ Result<int> run(const ScanArguments& arguments, Session& session) {
 
 Command scan_command() {
   auto arguments = std::make_shared<ScanArguments>();
-  return {"scan", "read, filter, register and merge scan files into one clean cloud in millimetres", help,
+  return {"scan", "read, filter, register and merge scan files into one clean cloud in millimetres", scan_help,
           [arguments](Arguments& a) {
             a.paths(arguments->inputs, "scan", "scan files of one part");
             declare(arguments->poses, a);
@@ -132,7 +132,7 @@ Command scan_command() {
             a.flag(arguments->all_points, "--all-points",
                    "every point as it was measured, neither filtered nor merged");
           },
-          [arguments](Session& session) { return run(*arguments, session); }};
+          [arguments](Session& session) { return run_scan(*arguments, session); }};
 }
 
 }  // namespace partscribe::cli

@@ -15,7 +15,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* simulate_help =
     R"(Examples
   partscribe simulate pin.stl --sigma 0.02                            6 views with 0.02 mm of noise
   partscribe simulate model.json --views 12 --resolution 512          more and finer views of a model
@@ -26,7 +26,7 @@ Reads a model.json, a mesh, or a .scad .scl .igs .step file (run by its own prog
 command reads: view_NN.png (16-bit range images), scan.json (poses and how codes become millimetres), merged.ply. The
 same seed gives the same bytes.)";
 
-struct Options {
+struct SimulateArguments {
   Path shape;
   SimulateOptions simulate;
   double sigma_codes = 0;
@@ -60,7 +60,7 @@ Result<Subject> subject_of(const Path& shape, Session& session) {
   return Subject{nullptr, kept, surface_of(*kept)};
 }
 
-Result<int> run(const Options& given, Session& session) {
+Result<int> run_simulate(const SimulateArguments& given, Session& session) {
   SimulateOptions options = given.simulate;
   if (!viewpoints(options.views))
     return usage_error(
@@ -107,8 +107,8 @@ Result<int> run(const Options& given, Session& session) {
 }  // namespace
 
 Command simulate_command() {
-  auto given = std::make_shared<Options>();
-  return {"simulate", "scan a known shape: a seeded range scanner with noise", help,
+  auto given = std::make_shared<SimulateArguments>();
+  return {"simulate", "scan a known shape: a seeded range scanner with noise", simulate_help,
           [given](Arguments& a) {
             auto& s = given->simulate;
             a.operand(given->shape, "shape", "model.json, a mesh, or a .scad .scl .igs .step file");
@@ -129,7 +129,7 @@ Command simulate_command() {
             a.count(given->seed, "--seed", "N", 0, 2147483647, "of the random numbers (default 1)");
             a.flag(given->no_merged, "--no-merged", "leave out merged.ply, which says again what the images say");
           },
-          [given](Session& session) { return run(*given, session); }};
+          [given](Session& session) { return run_simulate(*given, session); }};
 }
 
 }  // namespace partscribe::cli

@@ -13,7 +13,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* verify_help =
     R"(Examples
   partscribe verify edited.scad bracket.ply --tolerance 0.1      my script against the scan
   partscribe verify part.scad part.step scans/*.ply              two artifacts, and against each other
@@ -28,7 +28,7 @@ file, a mesh, is the artifact. A model.json beside the artifact names the featur
 --model or --tolerance say otherwise. Each artifact is run by its own program; data are compared with it in both
 directions. Exit code: 0 verified, 1 out of tolerance, 4 its program is missing, 6 the scan cannot decide.)";
 
-struct Options {
+struct VerifyArguments {
   std::vector<Path> files;
   Path model, json, junit, csv;
   bool strict = false;
@@ -58,7 +58,7 @@ Result<Operands> told_apart(const std::vector<Path>& files) {
 
 /// The model that an artifact was written from: model.json in its folder, if the artifact bears the name that
 /// emitting gives or the part's own. Edited scripts keep it: their features are judged by the model's names.
-Result<std::optional<Model>> model_of(const Options& given, const Path& artifact) {
+Result<std::optional<Model>> model_of(const VerifyArguments& given, const Path& artifact) {
   if (!given.model.empty()) {
     auto model = read_model(given.model);
     if (!model) return model.error();
@@ -91,7 +91,7 @@ std::string judged_by_itself(const Operands& operands) {
   return {};
 }
 
-Result<int> run(const Options& given, Session& session) {
+Result<int> run_verify(const VerifyArguments& given, Session& session) {
   const auto operands = told_apart(given.files);
   if (!operands) return operands.error();
   for (const auto& file : {given.json, given.junit, given.csv})
@@ -151,8 +151,8 @@ Result<int> run(const Options& given, Session& session) {
 }  // namespace
 
 Command verify_command() {
-  auto options = std::make_shared<Options>();
-  return {"verify", "run any script or CAD file and compare it with any scan", help,
+  auto options = std::make_shared<VerifyArguments>();
+  return {"verify", "run any script or CAD file and compare it with any scan", verify_help,
           [options](Arguments& a) {
             a.paths(options->files, "files", "artifacts and scans");
             a.path(options->model, "--model", "FILE", "a model.json that names the features");
@@ -176,7 +176,7 @@ Command verify_command() {
             a.number(options->seconds, "--time-limit", "SECONDS", 1, 1e6,
                      "for each program that is run (default 600); more lets slow scripts finish");
           },
-          [options](Session& session) { return run(*options, session); }};
+          [options](Session& session) { return run_verify(*options, session); }};
 }
 
 }  // namespace partscribe::cli

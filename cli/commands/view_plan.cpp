@@ -14,7 +14,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help =
+constexpr const char* view_plan_help =
     R"(Examples
   partscribe views                                 six views, as through the faces of a cube
   partscribe views --plan dodecahedron             twenty views for a part with many recesses
@@ -25,7 +25,7 @@ corners of the regular polyhedra see all sides alike: 4, 6, 8, 12 or 20 views. W
 into account: space that no view looked into may hold more of the part, and views are named until they add less than
 half a percent.)";
 
-struct Options {
+struct ViewPlanArguments {
   std::string plan = "octahedron";
   Path scan;
 };
@@ -63,7 +63,7 @@ void print(const std::vector<Row>& rows, bool measured, Session& session) {
   session.print_json(json_text(json));
 }
 
-Result<int> run(const Options& given, Session& session) {
+Result<int> run_view_plan(const ViewPlanArguments& given, Session& session) {
   std::vector<Row> rows;
   if (given.scan.empty()) {
     const auto plan = viewpoints(given.plan);
@@ -96,14 +96,14 @@ Result<int> run(const Options& given, Session& session) {
 }  // namespace
 
 Command views_command() {
-  auto given = std::make_shared<Options>();
-  return {"views", "name the directions to scan from, or to scan from next", help,
+  auto given = std::make_shared<ViewPlanArguments>();
+  return {"views", "name the directions to scan from, or to scan from next", view_plan_help,
           [given](Arguments& a) {
             a.text(given->plan, "--plan", "SET",
                    "tetrahedron, octahedron, cube, icosahedron, dodecahedron or a number (default octahedron)");
             a.path(given->scan, "--scan", "SCAN", "range images so far: where to look next");
           },
-          [given](Session& session) { return run(*given, session); }};
+          [given](Session& session) { return run_view_plan(*given, session); }};
 }
 
 }  // namespace partscribe::cli

@@ -14,7 +14,7 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr std::size_t most_points = 600;
+constexpr std::size_t fillet_points = 600;
 constexpr double same = 0.998;            // cosine of 3.6 degrees: normals of one plane face
 constexpr double square = 0.09;           // sine of 5 degrees
 constexpr double most_unexplained = 0.6;  // of the points
@@ -307,7 +307,7 @@ std::vector<Start> best_starts(const Sample& sample, const FitInput& input, std:
   std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
   std::vector<Start> tried, refined_starts;
   RefineOptions quick;
-  quick.points = most_points, quick.iterations = 20, quick.uncertainty = false, quick.fixed = {"length"};
+  quick.points = fillet_points, quick.iterations = 20, quick.uncertainty = false, quick.fixed = {"length"};
   for (const Start& start : starts) {
     if (tried.size() == most_refined || start.cost > starts[0].cost + dearer || context.cancelled) break;
     if (std::any_of(tried.begin(), tried.end(), [&](const Start& t) { return alike(t, start); })) continue;
@@ -336,7 +336,7 @@ std::vector<Candidate> propose_fillets(const FitInput& input, Context& context) 
   const auto& cloud = input.cloud;
   if (cloud.size() < 50 || cloud.normals.size() != cloud.size() || input.bounds.empty()) return {};
   Sample sample;
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / most_points);
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / fillet_points);
   for (std::size_t i = 0; i < cloud.size(); i += step)
     if (cloud.normals[i].squaredNorm() > 0.5)
       sample.points.push_back(cloud.points[i]), sample.normals.push_back(cloud.normals[i]);

@@ -19,7 +19,7 @@ namespace partscribe::fit {
 
 namespace {
 
-constexpr std::size_t most_points = 4000;
+constexpr std::size_t quadric_points = 4000;
 
 struct Ball {
   Vec3 centre = Vec3::Zero();
@@ -187,7 +187,7 @@ Parameter parameter(const std::string& name, Quantity quantity, double value, co
 /// Neighbours in the cloud lie near each other; a step through its order is even enough and always the same.
 std::vector<Vec3> even_selection(const std::vector<Vec3>& all) {
   std::vector<Vec3> selected;
-  const std::size_t step = std::max<std::size_t>(1, all.size() / most_points);
+  const std::size_t step = std::max<std::size_t>(1, all.size() / quadric_points);
   for (std::size_t i = 0; i < all.size(); i += step) selected.push_back(all[i]);
   return selected;
 }

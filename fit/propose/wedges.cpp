@@ -12,7 +12,7 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr std::size_t most_points = 600;
+constexpr std::size_t wedge_points = 600;
 constexpr double least_lean = 0.1;  // share of the foot; less is a block
 
 /// Points on the scanned faces and their normals, few enough to try many starts on.
@@ -149,7 +149,7 @@ Candidate candidate_from(const Start& start, bool with_top) {
 std::optional<Start> refined(const Start& start, bool with_top, const FitInput& input, const Sample& sample,
                              double thick, Context& context) {
   RefineOptions quick;
-  quick.points = most_points, quick.iterations = 20, quick.uncertainty = false;
+  quick.points = wedge_points, quick.iterations = 20, quick.uncertainty = false;
   Candidate c = candidate_from(start, with_top);
   refine(c, input, quick, context);
   Start result{c.scan_from_part,
@@ -173,7 +173,7 @@ std::vector<Candidate> propose_wedges(const std::vector<ConvexFace>& scanned, co
   if (scanned.size() < 2 || cloud.normals.size() != cloud.size()) return {};
   const double size = input.bounds.diagonal(), reach = reach_of(input), thick = reach;
   Sample sample;
-  for (std::size_t i = 0, step = std::max<std::size_t>(1, cloud.size() / most_points); i < cloud.size(); i += step)
+  for (std::size_t i = 0, step = std::max<std::size_t>(1, cloud.size() / wedge_points); i < cloud.size(); i += step)
     if (cloud.normals[i].squaredNorm() > 0.5 && std::abs(convex_distance(scanned, cloud.points[i])) < 1.5 * reach)
       sample.points.push_back(cloud.points[i]), sample.normals.push_back(cloud.normals[i]);
   if (sample.points.size() < 50) return {};

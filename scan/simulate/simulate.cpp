@@ -20,7 +20,7 @@ constexpr double thinning_angle = pi / 3;
 constexpr double step_slope = 6;  // pixel pitches; a surface that returns at all climbs 4.7 at most (78 degrees)
 
 /// What a noise-free scanner sees at one pixel.
-struct Sight {
+struct SeenSurface {
   double z = -1;  ///< -1: nothing
   double cosine = 0;
 };
@@ -53,22 +53,22 @@ RangeImage empty_image(const Surface& surface, const Vec3& to_sensor, const Simu
   return image;
 }
 
-Sight look(const Surface& surface, const RangeImage& image, int row, int column) {
+SeenSurface look(const Surface& surface, const RangeImage& image, int row, int column) {
   const Pose& pose = image.world_from_view;
   if (image.projection == Projection::orthographic) {
     const Vec3 origin = pose * Vec3(image.x0 + column * image.pitch_x, image.y0 + row * image.pitch_y, 0);
     const Vec3 direction = pose.rotation.col(2);
     const auto hit = surface.first_hit(origin, direction);
-    return hit ? Sight{hit->distance, -hit->normal.dot(direction)} : Sight{};
+    return hit ? SeenSurface{hit->distance, -hit->normal.dot(direction)} : SeenSurface{};
   }
   const Vec3 ray = Vec3((column - image.cx) / image.fx, (row - image.cy) / image.fy, 1).normalized();
   const Vec3 direction = pose.rotation * ray;
   const auto hit = surface.first_hit(pose.translation, direction);
-  return hit ? Sight{hit->distance * ray.z(), -hit->normal.dot(direction)} : Sight{};
+  return hit ? SeenSurface{hit->distance * ray.z(), -hit->normal.dot(direction)} : SeenSurface{};
 }
 
 /// What the electronics make of one pixel; 0 is no return.
-std::uint16_t measure(const std::vector<Sight>& sights, const RangeImage& image, int row, int column,
+std::uint16_t measure(const std::vector<SeenSurface>& sights, const RangeImage& image, int row, int column,
                       const SimulateOptions& options, Random& random, bool& bit_error) {
   // Every number is drawn whether it is needed or not, so that one option never shifts the chance of another.
   const double thin = random.uniform(), noise = random.normal(), mix = random.uniform(), share = random.uniform();
@@ -164,7 +164,7 @@ SimulatedScan simulate(const Surface& surface, const SimulateOptions& options, C
     SimulatedView view;
     auto& image = view.image = empty_image(surface, tilt * (*directions)[v], options);
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    std::vector<Sight> sights(width * height);
+    std::vector<SeenSurface> sights(width * height);
     std::vector<char> flipped(width * height, 0);
     const auto each_pixel = [&](const std::function<void(int, int, std::size_t)>& body) {
       parallel_for(

@@ -10,6 +10,7 @@
 #include "geometry/points/kd_tree.h"
 #include "model/json.h"
 #include "scan/simulate/simulate.h"
+#include "testing/program.h"
 #include "verify/mutate/mutate.h"
 
 namespace partscribe::testing {
@@ -167,7 +168,7 @@ Model tray() {
 
 Model golden_part(const std::string& part) {
   static const std::set<std::string> coarser = {"ellipsoid", "nurbs_vase", "sphere", "superellipsoid", "torus"};
-  const Path file = Path(PARTSCRIBE_SOURCE_DIR) / "tests" / "golden" / part / "model.json";
+  const Path file = source_file("tests/golden/" + part + "/model.json");
   const auto text = read_file(file);
   if (!text.ok()) throw std::runtime_error(text.error().message);
   auto model = read_model_json(*text, file.string());

@@ -14,6 +14,7 @@
 #include "model/distance/distance.h"
 #include "model/json.h"
 #include "testing/golden_models.h"
+#include "testing/program.h"
 #include "verify/evaluate/evaluate.h"
 
 using namespace partscribe::codegen;
@@ -24,7 +25,7 @@ namespace {
 
 const std::vector<std::string> own_backends = {"openscad", "iges", "step"};
 
-Path golden_folder(const std::string& part) { return Path(PARTSCRIBE_SOURCE_DIR) / "tests" / "golden" / part; }
+Path golden_folder(const std::string& part) { return testing::source_file("tests/golden/" + part); }
 
 CheckedModel checked_model(const Model& model) {
   auto result = checked(model, model.name);

@@ -8,6 +8,7 @@
 #include "scan/simulate/simulate.h"
 #include "testing/damage/file_damage.h"
 #include "testing/damage/suite.h"
+#include "testing/program.h"
 #include "verify/evaluate/evaluate.h"
 
 using namespace partscribe::scan;
@@ -25,7 +26,7 @@ struct TextEdit {
 };
 
 std::string script(const std::string& name) {
-  const auto text = read_file(Path(PARTSCRIBE_SOURCE_DIR) / "tests" / "mutation" / "scripts" / name);
+  const auto text = read_file(testing::source_file("tests/mutation/scripts/" + std::string(name)));
   REQUIRE(text.ok());
   return *text;
 }

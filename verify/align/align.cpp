@@ -303,8 +303,6 @@ Result<Alignment> by_datums(const std::vector<Vec3>& points, const TriangleMesh&
   return alignment;
 }
 
-std::string shown(double v, double resolution) { return print_number(snapped(v, resolution)); }
-
 }  // namespace
 
 Result<Alignment> align(const ScanSource& source, const TriangleMesh& mesh, const MeshDistance& surface, AlignBy by,
@@ -360,7 +358,7 @@ std::string words_for(const Alignment& alignment) {
   const auto& t = alignment.translation;
   if (!alignment.moves()) return "left where it lies";
   return "turned by " + shown(degrees(alignment.rotation), 0.001) + " degrees and moved by " + shown(t.norm(), 0.001) +
-         " mm (" + shown(t.x(), 0.001) + ", " + shown(t.y(), 0.001) + ", " + shown(t.z(), 0.001) + ")";
+         " mm " + shown(t, 0.001);
 }
 
 }  // namespace partscribe::verify

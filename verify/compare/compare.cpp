@@ -24,9 +24,6 @@ constexpr std::size_t most_second_looks = 40;  // at features: each goes through
 constexpr std::size_t fewest_points = 20;      // that show another radius
 constexpr double hardly_covered = 0.35;        // share of a feature; it may be elsewhere
 
-std::string shown(double v) { return print_number(snapped(v, 0.01)); }
-std::string shown(const Vec3& p) { return "(" + shown(p.x()) + ", " + shown(p.y()) + ", " + shown(p.z()) + ")"; }
-
 /// Area of separate bodies that no point supports: nobody can have scanned a part and missed one of its pieces
 /// altogether. Cavities (pieces of negative volume) are hidden by nature and do not count.
 double unsupported_bodies(const TriangleMesh& mesh, const SurfaceField& field) {
@@ -314,19 +311,20 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
 
   std::vector<std::string> faults = points.faults;
   if (field.summary.contradicted > field.allowed_contradiction || !field.in_plain_view.empty())
-    faults.push_back(shown(field.summary.contradicted) + " mm^2 of the artifact's surface contradict the scan, near " +
-                     shown(field.worst));
+    faults.push_back(shown(field.summary.contradicted, 0.01) +
+                     " mm^2 of the artifact's surface contradict the scan, near " + shown(field.worst, 0.01));
   for (const auto& cluster : field.passages.clusters)
     faults.push_back(counted(cluster.members.size(), "point") + " were seen through the artifact's surface at " +
-                     shown(field.passages.places[cluster.members.front()]) + ": " + std::to_string(cluster.most) +
-                     " where outliers make " + shown(cluster.expected));
+                     shown(field.passages.places[cluster.members.front()], 0.01) + ": " + std::to_string(cluster.most) +
+                     " where outliers make " + shown(cluster.expected, 0.01));
   if (const double inside = surface_inside_bodies(verdict.mesh, surface, normals, field, context.threads);
       inside > field.allowed_contradiction)
-    faults.push_back("bodies of the artifact overlap: " + shown(inside) + " mm^2 of surface lie inside another body");
+    faults.push_back("bodies of the artifact overlap: " + shown(inside, 0.01) +
+                     " mm^2 of surface lie inside another body");
   if (const double alone = unsupported_bodies(verdict.mesh, field); alone > field.allowed_contradiction)
-    faults.push_back("a separate body of " + shown(alone) + " mm^2 has no scanned point at all");
+    faults.push_back("a separate body of " + shown(alone, 0.01) + " mm^2 has no scanned point at all");
   if (options.strict && field.summary.not_scanned > field.allowed_contradiction)
-    faults.push_back(shown(field.summary.not_scanned) +
+    faults.push_back(shown(field.summary.not_scanned, 0.01) +
                      " mm^2 of the artifact's surface were not scanned, and --strict allows none");
   // What is wrong says more than how far the worst place is off.
   const bool told = !verdict.findings.empty() && verdict.findings.front().kind != Finding::Kind::not_scanned;

@@ -12,6 +12,7 @@
 #include "geometry/points/thin.h"
 #include "verify/compare/chance.h"
 #include "verify/compare/outliers.h"
+#include "verify/report/words.h"
 
 namespace partscribe::verify {
 namespace {
@@ -24,12 +25,6 @@ constexpr double false_alarm = 0.001;  // chance of refusing a true model, half 
 constexpr double trimming = 1.1;       // a mean of what lies within 2.5 deviations scatters so much more (measured)
 constexpr std::size_t most_clusters_told = 3;
 constexpr std::size_t spread_of = 24;  // points that a place's scatter is taken from
-
-std::string shown(double mm) { return print_number(snapped(mm, 0.0001)); }
-std::string shown(const Vec3& p) {
-  return "(" + print_number(snapped(p.x(), 0.01)) + ", " + print_number(snapped(p.y(), 0.01)) + ", " +
-         print_number(snapped(p.z(), 0.01)) + ")";
-}
 
 using Cell = std::array<std::int64_t, 3>;
 Cell cell_of(const Vec3& p, double edge) {
@@ -321,8 +316,8 @@ class Comparison {
             std::to_string(members.size()) + " points" +
             (before > 0 ? " (" + std::to_string(before) + " of them set aside by a filter or by the fit)"
                         : std::string()) +
-            " stand together at " + shown(scene.off[nearest]) + ", " + shown(off) + " mm off the artifact" +
-            (outside > 0 && outside < members.size() ? " on both sides of it" : "") +
+            " stand together at " + shown(scene.off[nearest], 0.01) + ", " + shown(off, 0.0001) +
+            " mm off the artifact" + (outside > 0 && outside < members.size() ? " on both sides of it" : "") +
             ": too close to one another for outliers, of which chance puts " +
             print_number(snapped(clusters[c].expected, 0.01)) + " where there are " + std::to_string(clusters[c].most));
     }
@@ -380,7 +375,7 @@ class Comparison {
     if (summary.local_max > tolerance_)
       field_.faults.push_back(
           std::string(options_.rule == Rule::max ? "a scanned point is " : "the scanned surface is ") +
-          shown(summary.local_max) + " mm off the artifact at " + shown(summary.worst));
+          shown(summary.local_max, 0.0001) + " mm off the artifact at " + shown(summary.worst, 0.01));
   }
 };
 

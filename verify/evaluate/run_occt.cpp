@@ -31,14 +31,7 @@ constexpr const char* command = "read-brep";
 constexpr int out_of_memory = 99;  // exit code of the reader
 constexpr std::string_view magic = "partscribe brep 1\n";
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr double least_memory_mb = 1 << 26;  // the sanitizer reserves its shadow of all memory
-#else
-constexpr double least_memory_mb = 0;
-#endif
-
-// ---- What the reading process hands back: numbers as they lie in memory, for both ends are one program.
-// ---------------
+// ---- What the reading process hands back: numbers as they lie in memory, for both ends are one program. ----
 
 class ByteWriter {
  public:
@@ -223,8 +216,7 @@ Result<Evaluation> evaluate_apart(const char* kind, const Path& path, const Eval
   const Path file = std::filesystem::absolute(path), answer = folder->path() / "reading";
   const auto run = run_confined({program.string(), command, kind, file.string(), answer.string(),
                                  print_number(options.tolerance), print_number(options.scanned_size)},
-                                {options.seconds, std::max(options.memory_mb, least_memory_mb)},
-                                {{file}, {folder->path()}}, context);
+                                {options.seconds, options.memory_mb}, {{file}, {folder->path()}}, context);
   if (!run.ok()) return run.error();
   if (run->timed_out)
     return Error{"OpenCASCADE did not finish " + shown + " within " + print_number(options.seconds) + " s",

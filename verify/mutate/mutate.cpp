@@ -12,14 +12,14 @@
 #include "verify/mutate/mutate_edits.h"
 #include "verify/mutate/mutate_features.h"
 #include "verify/mutate/mutate_gauge.h"
+#include "verify/report/words.h"
 
 namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t most_vertices = 24;  // of a triangulation that are moved, one at a time
 
-std::string shown(double v) { return print_number(snapped(v, 1e-5)); }
-std::string signed_text(double v) { return (v < 0 ? " - " : " + ") + shown(std::abs(v)); }
+std::string signed_text(double v) { return (v < 0 ? " - " : " + ") + shown(std::abs(v), 1e-5); }
 
 /// The damaged model for a change of this size, if there is such a model.
 using Change = std::function<std::optional<Model>(double size)>;
@@ -167,7 +167,7 @@ class Damages {
       if (e.is_parameter() || domain == Domain::component || domain == Domain::count) continue;
       const bool length = domain == Domain::length || domain == Domain::length_or_zero || domain == Domain::coordinate;
       const std::string what =
-          model_.objects[o].name + ": value " + print_number(double(i + 1)) + ", " + shown(evaluate(e, values_));
+          model_.objects[o].name + ": value " + print_number(double(i + 1)) + ", " + shown(evaluate(e, values_), 1e-5);
       damage(
           Mutation::Kind::number, what, length ? 2 * tolerance_ : small_angle(), length,
           [&, i](double size) -> std::optional<Model> {
@@ -301,7 +301,7 @@ class Damages {
     } else if (moved > 0) {
       const double factor = 1 + 0.005 * 2 * tolerance_ / moved;
       take(Mutation::Kind::scaled,
-           "scaled by " + shown(factor) + " (0.5 % moves the surface by " + shown(moved) + " only)",
+           "scaled by " + shown(factor, 1e-5) + " (0.5 % moves the surface by " + shown(moved, 1e-5) + " only)",
            scaled(model_, factor, middle_));
     }
   }

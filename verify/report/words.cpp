@@ -9,22 +9,24 @@ namespace partscribe::verify {
 
 Words::Words(double tolerance) : resolution_(std::clamp(power_of_ten_below(tolerance / 5), 1e-6, 0.01)) {}
 
-std::string Words::mm(double length) const { return print_number(snapped(length, resolution_)); }
+std::string Words::mm(double length) const { return shown(length, resolution_); }
 
 std::string Words::with_sigma(double length, double sigma) const {
   const double step = sigma > 0 ? std::clamp(power_of_ten_below(sigma), 1e-6, resolution_) : resolution_;
-  return print_number(snapped(length, step)) + " +- " + print_number(snapped(std::max(sigma, step), step));
+  return shown(length, step) + " +- " + shown(std::max(sigma, step), step);
 }
 
 std::string Words::area(double mm2) const {
   const double step = mm2 >= 10 ? 1 : mm2 >= 1 ? 0.1 : 0.01;
-  return print_number(snapped(mm2, step));
+  return shown(mm2, step);
 }
 
-std::string Words::place(const Vec3& p) const {
-  const double step = std::max(resolution_, 0.01) * 10;
-  return "(" + print_number(snapped(p.x(), step)) + ", " + print_number(snapped(p.y(), step)) + ", " +
-         print_number(snapped(p.z(), step)) + ")";
+std::string Words::place(const Vec3& p) const { return shown(p, std::max(resolution_, 0.01) * 10); }
+
+std::string shown(double value, double resolution) { return print_number(snapped(value, resolution)); }
+
+std::string shown(const Vec3& v, double resolution) {
+  return "(" + shown(v.x(), resolution) + ", " + shown(v.y(), resolution) + ", " + shown(v.z(), resolution) + ")";
 }
 
 std::string direction_text(const Vec3& direction) {
@@ -33,8 +35,7 @@ std::string direction_text(const Vec3& direction) {
   const Vec3 d = direction / length;
   Eigen::Index axis;
   if (d.cwiseAbs().maxCoeff(&axis) > 0.985) return std::string(d[axis] > 0 ? "+" : "-") + "xyz"[axis];
-  return "(" + print_number(snapped(d.x(), 0.01)) + ", " + print_number(snapped(d.y(), 0.01)) + ", " +
-         print_number(snapped(d.z(), 0.01)) + ")";
+  return shown(d, 0.01);
 }
 
 std::string listed(const std::vector<std::string>& names) {

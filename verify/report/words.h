@@ -22,6 +22,10 @@ class Words {
   double resolution_;
 };
 
+/// Rounded to a multiple of `resolution`: "0.31", "(10, 20, 5)".
+std::string shown(double value, double resolution);
+std::string shown(const Vec3& v, double resolution);
+
 /// "+x" within 10 degrees of an axis, else the two or three components: "(0.6, 0.8, 0)".
 std::string direction_text(const Vec3& direction);
 

@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 27> symbols = {"!=", "&&", "**", "++", "-
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
-std::string shown(char c) {
+std::string quoted(char c) {
   if (c >= 32 && c < 127) return std::string("'") + c + "'";
   return "byte " + std::to_string(static_cast<int>(static_cast<unsigned char>(c)));
 }
@@ -135,7 +135,7 @@ Result<std::vector<SclToken>> scl_tokens(std::string_view text, const std::strin
       const auto rest = text.substr(begin);
       const auto found = std::find_if(symbols.begin(), symbols.end(), [&](auto s) { return rest.starts_with(s); });
       if (found == symbols.end())
-        return refuse(token.place, "expected a word, a number or a sign of SCL, found " + shown(c));
+        return refuse(token.place, "expected a word, a number or a sign of SCL, found " + quoted(c));
       token.kind = SclToken::Kind::symbol;
       token.text = std::string(*found);
       r.skip(found->size());

@@ -262,8 +262,8 @@ TEST_CASE("command line: Ctrl-C is obeyed within a second, wherever it comes") {
   Context context;
   constexpr int before_it_listens = 130;  // ended by the signal itself
   for (const double moment : {0.3, 0.8, 1.5, 2.3}) {
-    const auto run = run_process({"timeout", "--preserve-status", "-s", "INT", print_number(moment), PARTSCRIBE_PROGRAM,
-                                  "build", "lump.xyz", "--out", "o", "--force"},
+    const auto run = run_process({"timeout", "--preserve-status", "-s", "INT", print_number(moment),
+                                  testing::program().string(), "build", "lump.xyz", "--out", "o", "--force"},
                                  {.seconds = 60}, context, folder.path());
     REQUIRE(run.ok());
     INFO(moment << " s: " << run->err);

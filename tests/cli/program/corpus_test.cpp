@@ -236,7 +236,7 @@ TEST_CASE(
   REQUIRE(write_file(folder.path() / "rod.xyz", cylinder_xyz(9, false)).ok());
   const Path out = folder.path() / "out";
   const std::string log = (folder.path() / "log").string();
-  const std::vector<std::string> build = {PARTSCRIBE_PROGRAM,
+  const std::vector<std::string> build = {testing::program().string(),
                                           "build",
                                           (folder.path() / "rod.xyz").string(),
                                           "--units",
@@ -294,9 +294,10 @@ ProcessOutput interrupted_build(const Path& folder, int interrupts) {
       std::to_string(interrupts) + "); do kill -INT $child; sleep 0.002; done 2>/dev/null; wait $child";
   Context context;
   const std::string log = (folder / "log").string();
-  const auto output = run_process({"sh", "-c", script, log, PARTSCRIBE_PROGRAM, "build", (folder / "scan").string(),
-                                   "--quiet", "--log", log, "--out", (folder / "out").string()},
-                                  {.seconds = 300}, context);
+  const auto output =
+      run_process({"sh", "-c", script, log, testing::program().string(), "build", (folder / "scan").string(), "--quiet",
+                   "--log", log, "--out", (folder / "out").string()},
+                  {.seconds = 300}, context);
   REQUIRE(output.ok());
   return *output;
 }

@@ -11,8 +11,9 @@ namespace {
 /// The program, where `folder` has room for `bytes`.
 ProcessOutput with_little_room(const Path& folder, int bytes, std::vector<std::string> arguments,
                                const Path& temporary = "/tmp") {
-  arguments.insert(arguments.begin(), {"bwrap", "--dev-bind", "/", "/", "--size", std::to_string(bytes), "--tmpfs",
-                                       folder.string(), "--setenv", "TMPDIR", temporary.string(), PARTSCRIBE_PROGRAM});
+  arguments.insert(arguments.begin(),
+                   {"bwrap", "--dev-bind", "/", "/", "--size", std::to_string(bytes), "--tmpfs", folder.string(),
+                    "--setenv", "TMPDIR", temporary.string(), testing::program().string()});
   Context context;
   auto output = run_process(arguments, {.seconds = 120}, context);
   REQUIRE(output.ok());

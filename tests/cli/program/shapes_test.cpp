@@ -18,7 +18,7 @@ void expect_found(const std::string& part, const std::string& kind, const std::v
                   const Setting& setting = coarse) {
   const TemporaryDirectory folder;
   const Path scan = folder.path() / "scan", out = folder.path() / "out";
-  const Path truth = Path(PARTSCRIBE_SOURCE_DIR) / "tests/golden" / part / "model.json";
+  const Path truth = testing::source_file("tests/golden/" + part + "/model.json");
   const auto simulated =
       run_partscribe({"simulate", truth.string(), "--views", "icosahedron", "--resolution", setting.resolution,
                       "--sigma", "0.02", "--bit-error", "0.001", "--out", scan.string()});

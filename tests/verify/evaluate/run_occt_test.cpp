@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "testing/meshes.h"
+#include "testing/program.h"
 #include "verify/exchange/brep_distance.h"
 
 using namespace partscribe::verify;
@@ -15,7 +16,7 @@ using namespace partscribe::testing;
 namespace {
 
 std::string golden(const std::string& file) {
-  const auto text = read_file(Path(PARTSCRIBE_SOURCE_DIR) / "tests/golden" / file);
+  const auto text = read_file(testing::source_file("tests/golden/" + std::string(file)));
   REQUIRE(text.ok());
   return *text;
 }

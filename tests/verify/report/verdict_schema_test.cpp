@@ -5,6 +5,7 @@
 #include "core/files.h"
 #include "testing/json_schema.h"
 #include "testing/meshes.h"
+#include "testing/program.h"
 
 using namespace partscribe::verify;
 using namespace partscribe::testing;
@@ -14,7 +15,7 @@ namespace {
 using Json = nlohmann::json;
 
 std::string fault(const Json& verdict) {
-  static const JsonSchema schema(Path(PARTSCRIBE_SOURCE_DIR) / "docs" / "verdict.schema.json");
+  static const JsonSchema schema(testing::source_file("docs/verdict.schema.json"));
   return schema.fault(verdict, JsonSchema::Keys::named);
 }
 
