@@ -77,7 +77,7 @@ std::string one_line(std::string text) {
 void declare_shared(Arguments& arguments, SharedOptions& options) {
   arguments.number(options.tolerance, "--tolerance", "MM", 1e-6, 1e6,
                    "the model must lie within this of the data everywhere, in mm; smaller follows the scan more "
-                   "closely and needs a better scan (default: chosen from the scan's noise, and said)");
+                   "closely and needs a better scan (default: chosen from the scan's noise, and printed)");
   arguments.choice(options.units, "--units", {"mm", "cm", "m", "inch"},
                    "unit of the numbers in the input files (default: what the file says, else mm)");
   arguments.path(options.out, "--out", "DIR", "folder for the results (default: named after the input)");

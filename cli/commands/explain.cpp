@@ -16,7 +16,7 @@ constexpr const char* explain_help =
   partscribe explain bracket-partscribe                     the same
   partscribe explain model.json --json | jq .parameters     for a program
 
-Prints for each parameter its value, what the data said with one standard deviation, and whether a nominal size was
+Prints for each parameter its value, the fitted number with one standard deviation, and whether a nominal size was
 taken and why; then the first hypothesis, the steps with their evidence, and the rivals with the reason they lost.)";
 
 std::string explanation(const Model& model) {

