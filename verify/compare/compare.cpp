@@ -299,8 +299,8 @@ void compare(const ScanSource& source, const FaceNames* names, const VerifyOptio
       [&](const Primitive& wall, double low, double high) { return scanned_round(source, surface, wall, low, high); });
   const FaceNames faces = names ? *names : names_of(features);
   const RowOf row = fill_rows(source, faces, features, points, field, options, verdict, context.threads);
-  Compared compared{source,      verdict.mesh, normals,    surface,         points, field, features, verdict.objects,
-                    row.feature, row.place,    row.sample, verdict.backend, {},     {},    {}};
+  Compared compared{source,      verdict.mesh, normals,    surface,      points, field, features, verdict.objects,
+                    row.feature, row.place,    row.sample, verdict.file, {},     {},    {}};
   const auto whole = inspect_rows(compared, row, options, verdict.objects, context.threads);
   verdict.findings = all_findings(compared, whole, options, context.threads);
   verdict.point_deviation.assign(source.kept, 0);

@@ -43,19 +43,27 @@ Result<Evaluation> evaluate_mesh_file(const Path& path, const EvaluateOptions&, 
   return evaluation;
 }
 
+std::string finer_mesh(int) { return "export it with finer facets"; }
+
 struct Runner {
   std::string_view suffix;
   bool cad;
   Result<Evaluation> (*evaluate)(const Path&, const EvaluateOptions&, Context&);
+  std::string (*finer)(int sides) = nullptr;  // null: circles are exact
 };
 
 constexpr std::array runners = {
-    Runner{".scad", true, evaluate_openscad},  Runner{".scl", true, evaluate_alpha1},
-    Runner{".igs", true, evaluate_iges},       Runner{".iges", true, evaluate_iges},
-    Runner{".step", true, evaluate_step},      Runner{".stp", true, evaluate_step},
-    Runner{".stl", false, evaluate_mesh_file}, Runner{".off", false, evaluate_mesh_file},
-    Runner{".obj", false, evaluate_mesh_file}, Runner{".3mf", false, evaluate_mesh_file},
-    Runner{".ply", false, evaluate_mesh_file},
+    Runner{".scad", true, evaluate_openscad, finer_openscad},
+    Runner{".scl", true, evaluate_alpha1},
+    Runner{".igs", true, evaluate_iges},
+    Runner{".iges", true, evaluate_iges},
+    Runner{".step", true, evaluate_step},
+    Runner{".stp", true, evaluate_step},
+    Runner{".stl", false, evaluate_mesh_file, finer_mesh},
+    Runner{".off", false, evaluate_mesh_file, finer_mesh},
+    Runner{".obj", false, evaluate_mesh_file, finer_mesh},
+    Runner{".3mf", false, evaluate_mesh_file, finer_mesh},
+    Runner{".ply", false, evaluate_mesh_file, finer_mesh},
 };
 
 /// Null if no program evaluates such files.
@@ -83,6 +91,11 @@ Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& op
   std::string known;
   for (const auto& runner : runners) known += (known.empty() ? "" : " ") + std::string(runner.suffix);
   return usage_error("'" + path.filename().string() + "' cannot be evaluated: expected one of " + known);
+}
+
+std::string how_to_draw_finer(const Path& path, int sides) {
+  const Runner* runner = runner_of(path);
+  return runner && runner->finer ? runner->finer(sides) : "";
 }
 
 }  // namespace partscribe::verify

@@ -56,4 +56,8 @@ bool is_cad_file(const Path& path);
 /// bad_input, stopped. A program that ran and complained is no error but `failed`.
 Result<Evaluation> evaluate_artifact(const Path& path, const EvaluateOptions& options, Context& context);
 
+/// How to draw the circles of an artifact with `sides` sides, by its suffix: "raise $fn to 24". Empty where a file has
+/// exact circles.
+std::string how_to_draw_finer(const Path& path, int sides);
+
 }  // namespace partscribe::verify

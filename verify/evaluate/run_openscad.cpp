@@ -180,4 +180,6 @@ Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& op
   return result;
 }
 
+std::string finer_openscad(int sides) { return "raise $fn to " + std::to_string(sides); }
+
 }  // namespace partscribe::verify

@@ -9,6 +9,7 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "verify/evaluate/evaluate.h"
 #include "verify/report/words.h"
 
 namespace partscribe::verify {
@@ -445,14 +446,10 @@ class Inspector {
     f.deviation = feature_.sagitta;
     f.reason = "its flat facets leave the round surface that the scan shows";
     const int sides = sides_of(feature_);
-    std::string mend;
-    if (c_.backend == "openscad") {
-      const double radius = std::max(nominal_.radius, nominal_.tube),
-                   inside = std::min(1.0, wanted_facets * tolerance_ / radius);
-      mend = ": raise $fn to " + std::to_string(4 * static_cast<int>(std::ceil(pi / std::acos(1 - inside) / 4)));
-    } else if (c_.backend == "mesh") {
-      mend = ": export it with finer facets";
-    }
+    const double radius = std::max(nominal_.radius, nominal_.tube),
+                 inside = std::min(1.0, wanted_facets * tolerance_ / radius);
+    std::string mend = how_to_draw_finer(c_.file, 4 * static_cast<int>(std::ceil(pi / std::acos(1 - inside) / 4)));
+    if (!mend.empty()) mend = ": " + mend;
     f.text = with_size(name_, feature_, tolerance_) + ": drawn " +
              (sides > 0 ? "with " + std::to_string(sides) + " sides" : "too coarse") + ", up to " +
              words_.mm(feature_.sagitta) + " mm inside" + mend + ", at " + words_.place(feature_.middle);

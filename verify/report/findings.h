@@ -23,8 +23,8 @@ struct Compared {
   const std::vector<std::int32_t>& feature_of_row;  ///< index into features or -1
   const std::vector<std::int32_t>& place_row;       ///< of each place, index into rows or -1
   const std::vector<std::int32_t>& sample_row;      ///< of each surface sample
-  std::string backend;                        ///< that the artifact is written for: it knows how to mend coarse facets
-  std::vector<std::uint8_t> explained_point;  ///< of the source; 1: a finding about a whole feature speaks of it
+  std::string file;                                 ///< name of the artifact
+  std::vector<std::uint8_t> explained_point;        ///< of the source; 1: a finding about a whole feature speaks of it
   std::vector<std::uint8_t> explained_row;
   std::vector<std::uint8_t> explained_sample;
 };

@@ -103,6 +103,12 @@ void write_tree(const Path& file, double tree_radius, bool with_body) {
 
 }  // namespace
 
+TEST_CASE("evaluate: how to draw finer circles depends on the kind of file") {
+  CHECK(how_to_draw_finer("plate.scad", 24) == "raise $fn to 24");
+  CHECK(how_to_draw_finer("plate.STL", 24) == "export it with finer facets");
+  CHECK(how_to_draw_finer("plate.step", 24).empty());
+}
+
 TEST_CASE("run openscad: a sound script gives its solid") {
   if (!have_openscad()) return;
   Bench bench;

@@ -154,6 +154,7 @@ TEST_CASE("first finding: a round hole drawn with too few sides is one finding t
     CHECK(verdict.verdict == Outcome::out_of_tolerance);
     REQUIRE(found.size() == 1);
     CHECK(begins(found[0], c.text));
+    CHECK(found[0].find(" inside: export it with finer facets, at ") != std::string::npos);
   }
 }
 
