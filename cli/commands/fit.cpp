@@ -19,7 +19,7 @@ constexpr const char* fit_help =
 
 Reads a scan, or the cloud.ply that 'scan' wrote. Writes model.json: named parameters with their uncertainty, the
 steps of the procedure, the rivals. 'emit' turns it into CAD files, 'explain' into words. Exit code 0 when a model was
-written; whether it is right says 'verify'.)";
+written; 'verify' says whether it is right.)";
 
 struct FitArguments {
   std::vector<Path> scans;

@@ -127,7 +127,7 @@ Command simulate_command() {
                      "error of the stated first guess of each pose");
             a.number(s.pose_noise_shift, "--pose-noise-shift", "MM", 0, 1e6, "the same, of the position");
             a.count(given->seed, "--seed", "N", 0, 2147483647, "of the random numbers (default 1)");
-            a.flag(given->no_merged, "--no-merged", "leave out merged.ply, which says again what the images say");
+            a.flag(given->no_merged, "--no-merged", "leave out merged.ply, which repeats what the images contain");
           },
           [given](Session& session) { return run_simulate(*given, session); }};
 }
