@@ -21,12 +21,12 @@ Reads a scan, or the cloud.ply that 'scan' wrote. Writes model.json: named param
 steps of the procedure, the rivals. 'emit' turns it into CAD files, 'explain' into words. Exit code 0 when a model was
 written; 'verify' says whether it is right.)";
 
-struct FitArguments {
+struct FitCommandArguments {
   std::vector<Path> scans;
   FitArguments fit;
 };
 
-Result<int> run_fit(const FitArguments& given, Session& session) {
+Result<int> run_fit(const FitCommandArguments& given, Session& session) {
   const Path named_after = given.fit.name.empty() ? given.scans.front() : Path(given.fit.name);
   const std::string name = part_name(named_after);
   const Path folder = output_folder(session.options, given.scans.front(), named_after);
@@ -54,7 +54,7 @@ Result<int> run_fit(const FitArguments& given, Session& session) {
 }  // namespace
 
 Command fit_command() {
-  auto options = std::make_shared<FitArguments>();
+  auto options = std::make_shared<FitCommandArguments>();
   return {"fit", "find the procedure that describes a scan", fit_help,
           [options](Arguments& a) {
             a.paths(options->scans, "scan", "scan files of one part, in one common frame");
