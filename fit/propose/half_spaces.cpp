@@ -16,18 +16,13 @@
 #include "fit/propose/convex_body.h"
 #include "fit/propose/wedges.h"
 #include "fit/search/equal_choices.h"
+#include "fit/sketch/length_parameter.h"
 
 namespace partscribe::fit {
 
 namespace {
 
 constexpr double square_angle = 3 * pi / 180;  // faces this near to a right angle may be meant as one
-
-Parameter length_parameter(const std::string& name, double value, const std::string& note) {
-  Parameter p;
-  p.name = name, p.quantity = Quantity::length, p.value = p.fitted = value, p.note = note;
-  return p;
-}
 
 /// The rotation whose columns are nearest to the measured directions, each with its weight.
 Mat3 frame_from(const std::vector<std::pair<int, Vec3>>& directions, const std::vector<double>& weights) {
