@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/ensure.h"
+#include "core/number.h"
 
 namespace partscribe::geometry {
 
@@ -57,6 +58,14 @@ double ellipsoid_distance(const Vec3& p, const Vec3& radii) {
   Vec3 d;
   for (int i = 0; i < 3; ++i) d[i] = z[i] == 0 ? 0 : y[i] * (s / (u + r1[i]));
   return s < 0 ? -d.norm() : d.norm();
+}
+
+Vec3 bent(const Vec3& p, double curvature) {
+  if (curvature == 0) return p;
+  const double turn = curvature * p[2], half = std::sin(turn / 2);
+  // (1 - cos) / k without cancelling where the bend is slight.
+  return {2 * half * half / curvature + p[0] * std::cos(turn), p[1],
+          std::sin(turn) / curvature - p[0] * std::sin(turn)};
 }
 
 namespace {
@@ -134,25 +143,53 @@ struct Octant {
   }
 };
 
+/// The same bent: `x` stays what it is before bending.
+struct BentOctant : Octant {
+  double curvature;
+
+  /// `pull`: from the place of x towards p, seen before bending; `stretch`: what bending adds to the second derivative
+  /// of half the squared distance.
+  void pulled(const Vec3& p, const Vec3& x, Vec3& pull, Mat3& stretch) const {
+    const Vec3 r = p - bent(x, curvature);
+    const double c = std::cos(curvature * x[2]), s = std::sin(curvature * x[2]), rho = 1 - curvature * x[0];
+    const double along = r[2] * c + r[0] * s, across = r[0] * c - r[2] * s;
+    pull = {across, r[1], rho * along};
+    stretch.setZero();
+    stretch(0, 2) = stretch(2, 0) = curvature * along;
+    stretch(2, 2) = rho * rho - 1 - curvature * rho * across;
+  }
+};
+
+template <class Surface>
+Vec3 place_of(const Surface& shape, const Vec3& x) {
+  if constexpr (requires { shape.curvature; })
+    return bent(x, shape.curvature);
+  else
+    return x;
+}
+
 /// Walks from surface point `x` to the foot of `p`: Newton on the Lagrangian in the tangent plane, drawn back onto
 /// the surface along rays. A coordinate shrinks to no less than a fiftieth per step, because exponents above 1 make
 /// the curvature unbounded at the symmetry planes. Returns the squared distance.
 template <class Surface>
 double walk_to_foot(const Surface& shape, const Vec3& p, Vec3 x) {
   const double size = shape.a.maxCoeff();
-  double sq = (p - x).squaredNorm();
+  constexpr bool bends = requires { shape.curvature; };
+  double sq = (p - place_of(shape, x)).squaredNorm();
   for (int step = 0; step < 60; ++step) {
-    Vec3 gradient;
-    Mat3 hessian;
+    Vec3 gradient, r = p - x;
+    Mat3 hessian, stretch;
     shape.derivatives(x, gradient, hessian);
-    const Vec3 n = gradient.normalized(), r = p - x;
+    if constexpr (bends) shape.pulled(p, x, r, stretch);
+    const Vec3 n = gradient.normalized();
     const double lambda = r.dot(gradient) / gradient.squaredNorm();
     const Vec3 t1 = (std::abs(n[0]) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).cross(n).normalized();
     const Vec3 t2 = n.cross(t1);
     const double b1 = t1.dot(r), b2 = t2.dot(r);
     const Vec3 ht1 = hessian * t1, ht2 = hessian * t2;
     double m11 = 1 + lambda * t1.dot(ht1), m22 = 1 + lambda * t2.dot(ht2);
-    const double m12 = lambda * t1.dot(ht2);
+    double m12 = lambda * t1.dot(ht2);
+    if constexpr (bends) m11 += t1.dot(stretch * t1), m22 += t2.dot(stretch * t2), m12 += t1.dot(stretch * t2);
     const double lowest = 0.5 * (m11 + m22) - std::hypot(0.5 * (m11 - m22), m12);
     if (lowest < 0.05) m11 += 0.05 - lowest, m22 += 0.05 - lowest;  // inside, beyond the centre of curvature
     const double det = m11 * m22 - m12 * m12;
@@ -166,7 +203,7 @@ double walk_to_foot(const Surface& shape, const Vec3& p, Vec3 x) {
       for (int attempt = 0; attempt < 12; ++attempt, share *= 0.4) {
         const Vec3 trial =
             shape.onto(shape.untapered((x + share * step_vector).cwiseMax(0.02 * x).cwiseMax(smallest * shape.a)));
-        const double trial_sq = (p - trial).squaredNorm();
+        const double trial_sq = (p - place_of(shape, trial)).squaredNorm();
         if (trial_sq >= sq) continue;
         if (trial_sq < next_sq) next = trial, next_sq = trial_sq;
         return;
@@ -177,7 +214,9 @@ double walk_to_foot(const Surface& shape, const Vec3& p, Vec3 x) {
     for (int i = 0; i < 3; ++i) {
       if (x[i] + move[i] >= 0.02 * x[i] || x[i] > 1e-3 * shape.a[i]) continue;
       const Vec3 along = n.cross(Vec3::Unit(i)).normalized();
-      const double slope = along.dot(r), bend = 1 + lambda * along.dot(hessian * along);
+      const double slope = along.dot(r);
+      double bend = 1 + lambda * along.dot(hessian * along);
+      if constexpr (bends) bend += along.dot(stretch * along);
       if (std::abs(slope) > 1e-13 * size) try_steps(along * (slope / std::max(bend, 0.05)));
     }
     if (!(next_sq < sq)) break;
@@ -335,6 +374,95 @@ double supertoroid_distance(const Vec3& p, double major, double minor, double ha
     for (std::size_t i = 1; i < std::min<std::size_t>(count, 4); ++i)
       best = std::min(best, walk_to_foot(shape, q, starts[i].x));
   return inside ? -std::sqrt(best) : std::sqrt(best);
+}
+
+namespace {
+
+constexpr int bent_steps = 16;  // of the grid, each way in an octant
+
+/// The octant of a side: 1 where x is below 0, 2 where z is.
+BentOctant octant_of(const Vec3& half, const Vec3& exponents, const Vec3& tapers, double curvature, std::size_t side) {
+  const double x = side & 1 ? -1 : 1, z = side & 2 ? -1 : 1;
+  return {{half, exponents[0], exponents[1], z * tapers[0], z * tapers[1]}, x * curvature};
+}
+
+Vec3 folded(const Vec3& p, std::size_t side) {
+  return {side & 1 ? -p[0] : p[0], std::abs(p[1]), side & 2 ? -p[2] : p[2]};
+}
+
+/// Where a bent place was before from its side of the bend: for points within half a turn.
+Vec3 unbent(const Vec3& p, double curvature) {
+  const double radius = 1 / curvature, r = std::hypot(radius - p[0], p[2]);
+  const double turn = std::atan2(p[2], radius - p[0]);
+  return {(p[0] * (2 * radius - p[0]) - p[2] * p[2]) / (radius + r), p[1], turn * radius};
+}
+
+}  // namespace
+
+BentSuperellipsoid::BentSuperellipsoid(double a1, double a2, double a3, double e1, double e2, double taper_x,
+                                       double taper_y, double bend)
+    : half_(a1, a2, a3), exponents_(2 / e1, 2 / e2, 0), tapers_(taper_x, taper_y, 0), curvature_(bend / a3) {
+  ensure(a1 > 0 && a2 > 0 && a3 > 0 && e1 > 0 && e2 > 0, "a superellipsoid needs sizes and exponents above zero");
+  ensure(bend != 0 && std::abs(bend) < pi, "a bent superellipsoid is bent, by less than half a turn");
+  for (std::size_t side = 0; side < 4; ++side) {
+    const BentOctant octant = octant_of(half_, exponents_, tapers_, curvature_, side);
+    for (int j = 0; j <= bent_steps; ++j)
+      for (int i = 0; i <= bent_steps; ++i) {
+        // A little off the symmetry planes, or the walk would be balanced on a ridge.
+        const auto angle = [](int k) { return std::clamp(pi / 2 * k / bent_steps, 1e-3, pi / 2 - 1e-3); };
+        const double around = angle(i), up = angle(j);
+        const Vec3 x = octant.onto({std::cos(up) * std::cos(around), std::cos(up) * std::sin(around), std::sin(up)});
+        grids_[side].push_back({x, bent(x, octant.curvature)});
+      }
+  }
+  // The straight box between two radii about the centre of the bend, over the angles up to the bend.
+  const double radius = a3 / std::abs(bend), wide = a1 * (1 + std::abs(taper_x)), turn = std::abs(bend);
+  const double far = radius - std::cos(turn) * (turn < pi / 2 ? radius - wide : radius + wide);
+  const double high = (radius + wide) * (turn < pi / 2 ? std::sin(turn) : 1.0), deep = a2 * (1 + std::abs(taper_y));
+  bounds_.add({bend > 0 ? -wide : -far, -deep, -high}), bounds_.add({bend > 0 ? far : wide, deep, high});
+}
+
+bool BentSuperellipsoid::inside(const Vec3& p) const {
+  const double side = curvature_ < 0 ? -1 : 1;
+  const Vec3 x = unbent({side * p[0], p[1], p[2]}, side * curvature_);
+  const BentOctant octant = octant_of(half_, exponents_, tapers_, curvature_, (x[0] < 0) + 2 * (x[2] < 0));
+  return std::abs(x[2]) <= half_[2] && octant.norm(octant.untapered(x.cwiseAbs())) <= 1;
+}
+
+double BentSuperellipsoid::distance(const Vec3& p) const {
+  struct Start {
+    double sq, spacing;
+    std::size_t side;
+    const Vec3* x;
+  };
+  std::vector<Start> starts;
+  constexpr int n = bent_steps + 1;
+  std::array<double, n * n> sq;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const Vec3 q = folded(p, side);
+    const auto& grid = grids_[side];
+    for (std::size_t k = 0; k < grid.size(); ++k) sq[k] = (q - grid[k].bent).squaredNorm();
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const auto k = static_cast<std::size_t>(j * n + i);
+        bool least = true;
+        double spacing = 0;
+        for (int v = std::max(j - 1, 0); v <= std::min(j + 1, n - 1) && least; ++v)
+          for (int u = std::max(i - 1, 0); u <= std::min(i + 1, n - 1) && least; ++u) {
+            const auto m = static_cast<std::size_t>(v * n + u);
+            least = sq[k] <= sq[m];
+            spacing = std::max(spacing, (grid[k].bent - grid[m].bent).squaredNorm());
+          }
+        if (least) starts.push_back({sq[k], std::sqrt(spacing), side, &grid[k].straight});
+      }
+  }
+  std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.sq < b.sq; });
+  double best = 1e300;
+  for (const Start& s : starts)
+    if (std::sqrt(s.sq) - s.spacing < std::sqrt(best))
+      best = std::min(best,
+                      walk_to_foot(octant_of(half_, exponents_, tapers_, curvature_, s.side), folded(p, s.side), *s.x));
+  return inside(p) ? -std::sqrt(best) : std::sqrt(best);
 }
 
 double superellipsoid_radial_distance(const Vec3& p, double a1, double a2, double a3, double e1, double e2,
