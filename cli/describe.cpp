@@ -16,7 +16,9 @@ std::string noun_of(const Shape& shape) {
   if (kind == "box") return "a box";
   if (kind == "half_spaces") return "a polyhedron cut from half-spaces";
   if (kind == "ellipsoid") return "an ellipsoid";
-  if (kind == "extrude") return "an extrusion of a sketch";
+  if (kind == "extrude")
+    return std::get<Extrude>(shape).draft == Expr(0) ? "an extrusion of a sketch" : "a drafted extrusion of a sketch";
+  if (kind == "superellipsoid" && !(std::get<Superellipsoid>(shape).bend == Expr(0))) return "a bent superellipsoid";
   if (kind == "revolve") return "a surface of revolution";
   if (kind == "tri_surface") {
     const auto& surface = std::get<TriSurface>(shape);

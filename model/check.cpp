@@ -7,8 +7,10 @@
 
 #include "core/number.h"
 #include "geometry/mesh/convex.h"
+#include "model/draft.h"
 #include "model/lower/edges.h"
 #include "model/lower/lower.h"
+#include "model/lower/solids.h"
 #include "model/overloaded.h"
 #include "model/sketch.h"
 #include "model/sketch_relations.h"
@@ -175,6 +177,15 @@ struct Check {
       }
     }
     const Outline2 outline = outline_of(sketch);
+    const std::size_t before = complaints.size();
+    check_outline(where, sketch, outline, profile);
+    if (complaints.size() > before) return;
+    for (const auto& relation : sketch.relations)
+      if (const auto fault = fault_of(relation, outline)) complain(where + ": " + *fault);
+  }
+
+  /// Loops are simple, apart from each other and nested in the right way.
+  void check_outline(const std::string& where, const EvaluatedSketch& sketch, const Outline2& outline, bool profile) {
     // One list of chords for all loops: no two may cross.
     struct Chord {
       Vec2 a, b;
@@ -211,11 +222,39 @@ struct Check {
         if (k != i && starts_inside(chords[i].a, chords[k].a, chords[k].b))
           return complain(where + ": the sketch touches itself near " + place_of(chords[i].a));
     check_nesting(where, sketch, outline);
-    for (const auto& relation : sketch.relations)
-      if (const auto fault = fault_of(relation, outline)) complain(where + ": " + *fault);
     if (profile)
       for (const auto& chord : chords)
         if (chord.a.x() < -1e-7) return complain(where + ": the profile crosses the axis");
+  }
+
+  /// Pieces that meet at an end of the body have met there for good: between the ends all is well where it is at both.
+  void check_extrusion(const std::string& where, const ExtrudeOf<double>& s) {
+    const std::size_t before = complaints.size();
+    check_sketch(where, s.sketch, false);
+    if (s.draft == 0 || complaints.size() > before) return;
+    if (!(std::abs(s.draft) < pi / 2 - 1e-6))
+      return complain(where + ": expected a draft of less than a quarter of a turn, found " + print_degrees(s.draft) +
+                      " degrees");
+    const Outline2 outline = outline_of(s.sketch);
+    const double at_bottom = -s.below * std::tan(s.draft), at_top = s.height * std::tan(s.draft);
+    if (const auto fault = fault_of_draft(outline, at_bottom, at_top)) return complain(where + ": " + *fault);
+    for (const bool top : {false, true}) {
+      check_outline(where + ": with this draft, at the " + (top ? "top" : "bottom"), s.sketch,
+                    moved_inwards(outline, top ? at_top : at_bottom), false);
+      if (complaints.size() > before) return;
+    }
+  }
+
+  /// Towards the bend the body has to end before the centre of the arc, and its two ends must not meet.
+  void check_bend(const std::string& where, const SuperellipsoidOf<double>& s) {
+    if (s.bend == 0) return;
+    if (!(std::abs(s.bend) < pi))
+      return complain(where + ": expected a bend of less than half a turn, found " + print_degrees(s.bend) +
+                      " degrees");
+    const double half = s.a1 * (1 + std::abs(s.taper_x)), radius = s.a3 / std::abs(s.bend);
+    if (!(half < radius))
+      complain(where + ": expected a bend with a radius above the half width " + print_number(snapped(half, 1e-3)) +
+               ", found " + print_number(snapped(radius, 1e-3)));
   }
 
   void check_half_spaces(const std::string& where, const HalfSpacesOf<double>& s) {
@@ -280,12 +319,12 @@ struct Check {
                    [](const CylinderOf<double>&) {},
                    [](const SphereOf<double>&) {},
                    [](const EllipsoidOf<double>&) {},
-                   [](const SuperellipsoidOf<double>&) {},
                    [](const FilletOf<double>&) {},
                    [&](const ConeOf<double>& s) {
                      if (s.bottom_radius <= 0 && s.top_radius <= 0)
                        complain(where + ": one radius of a cone must be above 0");
                    },
+                   [&](const SuperellipsoidOf<double>& s) { check_bend(where, s); },
                    [&](const TorusOf<double>& s) {
                      if (s.minor_radius >= s.major_radius)
                        complain(where + ": the tube's radius must be below the ring's");
@@ -295,7 +334,7 @@ struct Check {
                        complain(where + ": the tube's half width must be below the ring's radius");
                    },
                    [&](const HalfSpacesOf<double>& s) { check_half_spaces(where, s); },
-                   [&](const ExtrudeOf<double>& s) { check_sketch(where, s.sketch, false); },
+                   [&](const ExtrudeOf<double>& s) { check_extrusion(where, s); },
                    [&](const RevolveOf<double>& s) { check_sketch(where, s.sketch, true); },
                    [&](const TriSurfaceOf<double>& s) { check_triangles(where, s); },
                    [&](const UnionOf<double>& s) { check_names(where, s.objects, 1, earlier); },
@@ -305,8 +344,8 @@ struct Check {
                    [&](const SlotOf<double>& s) {
                      if (s.length <= s.width) complain(where + ": the length of a slot must be above its width");
                    },
-                   [&](const PocketOf<double>& s) { check_sketch(where, s.sketch, false); },
-                   [&](const BossOf<double>& s) { check_sketch(where, s.sketch, false); },
+                   [&](const PocketOf<double>& s) { check_extrusion(where, solid_of(s)); },
+                   [&](const BossOf<double>& s) { check_extrusion(where, solid_of(s)); },
                    [&](const LinearPatternOf<double>& s) {
                      check_names(where, {s.object}, 1, earlier);
                      if (s.count > 1.5 && s.step_x == 0 && s.step_y == 0 && s.step_z == 0)

@@ -51,35 +51,39 @@ struct SlotOf {
   bool operator==(const SlotOf&) const = default;
 };
 
-/// A pocket of any outline; loops inside the outline are islands that stay.
+/// A pocket of any outline; loops inside the outline are islands that stay. With a draft it narrows towards its floor,
+/// and islands narrow towards the face.
 template <class N>
 struct PocketOf {
   static constexpr std::string_view kind = "pocket";
   SketchOf<N> sketch;
   N depth{};
   bool through = false;
-  N overshoot = 1;
+  N overshoot = 1, draft = 0;
   template <class S, class V>
   static void fields(S& s, V&& v) {
     v("sketch", s.sketch, "outline at the face");
     v("depth", s.depth, Domain::length, "how far it reaches below the face");
     v("through", s.through, "true: open at both ends");
     v("overshoot", s.overshoot, Domain::length, "how far the cut reaches out of the part", 1.0);
+    v("draft", s.draft, Domain::angle, "angle by which the walls lean inwards as they go down", 0.0);
   }
   bool operator==(const PocketOf&) const = default;
 };
 
-/// What stands on a face: an outline, moved up to `height`; it begins `root` below the face, inside the part.
+/// What stands on a face: an outline, moved up to `height`; it begins `root` below the face, inside the part. With a
+/// draft it narrows as it rises.
 template <class N>
 struct BossOf {
   static constexpr std::string_view kind = "boss";
   SketchOf<N> sketch;
-  N height{}, root = 1;
+  N height{}, root = 1, draft = 0;
   template <class S, class V>
   static void fields(S& s, V&& v) {
     v("sketch", s.sketch, "outline at the face");
     v("height", s.height, Domain::length, "how far it stands out of the face");
     v("root", s.root, Domain::length_or_zero, "how far it reaches into the part", 1.0);
+    v("draft", s.draft, Domain::angle, "angle by which the walls lean inwards as they rise", 0.0);
   }
   bool operator==(const BossOf&) const = default;
 };

@@ -1,6 +1,7 @@
 #include "model/sketch.h"
 
 #include "core/number.h"
+#include "model/overloaded.h"
 
 namespace partscribe::model {
 namespace {
@@ -53,6 +54,21 @@ Outline2 outline_of(const EvaluatedSketch& sketch) {
     }
   }
   return outline;
+}
+
+Box3 flat_box(const Outline2& outline) {
+  Box3 box;
+  auto add = [&](const Vec2& p) { box.add(Vec3(p.x(), p.y(), 0)); };
+  for (const auto& item : outline.curves)
+    std::visit(Overloaded{[&](const Line2& l) { add(l.a), add(l.b); },
+                          [&](const Arc2& a) {
+                            add(a.center - Vec2::Constant(a.radius)), add(a.center + Vec2::Constant(a.radius));
+                          },
+                          [&](const Nurbs2& n) {
+                            for (const auto& p : n.control) add(p);  // a curve stays in their hull
+                          }},
+               item.curve);
+  return box;
 }
 
 std::vector<std::vector<std::size_t>> loops_around(const Outline2& outline, std::size_t loops) {

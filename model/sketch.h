@@ -13,6 +13,9 @@ inline constexpr double sketch_join = 1e-6;
 /// where there is none.
 Outline2 outline_of(const EvaluatedSketch& sketch);
 
+/// What an outline encloses, in the plane z = 0.
+Box3 flat_box(const Outline2& outline);
+
 /// For each of the outline's loops those that it lies in, in rising order, by one of its points: for loops that do not
 /// cross.
 std::vector<std::vector<std::size_t>> loops_around(const Outline2& outline, std::size_t loops);

@@ -233,11 +233,13 @@ struct TorusOf {
 };
 
 /// Equation (5) of Koivunen, Vezien, Bajcsy 1993: ((x/a1)^(2/e2) + (y/a2)^(2/e2))^(e2/e1) + (z/a3)^(2/e1) = 1,
-/// then tapered: x (taper_x z / a3 + 1), y (taper_y z / a3 + 1).
+/// then tapered: x (taper_x z / a3 + 1), y (taper_y z / a3 + 1); then bent towards +x in the x-z plane (Solina and
+/// Bajcsy 1990) with the curvature k = bend / a3, so that the z axis becomes an arc about (1/k, 0) that turns by `bend`
+/// over a3: (x, z) goes to (1/k - (1/k - x) cos(k z), (1/k - x) sin(k z)).
 template <class N>
 struct SuperellipsoidOf {
   static constexpr std::string_view kind = "superellipsoid";
-  N a1{}, a2{}, a3{}, e1 = 1, e2 = 1, taper_x = 0, taper_y = 0;
+  N a1{}, a2{}, a3{}, e1 = 1, e2 = 1, taper_x = 0, taper_y = 0, bend = 0;
   template <class S, class V>
   static void fields(S& s, V&& v) {
     v("a1", s.a1, Domain::length, "half size along x");
@@ -247,6 +249,7 @@ struct SuperellipsoidOf {
     v("e2", s.e2, Domain::exponent, "squareness in longitude");
     v("taper_x", s.taper_x, Domain::taper, "growth of x along z");
     v("taper_y", s.taper_y, Domain::taper, "growth of y along z");
+    v("bend", s.bend, Domain::angle, "angle by which the z axis is bent towards +x over a3", 0.0);
   }
   bool operator==(const SuperellipsoidOf&) const = default;
 };
@@ -312,17 +315,19 @@ struct HalfSpacesOf {
   bool operator==(const HalfSpacesOf&) const = default;
 };
 
-/// The sketch (x, y) moved along z from -below to height.
+/// The sketch (x, y) moved along z from -below to height. With a draft its walls lean inwards as they rise: at height z
+/// the outline is the sketch moved into the material by z tan(draft), its corners mitred (model/draft.h).
 template <class N>
 struct ExtrudeOf {
   static constexpr std::string_view kind = "extrude";
   SketchOf<N> sketch;
-  N height{}, below = 0;
+  N height{}, below = 0, draft = 0;
   template <class S, class V>
   static void fields(S& s, V&& v) {
     v("sketch", s.sketch, "outline in the x-y plane");
     v("height", s.height, Domain::length, "length along z");
     v("below", s.below, Domain::length_or_zero, "length against z, below the plane of the sketch", 0.0);
+    v("draft", s.draft, Domain::angle, "angle by which the walls lean inwards as z rises", 0.0);
   }
   bool operator==(const ExtrudeOf&) const = default;
 };

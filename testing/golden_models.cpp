@@ -484,12 +484,64 @@ Model elbow() {
   return m;
 }
 
+/// A rectangle about the origin whose corners are rounded about (x, y) and its images.
+Loop rounded(const std::string& name, const Expr& x, const Expr& y, const Expr& radius) {
+  return {name,
+          {SketchArc{-x, -y, radius, deg(180), deg(270), "corner 1", "front"},
+           SketchArc{x, -y, radius, deg(270), deg(360), "corner 2", "right"},
+           SketchArc{x, y, radius, 0, deg(90), "corner 3", "back"},
+           SketchArc{-x, y, radius, deg(90), deg(180), "corner 4", "left"}}};
+}
+
+Model cover() {
+  Model m = model("cover", "cover", "a moulded cover with leaning walls, a dome for a screw and its hole");
+  length(m, "length", 80, 80.01, 0.01, "size along x at the foot");
+  length(m, "width", 50, 49.995, 0.01, "size along y at the foot");
+  length(m, "height", 18, 18.002, 0.006, "size along z");
+  length(m, "corner_r", 9, 9.004, 0.006, "radius of the corners at the foot");
+  length(m, "wall", 3, 3.003, 0.004, "thickness of the wall at the foot");
+  length(m, "floor", 2.5, 2.502, 0.004, "thickness under the top");
+  length(m, "dome_d", 22, 22.006, 0.005, "diameter of the dome where it stands on the top");
+  length(m, "hole_d", 6.4, 6.402, 0.003, "diameter of the hole");
+  angle(m, "draft", 4, "by which the walls lean");
+  const Expr x = p("length") / 2 - p("corner_r"), y = p("width") / 2 - p("corner_r");
+  step(m, "outside", Extrude{Sketch{{rounded("outside", x, y, p("corner_r"))}}, p("height"), 0, p("draft")},
+       "the outside");
+  step(m, "dome",
+       Boss{Sketch{{Loop{"dome", {SketchArc{0, 0, p("dome_d") / 2, 0, deg(360), "dome", ""}}}}}, 7, 2, 2 * p("draft")},
+       "dome for the screw")
+      .frame.z = p("height");
+  step(m, "body", Union{{"outside", "dome"}}, "outside and dome");
+  step(m, "inside",
+       Pocket{Sketch{{rounded("inside", x, y, p("corner_r") - p("wall")),
+                      Loop{"post", {SketchArc{-25, 0, 5, deg(360), 0, "post", ""}}}}},
+              p("height") - p("floor"), false, 1, p("draft")},
+       "the inside, around a post")
+      .frame.rx = deg(180);
+  step(m, "hole", Hole{p("hole_d"), p("floor") + 7}, "hole for the screw").frame.z = p("height") + 7;
+  finish(m, Difference{{"body", "inside", "hole"}});
+  place(m);
+  return m;
+}
+
+Model handle() {
+  Model m = model("handle", "handle", "a rounded, bent handle");
+  length(m, "half_width", 8, 8.004, 0.005, "half size along x");
+  length(m, "half_depth", 11, 10.997, 0.005, "half size along y");
+  length(m, "half_length", 40, 40.01, 0.008, "half size along z, before it is bent");
+  angle(m, "bend", 55, "by which the axis turns from the middle to each end");
+  finish(m, Superellipsoid{p("half_width"), p("half_depth"), p("half_length"), 0.6, 0.8, 0.15, 0.1, p("bend")});
+  place(m);
+  return m;
+}
+
 }  // namespace
 
 std::vector<Model> golden_models() {
-  return {sphere(),      box(),    wedge(),         cylinder(), cone(),    torus(),       ellipsoid(), superellipsoid(),
-          supertoroid(), fillet(), half_spaces(),   pin(),      tie_bar(), tri_surface(), sheet(),     nurbs_vase(),
-          bracket(),     lens(),   drilled_plate(), flange(),   tray(),    clamp(),       elbow()};
+  return {sphere(),         box(),         wedge(),   cylinder(),    cone(),          torus(),   ellipsoid(),
+          superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),           tie_bar(), tri_surface(),
+          sheet(),          nurbs_vase(),  bracket(), lens(),        drilled_plate(), flange(),  tray(),
+          clamp(),          elbow(),       cover(),   handle()};
 }
 
 }  // namespace partscribe::testing

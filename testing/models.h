@@ -94,6 +94,11 @@ inline std::vector<Model> one_of_each() {
   };
   Loop pad = polygon({{0, 0}, {20, 0}, {20, 12}, {5, 12}});
   pad.name = "pad";
+  // Two of its corners are rounded, two are mitred.
+  const Loop lid{"lid",
+                 {SketchPoint{0, 0, "front"}, SketchArc{24, 4, 4, -pi / 2, 0, "round", "right"},
+                  SketchPoint{28, 16, "back"}, SketchArc{4, 12, 4, pi / 2, pi, "round 2", "left"}}};
+  const Loop bore{"bore", {SketchArc{12, 8, 3, 2 * pi, 0, "bore", ""}}};
   return {model_with(Box{30, 20, 10}),
           model_with(Wedge{30, 20, 10, 12}),
           model_with(Wedge{30, 20, 10, 0}),
@@ -104,6 +109,7 @@ inline std::vector<Model> one_of_each() {
           model_with(Ellipsoid{20, 12, 8}),
           model_with(Torus{20, 6}),
           model_with(Superellipsoid{15, 12, 20, 0.5, 0.8, 0.2, -0.1}),
+          model_with(Superellipsoid{7, 9, 24, 0.5, 0.8, 0.2, -0.1, 1.1}),
           model_with(Supertoroid{20, 6, 5, 0.6, 0.7}),
           model_with(Fillet{12, 8, 25}),
           model_with(Fillet{9, 9, 25}),
@@ -115,12 +121,16 @@ inline std::vector<Model> one_of_each() {
           link(),
           model_with(Revolve{{{polygon({{6, 0}, {14, 0}, {14, 9}, {8, 9}})}}, 2.0}),
           model_with(Extrude{{{pad}}, 6, 2}),
+          model_with(Extrude{{{lid, bore}}, 9, 2, 0.2}),
+          model_with(Extrude{{{pad}}, 6, 2, -0.3}),
           model_with(Hole{8, 20}),
           model_with(Hole{8, 20, true, 0, 0, 0, 14, 1.4}),
           model_with(Hole{8, 20, true, 0, 14, 5, 11, pi / 2}),
           model_with(Slot{30, 8, 6, false}),
           model_with(Pocket{{{pad}}, 6}),
           model_with(Boss{{{pad}}, 9, 2}),
+          model_with(Pocket{{{lid, bore}}, 7, false, 1, 0.1}),
+          model_with(Boss{{{lid, bore}}, 9, 2, 0.1}),
           repeated(LinearPattern{"hole", 3, 10, 4, 0}),
           repeated(CircularPattern{"hole", 5, 2 * pi / 5}),
           repeated(Mirror{"hole", "y", -5, true}),

@@ -89,6 +89,9 @@ class Writer {
     return pack_.render("part.scl", data);
   }
 
+  /// The prelude with what this procedure asks of it.
+  Result<std::string> prelude() const { return pack_.render(prelude_name, {{"draft", drafted_ ? "yes" : ""}}); }
+
  private:
   /// The expression turned and moved to its frame.
   std::string placed(std::string made, const Frame& f) {
@@ -190,8 +193,17 @@ class Writer {
     data["deviation"] = print_number(std::max(snapped(net.deviation, 1e-4), 1e-4));
     TemplateList around, along;
     for (const auto& a : net.around) around.push_back({{"c", print_real(a.c)}, {"s", print_real(a.s)}});
-    for (const auto& a : net.along)
-      along.push_back({{"r", print_real(a.r)}, {"q", print_real(a.q)}, {"z", print_real(a.z)}});
+    const bool bent = !zero(s.bend);
+    data["bend"] = "";
+    if (bent)
+      data["bend"] =
+          print_degrees(now.bend) + " degrees" + (s.bend.is_number() ? "" : " (" + text_.angle(s.bend) + ")");
+    for (const auto& a : net.along) {
+      std::string row = print_real(a.r) + ", " + print_real(a.q) + ", ";
+      if (bent)
+        for (const double v : {a.rc, a.qc, a.rs, a.qs, a.u}) row += print_real(v) + ", ";
+      along.push_back({{"row", row + print_real(bent ? a.w : a.z)}});
+    }
     data["around"] = around;
     data["along"] = along;
     if (auto done = step("superellipsoid.scl", data); !done.ok()) return done.error();
@@ -270,6 +282,11 @@ class Writer {
   Made expression_of(const Object& o, const Extrude& s) {
     auto profiles = profiles_of(o, s.sketch, false);
     if (!profiles.ok()) return profiles;
+    if (!zero(s.draft)) {
+      drafted_ = true;
+      return "solidOfDraftedExtrusion( " + *profiles + ", " + text_.plain(s.below) + ", " + text_.plain(s.height) +
+             ", " + text_.angle(s.draft) + " )";
+    }
     const std::string made = "solidOfExtrusion( " + *profiles + ", " + text_.plain(s.below + s.height) + " )";
     return zero(s.below) ? made : "moved( " + made + ", 0.0, 0.0, " + text_.plain(-s.below) + " )";
   }
@@ -431,7 +448,7 @@ class Writer {
   Alpha1Text text_;
   Values values_;
   std::vector<std::string> steps_;  // statements that come before the present object's own
-  bool as_designed_ = false;
+  bool as_designed_ = false, drafted_ = false;
 };
 
 }  // namespace
@@ -440,9 +457,10 @@ Result<Artifact> emit_alpha1(const CheckedModel& checked, const EmitOptions& opt
   auto pack = load_template_pack("alpha1", options.templates);
   if (!pack.ok()) return pack.error();
   const Model model = lowered(*checked, Kinds{LinearPattern::kind, CircularPattern::kind});
-  auto part = Writer(model, *pack, options.stem).write();
+  Writer writer(model, *pack, options.stem);
+  auto part = writer.write();
   if (!part.ok()) return part.error();
-  auto prelude = pack->render(prelude_name, {});
+  auto prelude = writer.prelude();
   if (!prelude.ok()) return prelude.error();
   return Artifact{"alpha1", {{options.stem + ".scl", std::move(*part)}, {prelude_name, std::move(*prelude)}}};
 }

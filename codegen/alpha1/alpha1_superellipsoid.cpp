@@ -133,7 +133,22 @@ Vec2 closed_at(const std::vector<SuperellipsoidNet::Around>& net, int order, dou
          6;
 }
 
-SuperellipsoidNet net_of(const Samples& samples, int order, int around, int along) {
+/// What bending adds to a place along the net: radius and height of its straight place are u.
+Eigen::Matrix<double, 6, 1> bent_along(const Vec2& u, double bend) {
+  const double c = std::cos(bend * u.y()), s = std::sin(bend * u.y()), half = std::sin(bend * u.y() / 2);
+  Eigen::Matrix<double, 6, 1> v;
+  v << u.x() * c, u.x() * u.y() * c, u.x() * s, u.x() * u.y() * s, 2 * half * half / bend, s / bend;
+  return v;
+}
+
+/// `added` is a row of the six numbers, in the order of bent_along.
+template <class Row>
+void set_bent(SuperellipsoidNet::Along& a, const Row& added) {
+  a.rc = snapped(added(0), 1e-9), a.qc = snapped(added(1), 1e-9), a.rs = snapped(added(2), 1e-9);
+  a.qs = snapped(added(3), 1e-9), a.u = snapped(added(4), 1e-9), a.w = snapped(added(5), 1e-9);
+}
+
+SuperellipsoidNet net_of(const Samples& samples, int order, int around, int along, double bend) {
   SuperellipsoidNet net;
   net.order = order;
   auto tidy = [](double v) { return snapped(v, 1e-9); };
@@ -145,6 +160,7 @@ SuperellipsoidNet net_of(const Samples& samples, int order, int around, int alon
     for (int i = 0; i < along; ++i) {
       const Vec2 u = samples.along(double(i) / (along - 1));
       net.along.push_back({tidy(u.x()), tidy(u.x() * u.y()), tidy(u.y())});
+      if (bend != 0) set_bent(net.along.back(), bent_along(u, bend));
     }
     return net;
   }
@@ -152,28 +168,40 @@ SuperellipsoidNet net_of(const Samples& samples, int order, int around, int alon
   for (int j = 0; j < around; ++j) ring.push_back(samples.around(double(j) / around));
   net.around = through(ring);
 
-  Eigen::MatrixXd B(along, along), d(along, 3);
+  Eigen::MatrixXd B(along, along), d(along, 3), added(along, 6);
   for (int i = 0; i < along; ++i) {
     const double t = (clamped_knot(i + 1, along) + clamped_knot(i + 2, along) + clamped_knot(i + 3, along)) / 3;
     for (int k = 0; k < along; ++k) B(i, k) = basis(k, 3, t, along);
     const Vec2 u = samples.along(t / (along - 3));
     d.row(i) << u.x(), u.x() * u.y(), u.y();
+    if (bend != 0) added.row(i) = bent_along(u, bend);
   }
-  const Eigen::MatrixXd up = B.partialPivLu().solve(d);
+  const Eigen::PartialPivLU<Eigen::MatrixXd> solver = B.partialPivLu();
+  const Eigen::MatrixXd up = solver.solve(d);
   for (int i = 0; i < along; ++i) net.along.push_back({tidy(up(i, 0)), tidy(up(i, 1)), tidy(up(i, 2))});
-  net.along.front() = {0, 0, -1};
-  net.along.back() = {0, 0, 1};
+  if (bend != 0) {
+    const Eigen::MatrixXd bent = solver.solve(added);
+    for (int i = 0; i < along; ++i) set_bent(net.along[static_cast<std::size_t>(i)], bent.row(i));
+  }
+  for (const double tip : {-1.0, 1.0}) {
+    auto& a = tip < 0 ? net.along.front() : net.along.back();
+    a = {0, 0, tip};
+    if (bend != 0) set_bent(a, bent_along({0, tip}, bend));
+  }
   return net;
 }
 
 /// The largest distance found between the surface of the net and the superellipsoid.
 double deviation_of(const SuperellipsoidNet& net, const SuperellipsoidOf<double>& s, const ModelDistance& distance) {
   const int n = static_cast<int>(net.around.size()), m = static_cast<int>(net.along.size());
-  auto along_at = [&](double t) -> Vec3 {
-    Vec3 sum = Vec3::Zero();
+  using Row = Eigen::Matrix<double, 9, 1>;
+  auto along_at = [&](double t) -> Row {
+    Row sum = Row::Zero();
     auto p = [&](int k) {
       const auto& a = net.along[static_cast<std::size_t>(k)];
-      return Vec3(a.r, a.q, a.z);
+      Row row;
+      row << a.r, a.q, a.z, a.rc, a.qc, a.rs, a.qs, a.u, a.w;
+      return row;
     };
     if (net.order == 2) {
       const int i = std::min(m - 2, static_cast<int>(t));
@@ -182,17 +210,17 @@ double deviation_of(const SuperellipsoidNet& net, const SuperellipsoidOf<double>
     for (int k = 0; k < m; ++k) sum += basis(k, 3, t, m) * p(k);
     return sum;
   };
-  // One quarter is enough: everything is symmetric to x = 0 and y = 0.
-  const int per_span = 3;
+  // One quarter is enough, or half of a bent one: all is symmetric to y = 0, and to x = 0 before it is bent.
+  const int per_span = 3, quarters = s.bend == 0 ? 1 : 2;
   const double last = net.order == 2 ? m - 1 : m - 3;
-  std::vector<Vec3> up;
+  std::vector<Row> up;
   for (int i = 0; i <= per_span * static_cast<int>(last); ++i) up.push_back(along_at(double(i) / per_span));
   double worst = 0;
-  for (int j = 0; j <= per_span * (n / 4); ++j) {
+  for (int j = 0; j <= per_span * quarters * (n / 4); ++j) {
     const Vec2 u = closed_at(net.around, net.order, double(j) / per_span);
-    for (const Vec3& v : up) {
-      const Vec3 p(s.a1 * u.x() * (v.x() + s.taper_x * v.y()), s.a2 * u.y() * (v.x() + s.taper_y * v.y()),
-                   s.a3 * v.z());
+    for (const Row& v : up) {
+      const Vec3 p(s.a3 * v[7] + s.a1 * u.x() * (v[3] + s.taper_x * v[4]), s.a2 * u.y() * (v[0] + s.taper_y * v[1]),
+                   s.a3 * v[8] - s.a1 * u.x() * (v[5] + s.taper_x * v[6]));
       worst = std::max(worst, std::abs(distance(p).distance));
     }
   }
@@ -212,7 +240,8 @@ ModelDistance distance_to(Shape shape) {
 }  // namespace
 
 SuperellipsoidNet superellipsoid_net(const SuperellipsoidOf<double>& s, double deviation) {
-  const ModelDistance distance = distance_to(Superellipsoid{s.a1, s.a2, s.a3, s.e1, s.e2, s.taper_x, s.taper_y});
+  const ModelDistance distance =
+      distance_to(Superellipsoid{s.a1, s.a2, s.a3, s.e1, s.e2, s.taper_x, s.taper_y, s.bend});
   const double wide = std::max(s.a1, s.a2);
   const Quarter latitude(s.e1, wide, s.a3), longitude(s.e2, s.a1, s.a2);
   const Samples samples{latitude, longitude, s.e1, s.e2};
@@ -224,7 +253,7 @@ SuperellipsoidNet superellipsoid_net(const SuperellipsoidOf<double>& s, double d
   for (const auto& [order, around, along] :
        {Size{4, 16, 11}, Size{4, 24, 15}, Size{4, 32, 21}, Size{4, 48, 31}, Size{4, 64, 41}, Size{4, 96, 61},
         Size{2, 128, 65}, Size{2, 192, 97}, Size{2, 256, 129}}) {
-    auto net = net_of(samples, order, around, along);
+    auto net = net_of(samples, order, around, along, s.bend);
     net.deviation = deviation_of(net, s, distance);
     if (net.deviation < best.deviation) best = std::move(net);
     if (best.deviation <= deviation) break;

@@ -9,13 +9,17 @@ namespace partscribe::codegen {
 
 /// The net is a product: its corner (i, j) is
 ///   ( a1 C_j (R_i + taper_x Q_i),  a2 S_j (R_i + taper_y Q_i),  a3 Z_i )
-/// so that sizes and tapers stay parameters; only the two exponents are baked in.
+/// so that sizes and tapers stay parameters; only the two exponents are baked in. Bent by b over a3, where the places
+/// along it are turned by b z and z becomes w, it is
+///   ( a3 U_i + a1 C_j (Rc_i + taper_x Qc_i),  a2 S_j (R_i + taper_y Q_i),  a3 W_i - a1 C_j (Rs_i + taper_x Qs_i) ),
+/// and b is baked in as well.
 struct SuperellipsoidNet {
   struct Around {
     double c, s;
   };
   struct Along {
     double r, q, z;
+    double rc = r, qc = q, rs = 0, qs = 0, u = 0, w = z;
   };
   int order = 4;               ///< 4: cubic; 2: facets, where corners are too sharp for a cubic
   std::vector<Around> around;  ///< periodic, uniform knots

@@ -19,17 +19,17 @@ constexpr const char* reserved[] = {
     // functions
     "anchor", "arcendcenterend", "arcthru3pts", "arrayof", "bboxobj", "box", "boxfromanchor", "circccw", "circle",
     "circtubeconstantwidth", "combineshells", "crvfromarc", "crvfromcircle", "dumpa1file", "dumpgeomfile", "e2", "e3",
-    "extrudeprofiles", "fillet", "filletoutside", "filletpt", "getattr", "group", "instance", "krefinesrf",
-    "linethru2pts", "makegeom", "nurbscrv", "objtransform", "outlinecrv", "plane", "polyline", "profile", "pt", "ptl",
-    "ptx", "pty", "ptz", "reflect", "remattr", "restoremodel", "reverseobj", "rightanglewedge", "rightcircylinder",
-    "roundpolyline", "rx", "ry", "rz", "savemodel", "setattr", "setcolor", "setsharedattr", "setsq", "settexture", "sg",
-    "shelloffacets", "shellofhalfspaces", "shellofsurfaces", "show", "srefine", "string_attr", "surface", "surfaceopen",
-    "surfrev", "sxyz", "total_copy_obj", "tx", "ty", "tz", "vec", "cone", "cylinder", "ellipsoid", "extrude", "sphere",
-    "torus", "wedge",
+    "extrudeprofiles", "extrudeprofileswithdraft", "fillet", "filletoutside", "filletpt", "getattr", "group",
+    "instance", "krefinesrf", "linethru2pts", "makegeom", "nurbscrv", "objtransform", "outlinecrv", "plane", "polyline",
+    "profile", "pt", "ptl", "ptx", "pty", "ptz", "reflect", "remattr", "restoremodel", "reverseobj", "rightanglewedge",
+    "rightcircylinder", "roundpolyline", "rx", "ry", "rz", "savemodel", "setattr", "setcolor", "setsharedattr", "setsq",
+    "settexture", "sg", "shelloffacets", "shellofhalfspaces", "shellofsurfaces", "show", "srefine", "string_attr",
+    "surface", "surfaceopen", "surfrev", "sxyz", "total_copy_obj", "tx", "ty", "tz", "vec", "cone", "cylinder",
+    "ellipsoid", "extrude", "sphere", "torus", "wedge",
     // procedures of the prelude, and formal arguments of procedures in the body, which would hide a label
     "atradius", "facet", "halfspace", "moved", "nurbscurve", "polyhedronoffacets", "solidcommon", "soliddifference",
-    "solidofextrusion", "solidofhalfspaces", "solidofrevolution", "solidofsurface", "solidunion", "turned", "c", "q",
-    "r", "s", "z",
+    "solidofextrusion", "solidofdraftedextrusion", "solidofhalfspaces", "solidofrevolution", "solidofsurface",
+    "solidunion", "turned", "c", "q", "qc", "qs", "r", "rc", "rs", "s", "u", "w", "z",
     // labels of our own
     "asdesigned", "asscanned", "out", "placed"};
 

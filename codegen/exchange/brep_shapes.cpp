@@ -1,9 +1,11 @@
 #include "codegen/exchange/brep_shapes.h"
 
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_GTransform.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepLib.hxx>
+#include <BRepOffsetAPI_DraftAngle.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
@@ -20,6 +22,7 @@
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
 #include <TColgp_Array1OfPnt.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
@@ -133,6 +136,22 @@ TopoDS_Face face_of(const EvaluatedSketch& sketch, const SketchPlane& plane) {
   return face;
 }
 
+/// A prism along z whose walls are turned about where they cross z = 0: planes stay planes, cylinders become cones.
+TopoDS_Shape drafted(const TopoDS_Shape& prism, double angle) {
+  const gp_Pln neutral(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1));
+  BRepOffsetAPI_DraftAngle operation(prism);
+  for (TopExp_Explorer faces(prism, TopAbs_FACE); faces.More(); faces.Next()) {
+    const TopoDS_Face& face = TopoDS::Face(faces.Current());
+    const BRepAdaptor_Surface surface(face, false);
+    const bool cap = surface.GetType() == GeomAbs_Plane && std::abs(surface.Plane().Axis().Direction().Z()) > 0.5;
+    if (cap) continue;
+    operation.Add(face, gp_Dir(0, 0, 1), angle, neutral);
+    if (!operation.AddDone()) return {};
+  }
+  operation.Build();
+  return operation.IsDone() ? operation.Shape() : TopoDS_Shape();
+}
+
 TopoDS_Shape outward(TopoDS_Shape shape) {
   if (!shape.IsNull() && shape.ShapeType() == TopAbs_SOLID) BRepLib::OrientClosedSolid(TopoDS::Solid(shape));
   return shape;
@@ -182,7 +201,8 @@ TopoDS_Shape brep_of(const HalfSpacesOf<double>& s) {
 TopoDS_Shape brep_of(const ExtrudeOf<double>& s) {
   const TopoDS_Face face = face_of(s.sketch, {gp_Ax3(gp_Pnt(0, 0, -s.below), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0))});
   if (face.IsNull()) return {};
-  return outward(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, s.below + s.height)).Shape());
+  const TopoDS_Shape prism = BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, s.below + s.height)).Shape();
+  return outward(s.draft == 0 ? prism : drafted(prism, s.draft));
 }
 
 TopoDS_Shape brep_of(const RevolveOf<double>& s) {

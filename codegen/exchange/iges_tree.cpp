@@ -205,6 +205,7 @@ Entity swept(const EvaluatedSketch& sketch, const Sweep& sweep) {
 }
 
 Entity solid_of(const ExtrudeOf<double>& s) {
+  if (s.draft != 0) return {};  // entity 164 knows upright walls only
   Pose raised;
   raised.translation.z() = -s.below;
   return swept(s.sketch, [&](const Entity& curve) {

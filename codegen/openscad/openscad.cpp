@@ -231,7 +231,9 @@ class Writer {
 
   Result<std::string> module_of(const Object& o, const Superellipsoid& s) {
     needs_.library = uses_chord_error_ = true;
-    return pack_.render("superellipsoid.scad", data_of_fields(o, s));
+    TemplateRecord data = data_of_fields(o, s);
+    if (s.bend == Expr(0)) data["bend"] = "";
+    return pack_.render("superellipsoid.scad", data);
   }
 
   Result<std::string> module_of(const Object& o, const Supertoroid& s) {
@@ -326,6 +328,7 @@ class Writer {
   }
 
   Result<std::string> module_of(const Object& o, const Extrude& s) {
+    if (!(s.draft == Expr(0))) return drafted(o, s);
     return swept(o, s, "_outline", false, "extrude.scad",
                  {{"height", text_.plain(s.below + s.height)}, {"below", below_text(s.below)}});
   }
@@ -334,6 +337,33 @@ class Writer {
     needs_.facets = true;
     return swept(o, s, "_profile", true, "revolve.scad",
                  {{"angle", s.angle == Expr(2 * pi) ? "" : "angle = " + text_.angle(s.angle) + ", "}});
+  }
+
+  Result<std::string> drafted(const Object& o, const Extrude& s) {
+    TemplateRecord data = data_of(o);
+    data["draft"] = text_.angle(s.draft);
+    if (const auto* circle = only_circle(s.sketch, text_)) {
+      needs_.facets = true;
+      const std::string radius = text_.plain(circle->radius), lean = " * tan(" + text_.angle(s.draft) + ")";
+      auto moved = [&](const char* sign, const Expr& by) {
+        return by == Expr(0) ? radius : radius + sign + text_.factor(by, Domain::length) + lean;
+      };
+      const std::string bottom = moved(" + ", s.below), top = moved(" - ", s.height);
+      for (const std::string& end : {bottom, top})
+        guards_.add(end + " > 0", "the draft is too large: the circle vanishes");
+      Frame foot;
+      foot.x = circle->center_x, foot.y = circle->center_y, foot.z = -s.below;
+      data["foot"] = place(foot, false);
+      data["bottom_radius"] = bottom, data["top_radius"] = top;
+      data["largest_radius"] = text_.value(s.draft) > 0 ? bottom : top;
+      data["height"] = text_.plain(s.below + s.height);
+      return pack_.render("drafted_circle.scad", data);
+    }
+    needs_.library = uses_chord_error_ = true;
+    data["loops"] = openscad_loops(s.sketch, text_);
+    data["height"] = text_.plain(s.height);
+    data["below"] = s.below == Expr(0) ? "" : text_.plain(s.below);
+    return pack_.render("drafted.scad", data);
   }
 
   /// "translate([0, 0, -root]) " where a body begins below the plane of its sketch.

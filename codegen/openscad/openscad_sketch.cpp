@@ -1,12 +1,15 @@
 #include "codegen/openscad/openscad_sketch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "codegen/describe.h"
+#include "core/ensure.h"
 #include "core/number.h"
+#include "model/sketch.h"
 
 namespace partscribe::codegen {
 namespace {
@@ -81,6 +84,26 @@ std::string control_table(const SketchNurbs& curve, const std::string& name, con
   return table;
 }
 
+/// The rows one below the other, their remarks in one column.
+std::string aligned(const std::vector<Row>& rows) {
+  std::size_t width = 0;
+  for (const Row& row : rows) {
+    if (!row.remark.empty() && row.text.size() <= longest_beside) width = std::max(width, row.text.size());
+  }
+  std::string lines;
+  for (const Row& row : rows) {
+    std::string line = row.text;
+    if (!row.remark.empty() && row.text.size() > longest_beside) {
+      line = "// " + row.remark + "\n" + row.text;
+    } else if (!row.remark.empty()) {
+      line.resize(std::max(width, line.size()), ' ');
+      line += "  // " + row.remark;
+    }
+    lines += (lines.empty() ? "" : "\n") + line;
+  }
+  return lines;
+}
+
 Row row_of(const SketchPoint& p, const Text& text, const CurveNames&, OpenscadNeeds&) {
   return {point_text(p.x, p.y, text), one_line(p.edge)};
 }
@@ -97,6 +120,46 @@ Row row_of(const SketchNurbs& c, const Text&, const CurveNames& names, OpenscadN
   return {"each nurbs_curve(" + std::to_string(c.degree) + ", " + list_text(c.knots) + ", " + names.at(&c) + ", " +
               (c.weights.empty() ? "" : "weights = " + list_text(c.weights) + ", ") + "error = chord_error / 2)",
           remark_of(c.name, c.edge)};
+}
+
+/// Where an element begins and ends at present.
+std::array<Vec2, 2> ends_of(const SketchElement& element, const Text& text) {
+  if (const auto* p = std::get_if<SketchPoint>(&element)) {
+    const Vec2 at(text.value(p->x), text.value(p->y));
+    return {at, at};
+  }
+  const auto* a = std::get_if<SketchArc>(&element);
+  ensure(a != nullptr, "a drafted sketch is made of points and arcs");
+  auto at = [&](const Expr& angle) -> Vec2 {
+    return Vec2(text.value(a->center_x), text.value(a->center_y)) +
+           text.value(a->radius) * Vec2(std::cos(text.value(angle)), std::sin(text.value(angle)));
+  };
+  return {at(a->from), at(a->to)};
+}
+
+/// The elements of a loop, each a row of their numbers; points in which an arc ends add nothing.
+std::vector<Row> element_rows(const Loop& loop, const Text& text) {
+  const std::size_t count = loop.elements.size();
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& element = loop.elements[i];
+    if (const auto* p = std::get_if<SketchPoint>(&element)) {
+      const Vec2 own = ends_of(element, text)[0];
+      const Vec2 before = ends_of(loop.elements[(i + count - 1) % count], text)[1];
+      if ((own - before).norm() <= sketch_join) {
+        if (!rows.empty()) rows.back().remark = remark_of(rows.back().remark, p->edge);
+        continue;
+      }
+      if ((own - ends_of(loop.elements[(i + 1) % count], text)[0]).norm() <= sketch_join) continue;
+      rows.push_back({point_text(p->x, p->y, text), one_line(p->edge)});
+    } else if (const auto* a = std::get_if<SketchArc>(&element)) {
+      rows.push_back({"[" + point_text(a->center_x, a->center_y, text) + ", " + text.plain(a->radius) + ", " +
+                          text.angle(a->from) + ", " + text.angle(a->to) + "]",
+                      remark_of(a->name, a->edge)});
+    }
+  }
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) rows[i].text += ",";
+  return rows;
 }
 
 /// A full turn is a circle of its own.
@@ -140,21 +203,7 @@ Result<std::string> loop_text(const Loop& loop, const std::string& role, bool ab
     rows.push_back(std::visit([&](const auto& e) { return row_of(e, text, names, needs); }, loop.elements[i]));
     if (i + 1 < loop.elements.size()) rows.back().text += ",";
   }
-  std::size_t width = 0;
-  for (const Row& row : rows) {
-    if (!row.remark.empty() && row.text.size() <= longest_beside) width = std::max(width, row.text.size());
-  }
-  std::string lines;
-  for (const Row& row : rows) {
-    std::string line = row.text;
-    if (!row.remark.empty() && row.text.size() > longest_beside) {
-      line = "// " + row.remark + "\n" + row.text;
-    } else if (!row.remark.empty()) {
-      line.resize(std::max(width, line.size()), ' ');
-      line += "  // " + row.remark;
-    }
-    lines += (lines.empty() ? "" : "\n") + line;
-  }
+  const std::string lines = aligned(rows);
   const bool guard = about_axis && needs_axis_guard(loop, text);
   if (guard) needs.on_axis = true;
   return pack.render("polygon.scad",
@@ -225,6 +274,29 @@ Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& 
   if (!module.ok()) return module.error();
   // Holes lie inside the first loop.
   return OpenscadSketch{std::move(module).value(), largest_radius(sketch.loops.front(), text, names)};
+}
+
+const SketchArc* only_circle(const Sketch& sketch, const OpenscadText& text) {
+  return sketch.loops.size() == 1 ? circle_of(sketch.loops[0], text) : nullptr;
+}
+
+std::string openscad_loops(const Sketch& sketch, const OpenscadText& text) {
+  std::string all;
+  for (std::size_t i = 0; i < sketch.loops.size(); ++i) {
+    const Loop& loop = sketch.loops[i];
+    const std::string comma = i + 1 < sketch.loops.size() ? "," : "";
+    const auto rows = element_rows(loop, text);
+    if (!all.empty()) all += "\n";
+    if (rows.size() == 1) {
+      const std::string role = one_line(loop.name.empty() ? rows[0].remark : loop.name);
+      all += "[" + rows[0].text + "]" + comma + (role.empty() ? "" : "  // " + role);
+      continue;
+    }
+    std::string lines = "\n" + aligned(rows);
+    for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos; at += 3) lines.insert(at + 1, "  ");
+    all += "[" + (loop.name.empty() ? "" : "  // " + one_line(loop.name)) + lines + "\n]" + comma;
+  }
+  return all;
 }
 
 }  // namespace partscribe::codegen

@@ -23,4 +23,10 @@ struct OpenscadSketch {
 Result<OpenscadSketch> openscad_sketch(const Sketch& sketch, const std::string& name, bool about_axis,
                                        const OpenscadText& text, const TemplatePack& pack, OpenscadNeeds& needs);
 
+/// The circle that is the whole sketch, if it is one.
+const SketchArc* only_circle(const Sketch& sketch, const OpenscadText& text);
+
+/// All loops of a sketch of points and arcs as lists: corners [x, y] and arcs [center, radius, from, to].
+std::string openscad_loops(const Sketch& sketch, const OpenscadText& text);
+
 }  // namespace partscribe::codegen

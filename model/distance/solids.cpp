@@ -10,28 +10,13 @@
 #include "geometry/mesh/convex.h"
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/surfaces/quadric_distance.h"
+#include "model/distance/drafted.h"
 #include "model/lower/lower.h"
 #include "model/overloaded.h"
 #include "model/sketch.h"
 
 namespace partscribe::model {
 namespace {
-
-/// What an outline encloses.
-Box3 flat_box(const Outline2& outline) {
-  Box3 box;
-  auto add = [&](const Vec2& p) { box.add(Vec3(p.x(), p.y(), 0)); };
-  for (const auto& item : outline.curves)
-    std::visit(Overloaded{[&](const Line2& l) { add(l.a), add(l.b); },
-                          [&](const Arc2& a) {
-                            add(a.center - Vec2::Constant(a.radius)), add(a.center + Vec2::Constant(a.radius));
-                          },
-                          [&](const Nurbs2& n) {
-                            for (const auto& p : n.control) add(p);  // a curve stays in their hull
-                          }},
-               item.curve);
-  return box;
-}
 
 /// The sketch moved along z.
 class Extruded : public Solid {
@@ -229,10 +214,10 @@ class ConvexSolid : public Solid {
 template <class F>
 class FunctionSolid : public Solid {
  public:
-  FunctionSolid(const Vec3& half_size, F function) : function_(std::move(function)) {
+  FunctionSolid(const Box3& box, F function) : function_(std::move(function)) {
     faces = {"surface"};
-    bounds.add(-half_size), bounds.add(half_size);
-    step_ = 1e-6 * half_size.maxCoeff();
+    bounds = box;
+    step_ = 0.5e-6 * box.size().maxCoeff();
   }
   LocalHit hit(const Vec3& p) const override { return {function_(p), 0}; }
   Foot foot(const Vec3& p, int) const override {
@@ -259,8 +244,14 @@ class FunctionSolid : public Solid {
 };
 
 template <class F>
+std::unique_ptr<Solid> function_solid(const Box3& box, F function) {
+  return std::make_unique<FunctionSolid<F>>(box, std::move(function));
+}
+template <class F>
 std::unique_ptr<Solid> function_solid(const Vec3& half_size, F function) {
-  return std::make_unique<FunctionSolid<F>>(half_size, std::move(function));
+  Box3 box;
+  box.add(-half_size), box.add(half_size);
+  return function_solid(box, std::move(function));
 }
 
 EvaluatedSketch profile(std::vector<std::pair<Vec2, std::string>> corners) {
@@ -327,6 +318,11 @@ SolidPointer solid_for(const TorusOf<double>& s) {
 }
 
 SolidPointer solid_for(const SuperellipsoidOf<double>& s) {
+  if (s.bend != 0) {
+    BentSuperellipsoid body(s.a1, s.a2, s.a3, s.e1, s.e2, s.taper_x, s.taper_y, s.bend);
+    const Box3 box = body.bounds();
+    return function_solid(box, [b = std::move(body)](const Vec3& p) { return b.distance(p); });
+  }
   const Vec3 half(s.a1 * (1 + std::abs(s.taper_x)), s.a2 * (1 + std::abs(s.taper_y)), s.a3);
   return function_solid(half, [q = s](const Vec3& p) {
     return superellipsoid_distance(p, q.a1, q.a2, q.a3, q.e1, q.e2, q.taper_x, q.taper_y);
@@ -340,7 +336,9 @@ SolidPointer solid_for(const SupertoroidOf<double>& s) {
   });
 }
 
-SolidPointer solid_for(const ExtrudeOf<double>& s) { return std::make_unique<Extruded>(s); }
+SolidPointer solid_for(const ExtrudeOf<double>& s) {
+  return s.draft == 0 ? std::make_unique<Extruded>(s) : drafted_solid(s);
+}
 
 SolidPointer solid_for(const RevolveOf<double>& s) { return std::make_unique<Revolved>(s.sketch, s.angle); }
 

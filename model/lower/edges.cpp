@@ -122,6 +122,7 @@ Named faces_of(const Cylinder& s) {
 
 Named faces_of(const Extrude& s) {
   Named faces = {{"bottom", plane(2, -s.below)}, {"top", plane(2, s.height)}};
+  if (!(s.draft == Expr(0))) return faces;  // its walls stand along no axis
   const Range along_z{-s.below, s.height};
   for (const Loop& loop : s.sketch.loops)
     for (std::size_t i = 0; i < loop.elements.size(); ++i) {

@@ -117,8 +117,10 @@ Placed reflected(const Shape& shape, int axis, const Renamed& renamed) {
                         [&](const Torus& s) -> Placed {
                           return symmetric(s, axis, {0, 1, 2});
                         },
-                        [&](const Superellipsoid& s) -> Placed {
-                          return symmetric(s, axis, {0, 1});
+                        [&](Superellipsoid s) -> Placed {
+                          // The bend lies in the x-z plane and is alike above and below z = 0.
+                          if (axis != 1) s.bend = -s.bend;
+                          return {s, axis == 2 ? half_turn(1) : Frame{}};
                         },
                         [&](const Supertoroid& s) -> Placed {
                           return symmetric(s, axis, {0, 1, 2});

@@ -20,10 +20,6 @@ Expr cone_depth(const Expr& wide, const Expr& narrow, const Expr& angle) {
 
 bool zero(const Expr& e) { return e == Expr(0); }
 
-Extrude cut(const Sketch& sketch, const Expr& depth, bool through, const Expr& overshoot) {
-  return {sketch, overshoot, through ? depth + overshoot : depth};
-}
-
 }  // namespace
 
 Extrude solid_of(const Fillet& s) {
@@ -77,12 +73,8 @@ Extrude solid_of(const Slot& s) {
   const Loop loop{"slot",
                   {SketchArc{reach, 0, radius, -pi / 2, pi / 2, "end", "side"},
                    SketchArc{-reach, 0, radius, pi / 2, 3 * pi / 2, "end 2", "side 2"}}};
-  return cut({{loop}}, s.depth, s.through, s.overshoot);
+  return {{{loop}}, s.overshoot, s.through ? s.depth + s.overshoot : s.depth};
 }
-
-Extrude solid_of(const Pocket& s) { return cut(s.sketch, s.depth, s.through, s.overshoot); }
-
-Extrude solid_of(const Boss& s) { return {s.sketch, s.height, s.root}; }
 
 std::vector<Sketch> without_islands(const Sketch& sketch, const Values& values) {
   if (sketch.loops.size() < 2) return {sketch};

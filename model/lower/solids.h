@@ -12,8 +12,14 @@ Extrude solid_of(const Fillet& fillet);
 Revolve solid_of(const Hole& hole);
 
 Extrude solid_of(const Slot& slot);
-Extrude solid_of(const Pocket& pocket);
-Extrude solid_of(const Boss& boss);
+template <class N>
+ExtrudeOf<N> solid_of(const PocketOf<N>& s) {
+  return {s.sketch, s.overshoot, s.through ? s.depth + s.overshoot : s.depth, -s.draft};
+}
+template <class N>
+ExtrudeOf<N> solid_of(const BossOf<N>& s) {
+  return {s.sketch, s.height, s.root, s.draft};
+}
 
 /// One sketch for every loop that bounds material from outside, with the holes directly inside it.
 std::vector<Sketch> without_islands(const Sketch& sketch, const Values& values);

@@ -1,4 +1,5 @@
-// Shapes that OpenSCAD does not have: superellipsoids, supertoroids, NURBS curves, half-spaces and thickened sheets.
+// Shapes that OpenSCAD does not have: superellipsoids, supertoroids, NURBS curves, bodies with leaning walls,
+// half-spaces and thickened sheets.
 //
 // Belongs beside the script that uses it. Millimetres and degrees; OpenSCAD 2021.01 or later.
 
@@ -28,15 +29,26 @@ function _twist(rows) =
          c = rows[i + 1][k] - p, w = cross(a, b))
     norm(w) < 1e-12 ? 0 : abs(w * c) / norm(w)]);
 
+// Where a point goes when the z axis is bent towards +x into an arc, by an angle over a length of z.
+function _bent(p, bend, over) =
+  bend == 0 ? p : let (r = over / bend * 180 / PI, turn = bend * p.z / over)
+    [r - (r - p.x) * cos(turn), p.y, (r - p.x) * sin(turn)];
+
 // The surface ((x/a1)^(2/e2) + (y/a2)^(2/e2))^(e2/e1) + (z/a3)^(2/e1) = 1 with half sizes [a1, a2, a3], then x grown
-// by 1 + taper.x z / a3 and y by 1 + taper.y z / a3. Corners lie on the surface, facets within chord_error of it.
-module superellipsoid(size, e1 = 1, e2 = 1, taper = [0, 0], chord_error = 0.01) {
+// by 1 + taper.x z / a3 and y by 1 + taper.y z / a3, then the z axis bent towards +x by an angle over a3. Corners lie
+// on the surface, facets within chord_error of it.
+module superellipsoid(size, e1 = 1, e2 = 1, taper = [0, 0], bend = 0, chord_error = 0.01) {
   assert(min(size) > 0, "the half sizes of a superellipsoid must be positive");
   assert(e1 >= 0.1 && e1 <= 2 && e2 >= 0.1 && e2 <= 2, "the exponents of a superellipsoid must lie in 0.1 .. 2");
   assert(max(abs(taper.x), abs(taper.y)) < 1, "the taper of a superellipsoid must lie between -1 and 1");
   grown = [for (i = [0, 1]) size[i] * (1 + abs(taper[i]))];
-  meridian = function (t) let (p = _superellipse(t, e1))
-    [p.x * size.x * (1 + taper.x * p.y), p.x * size.y * (1 + taper.y * p.y), p.y * size.z];
+  assert(abs(bend) < 180 && grown.x * abs(bend) * PI / 180 < size.z,
+    "a superellipsoid must be bent by less than half a turn, with a radius above its half width");
+  straight = function (t, side) let (p = _superellipse(t, e1))
+    [p.x * side * size.x * (1 + taper.x * p.y), p.x * size.y * (1 + taper.y * p.y), p.y * size.z];
+  // Inside and outside of the bend.
+  meridian = function (t) bend == 0 ? straight(t, 1)
+    : concat(_bent(straight(t, 1), bend, size.z), _bent(straight(t, -1), bend, size.z));
   ring = function (t) let (p = _superellipse(t, e2)) [p.x * grown.x, p.y * grown.y];
   latitudes = concat(_cuts(meridian, -90, 0, chord_error / 2), [0], _cuts(meridian, 0, 90, chord_error / 2));
   quarter = concat([0], _cuts(ring, 0, 90, chord_error / 2));
@@ -44,13 +56,14 @@ module superellipsoid(size, e1 = 1, e2 = 1, taper = [0, 0], chord_error = 0.01) 
   m = len(latitudes);
   rows = function (longitudes) let (unit = [for (t = longitudes) _superellipse(t, e2)])
     [for (t = latitudes) let (p = _superellipse(t, e1), gx = 1 + taper.x * p.y, gy = 1 + taper.y * p.y)
-      [for (u = unit) [p.x * u.x * size.x * gx, p.x * u.y * size.y * gy, p.y * size.z]]];
-  // Where the taper twists the facets, more of them share the twist.
+      [for (u = unit) _bent([p.x * u.x * size.x * gx, p.x * u.y * size.y * gy, p.y * size.z], bend, size.z)]];
+  // Where taper and bend twist the facets, more of them share the twist.
   shares = max(1, ceil(_twist(rows(coarse)) / chord_error));
   longitudes = [for (j = [0 : len(coarse) - 1]) let (to = j + 1 < len(coarse) ? coarse[j + 1] : 360)
     each [for (k = [0 : shares - 1]) coarse[j] + (to - coarse[j]) * k / shares]];
   n = len(longitudes);
-  points = concat([[0, 0, -size.z]], [for (row = rows(longitudes)) each row], [[0, 0, size.z]]);
+  tips = [for (z = [-size.z, size.z]) _bent([0, 0, z], bend, size.z)];
+  points = concat([tips[0]], [for (row = rows(longitudes)) each row], [tips[1]]);
   top = len(points) - 1;
   faces = concat(
     [for (j = [0 : n - 1]) [0, 1 + j, 1 + (j + 1) % n]],
@@ -114,6 +127,64 @@ function nurbs_curve(degree, knots, control, weights = undef, error = 0.01) =
   concat([control[0]],
     [for (i = spans) each concat([for (u = _cuts(curve, knots[i], knots[i + 1], error)) curve(u)],
       [i == count - 1 || knots[i + 1] >= knots[count] ? control[count - 1] : curve(knots[i + 1])])]);
+
+// ---- drafted extrusion ----------------------------------------------------------------------------------------
+
+// Where an element of a loop begins and ends: a corner [x, y], or an arc [center, radius, from, to] (degrees).
+function _start(e) = len(e) == 4 ? e[0] + e[1] * [cos(e[2]), sin(e[2])] : e;
+function _end(e) = len(e) == 4 ? e[0] + e[1] * [cos(e[3]), sin(e[3])] : e;
+
+// The radius of an arc that has moved to its left by d.
+function _moved_radius(e, d) = e[1] + (e[3] > e[2] ? -d : d);
+
+// The unit normal to the left of the way from a to b.
+function _left(a, b) = [a.y - b.y, b.x - a.x] / norm(b - a);
+
+// Into how many chords each arc of a loop is cut that moves by the ways in d.
+function _chords(loop, d, error) =
+  [for (e = loop) len(e) < 4 ? 0
+    : let (r = max(error, max([for (x = d) _moved_radius(e, x)])))
+      len(loop) == 1 ? 4 * ceil(22.5 / atan(sqrt(error / r))) : ceil(abs(e[3] - e[2]) / (2 * acos(1 - error / r)))];
+
+// Points around a loop when all its pieces have moved to their left by d: corners are mitred, a circle straddled.
+function _moved(loop, d, chords) =
+  let (k = len(loop))
+  [for (i = [0 : k - 1])
+    let (e = loop[i], n = chords[i], before = _end(loop[(i + k - 1) % k]), after = _start(loop[(i + 1) % k]))
+    each len(e) < 4 ? let (l = _left(before, e), m = _left(e, after)) [e + d * (l + m) / (1 + l * m)]
+      : let (r = _moved_radius(e, d) * (k == 1 ? 2 / (1 + cos(180 / n)) : 1))
+        [for (j = [norm(before - _start(e)) < 1e-6 ? 1 : 0 : n]) let (a = e[2] + (e[3] - e[2]) * j / n)
+          e[0] + r * [cos(a), sin(a)]]];
+
+// The body between a loop moved by its ways at the bottom and at the top; a cut reaches straight out by `beyond`.
+module _between(loop, z, d, error, beyond) {
+  chords = _chords(loop, d, error);
+  ends = [for (x = d) _moved(loop, x, chords)];
+  n = len(ends[0]);
+  assert(min([for (j = [0 : n - 1]) let (k = (j + 1) % n) (ends[0][k] - ends[0][j]) * (ends[1][k] - ends[1][j])]) > 0,
+    "the draft is too large: an edge or an arc vanishes");
+  turn = [for (p = ends[0]) 1] * [for (j = [0 : n - 1]) cross(ends[0][j], ends[0][(j + 1) % n])];
+  heights = beyond > 0 ? [[z[0] - beyond, 0], [z[0], 0], [z[1], 1], [z[1] + beyond, 1]] : [[z[0], 0], [z[1], 1]];
+  m = len(heights);
+  points = [for (h = heights, j = [0 : n - 1]) let (p = ends[h[1]][turn > 0 ? j : n - 1 - j]) [p.x, p.y, h[0]]];
+  polyhedron(points = points, convexity = 10, faces = concat(
+    [[for (j = [0 : n - 1]) j]], [[for (j = [0 : n - 1]) m * n - 1 - j]],
+    [for (i = [0 : m - 2], j = [0 : n - 1]) let (a = i * n, k = (j + 1) % n)
+      each [[a + j, a + n + j, a + n + k], [a + j, a + n + k, a + k]]]));
+}
+
+// A sketch from z = -below to height whose walls lean inwards by `draft` as z rises: at height z all its pieces have
+// moved into the material, which lies to the left of every loop, by z * tan(draft). Arcs join tangentially. The first
+// loop is the outer one, counter-clockwise; the others are holes, clockwise.
+module drafted(loops, height, below = 0, draft = 0, chord_error = 0.01) {
+  assert(height > 0 && below >= 0 && abs(draft) < 90, "a drafted body needs a height, and a draft below 90 degrees");
+  z = [-below, height];
+  d = z * tan(draft);
+  difference() {
+    _between(loops[0], z, d, chord_error / 2, 0);
+    for (i = [1 : 1 : len(loops) - 1]) _between(loops[i], z, d, chord_error / 2, 1);
+  }
+}
 
 // ---- half-spaces ----------------------------------------------------------------------------------------------
 

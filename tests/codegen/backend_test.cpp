@@ -86,7 +86,8 @@ Model single(const std::string& name, Shape shape, double tolerance = 0.1) {
 }
 
 bool round_all_over(const Model& model) {
-  const std::set<std::string> names = {"sphere", "torus", "ellipsoid", "superellipsoid", "supertoroid", "nurbs_vase"};
+  const std::set<std::string> names = {"sphere",      "torus",      "ellipsoid", "superellipsoid",
+                                       "supertoroid", "nurbs_vase", "handle"};
   return names.count(model.name) > 0;
 }
 
@@ -180,6 +181,12 @@ TEST_CASE("backends: superellipsoids at the edges of their domain") {
   }
 }
 
+TEST_CASE("backends: superellipsoids are bent a little and nearly into a ring, to either side") {
+  conforms(single("bean", Superellipsoid{12, 10, 20, 0.4, 0.7, -0.3, 0.2, -0.7}, 0.8));
+  conforms(single("hook", Superellipsoid{7, 10, 40, 0.2, 0.3, 0, 0.3, 2.8}, 0.8));
+  conforms(single("tusk", Superellipsoid{7, 6, 40, 1.5, 1.2, 0.6, 0.6, 1.5}, 0.8));
+}
+
 TEST_CASE("backends: wedges and cones that end in an edge or a tip, or grow upwards") {
   conforms(single("prism", Wedge{30, 20, 10, 0}));
   conforms(single("overhang", Wedge{20, 20, 10, 35}));
@@ -206,6 +213,59 @@ TEST_CASE("backends: profiles with holes, touching the axis, and hollow fillets"
   conforms(single("frame", Extrude{Sketch{{square, window}}, 4}));
   SketchNurbs arch{2, {0, 0, 0, 1, 1, 1}, {}, {{30, 0}, {15, 30}, {0, 0}}, "arch", "base"};
   conforms(single("vault", Extrude{Sketch{{Loop{"outline", {arch}}}}, 12}));
+}
+
+TEST_CASE("backends: walls lean in and out, at corners of every kind, and around holes") {
+  const Loop outline{"outline",
+                     {SketchPoint{0, 0, "front"}, SketchArc{26, 4, 4, radians(-90), 0, "round", "right"},
+                      SketchPoint{30, 18, "back"}, SketchPoint{18, 18, "cheek"}, SketchPoint{15, 12, "cheek 2"},
+                      SketchPoint{12, 18, "back 2"}, SketchPoint{0, 18, "left"}}};
+  const Loop bore{"bore", {SketchArc{9, 7, 3, radians(360), 0, "bore", ""}}};
+  const Loop slit{"slit",
+                  {SketchArc{22, 9, 2, radians(90), radians(-90), "end", "side"},
+                   SketchArc{18, 9, 2, radians(-90), radians(-270), "end 2", "side 2"}}};
+  conforms(single("leaning_in", Extrude{Sketch{{outline, bore, slit}}, 9, 3, 0.1}));
+  conforms(single("leaning_out", Extrude{Sketch{{outline, bore, slit}}, 6, 3, -0.2}));
+  const Loop disc{"disc", {SketchArc{5, 2, 12, 0, radians(360), "side", ""}}};
+  conforms(single("stopper", Extrude{Sketch{{disc}}, 9, 3, 0.3}));
+  conforms(single("cup", Extrude{Sketch{{disc}}, 9, 0, -0.3}));
+  const Loop square{"square",
+                    {SketchPoint{0, 0, ""}, SketchPoint{30, 0, ""}, SketchPoint{30, 30, ""}, SketchPoint{0, 30, ""}}};
+  const Loop window{
+      "window", {SketchPoint{10, 10, ""}, SketchPoint{10, 20, ""}, SketchPoint{20, 20, ""}, SketchPoint{20, 10, ""}}};
+  // Points where an arc ends are corners that add nothing.
+  const Loop eye{"eye",
+                 {SketchPoint{15, 13, "seam"}, SketchArc{15, 15, 2, radians(-90), radians(90), "half", ""},
+                  SketchPoint{15, 17, "seam 2"}, SketchArc{15, 15, 2, radians(90), radians(270), "half 2", ""}}};
+  conforms(single("funnels", Extrude{Sketch{{square, window, eye}}, 4, 0, 0.3}));
+}
+
+TEST_CASE("openscad: the draft stays a size of the script, and may be edited") {
+  Model m;
+  m.name = "key";
+  m.parameters = {parameter("draft", radians(5), Quantity::angle), parameter("key_r", 3)};
+  const Expr r = Expr::of("key_r");
+  const Loop key{"key",
+                 {SketchPoint{0, 0, "foot"}, SketchArc{Expr(20) - r, r, r, radians(-90), 0, "round", "end"},
+                  SketchPoint{20, 10, "top"}, SketchPoint{0, 10, "left"}}};
+  m.objects = {{"key", Extrude{Sketch{{key}}, 8, 2, Expr::of("draft")}, {}, {}, ""}};
+  Artifact artifact = emitted(m, "openscad");
+  std::string& script = artifact.files[0].bytes;
+  CHECK(contains(script, "[[20 - key_r, key_r], key_r, -90, 0],"));
+  CHECK(contains(script, "height = 8, below = 2, draft = draft, chord_error = chord_error);"));
+  REQUIRE(contains(script, "draft = 5;"));
+  script.replace(script.find("draft = 5;"), 10, "draft = 9;");
+  m.parameters[0].value = m.parameters[0].fitted = radians(9);
+  const ModelDistance steeper(m);
+  const Evaluation evaluation = evaluated(artifact, m.tolerance);
+  CHECK_FALSE(evaluation.failed);
+  double worst = 0;
+  for (const Vec3& v : evaluation.mesh.vertices) worst = std::max(worst, std::abs(steeper(v).distance));
+  CHECK(worst < 1e-4);
+  // Where the round would turn inside out the script says so.
+  script.replace(script.find("draft = 9;"), 10, "draft = 30;");
+  CHECK(evaluated(artifact, m.tolerance).failed);
+  CHECK_FALSE(contains(emitted(m, "iges").files[0].bytes, "     180 "));
 }
 
 TEST_CASE("backends: an object may be used by several others, and by both sides of a cut") {

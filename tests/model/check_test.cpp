@@ -78,6 +78,47 @@ TEST_CASE("check: sketches are simple, closed the right way round, and keep off 
   expect_complaint(model_with(Extrude{{{outer, large, small}}, 5}), "must run counter-clockwise");
 }
 
+TEST_CASE("check: a draft leaves every piece of the sketch its length, and the loops apart") {
+  const Loop plate = polygon({{0, 0}, {20, 0}, {20, 12}, {0, 12}});
+  auto drafted = [](std::vector<Loop> loops, double height, double below, double draft) {
+    return model_with(Extrude{{std::move(loops)}, height, below, draft});
+  };
+  CHECK(complaints_of(drafted({plate}, 10, 3, 0.5)).empty());
+  CHECK(complaints_of(drafted({plate}, 10, 3, -0.5)).empty());
+  // Half of the width of 12 is used up by 10 tan(0.55), a height of 20 uses it up at any rate.
+  expect_complaint(drafted({plate}, 10, 0, 0.55), "vanishes before the top");
+  expect_complaint(drafted({plate}, 1, 20, -0.5), "vanishes before the bottom");
+  expect_complaint(drafted({plate}, 10, 0, 1.6), "less than a quarter of a turn, found");
+  const Loop bore{"bore", {SketchArc{6, 6, 2, 2 * pi, 0, "bore", ""}}},
+      pin{"pin", {SketchArc{14, 6, 2, 2 * pi, 0, "pin", ""}}};
+  CHECK(complaints_of(drafted({plate, bore, pin}, 10, 3, 0.1)).empty());
+  expect_complaint(drafted({plate, bore, pin}, 10, 0, 0.25), "at the top: the sketch crosses itself");
+  expect_complaint(drafted({plate, bore}, 1, 10, 0.2), "the radius of 'bore' comes to nothing before the bottom");
+  // Behind a corner that is not tangent an arc would have to change its angles.
+  const Loop dome{"dome", {SketchPoint{0, 0, "base"}, SketchPoint{20, 0, ""}, SketchArc{10, 0, 10, 0, pi, "dome", ""}}};
+  expect_complaint(drafted({dome}, 1, 0, 0.1), "a corner between 'base' and 'dome'");
+  SketchNurbs arch{2, {0, 0, 0, 1, 1, 1}, {}, {{20, 0}, {10, 20}, {0, 0}}, "arch", "base"};
+  expect_complaint(drafted({Loop{"vault", {arch}}}, 1, 0, 0.1), "found the curve 'arch'");
+  // A neck that closes: both of its sides meet.
+  const Loop neck =
+      polygon({{0, 0}, {8, 0}, {8, 3}, {12, 3}, {12, 0}, {20, 0}, {20, 8}, {12, 8}, {12, 5}, {8, 5}, {8, 8}, {0, 8}});
+  CHECK(complaints_of(drafted({neck}, 9, 0, 0.1)).empty());
+  CHECK_FALSE(complaints_of(drafted({neck}, 11, 0, 0.1)).empty());
+  expect_complaint(model_with(Pocket{{{plate}}, 20, false, 1, 0.5}), "vanishes before the bottom");
+  expect_complaint(model_with(Boss{{{plate}}, 20, 1, 0.5}), "vanishes before the top");
+}
+
+TEST_CASE("check: a bend keeps the body off the centre of its arc, and its ends apart") {
+  auto bent = [](double a1, double taper, double bend) {
+    return model_with(Superellipsoid{a1, 5, 20, 1, 1, taper, 0, bend});
+  };
+  CHECK(complaints_of(bent(9, 0, 2.1)).empty());
+  CHECK(complaints_of(bent(9, 0, -2.1)).empty());
+  expect_complaint(bent(9, 0.1, 2.1), "a radius above the half width 9.9, found 9.524");
+  expect_complaint(bent(10, 0, -2.1), "a radius above the half width 10, found 9.524");
+  expect_complaint(bent(1, 0, 3.2), "a bend of less than half a turn, found");
+}
+
 TEST_CASE("check: triangulations are manifold and face outward") {
   const TriSurface tetrahedron{
       {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0};

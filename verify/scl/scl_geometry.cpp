@@ -11,6 +11,7 @@
 #include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepGProp.hxx>
 #include <BRepLib.hxx>
+#include <BRepOffsetAPI_DraftAngle.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakePrism.hxx>
 #include <BRepPrimAPI_MakeRevol.hxx>
@@ -236,23 +237,63 @@ SclMade scl_revolved(const std::vector<SclGeometryPtr>& profiles, double angle) 
   }
 }
 
-SclMade scl_extruded(const std::vector<SclGeometryPtr>& profiles, double height) {
+namespace {
+
+/// Closed profiles in the plane z = 0, moved along z from one height to another.
+Result<TopoDS_Shape> prism(const std::vector<SclGeometryPtr>& profiles, double from, double to) {
   if (profiles.empty()) return refuse("expected a profile to extrude");
-  if (!(std::abs(height) > scl_join)) return refuse("expected a height other than 0");
+  if (!(std::abs(to - from) > scl_join)) return refuse("expected a height other than 0");
+  std::vector<TopoDS_Wire> wires;
+  for (const auto& profile : profiles) {
+    if (!closed_wire(*profile->shape)) return refuse("expected a closed profile, found one whose ends do not meet");
+    if (!in_plane(*profile->shape, 2)) return refuse("expected a profile in the plane z = 0");
+    wires.push_back(TopoDS::Wire(*profile->shape));
+  }
+  auto face = plane_face(gp_Pln(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), wires);
+  if (!face.ok()) return face.error();
+  gp_Trsf lifted;
+  lifted.SetTranslation(gp_Vec(0, 0, from));
+  const TopoDS_Shape base = from == 0 ? *face : BRepBuilderAPI_Transform(*face, lifted, true).Shape();
+  BRepPrimAPI_MakePrism maker(base, gp_Vec(0, 0, to - from));
+  if (!maker.IsDone() || !has_solid(maker.Shape())) return refuse("the profile does not extrude into a solid");
+  return maker.Shape();
+}
+
+}  // namespace
+
+SclMade scl_extruded(const std::vector<SclGeometryPtr>& profiles, double height) {
   try {
-    std::vector<TopoDS_Wire> wires;
-    for (const auto& profile : profiles) {
-      if (!closed_wire(*profile->shape)) return refuse("expected a closed profile, found one whose ends do not meet");
-      if (!in_plane(*profile->shape, 2)) return refuse("expected a profile in the plane z = 0");
-      wires.push_back(TopoDS::Wire(*profile->shape));
-    }
-    auto face = plane_face(gp_Pln(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), wires);
-    if (!face.ok()) return face.error();
-    BRepPrimAPI_MakePrism maker(*face, gp_Vec(0, 0, height));
-    if (!maker.IsDone() || !has_solid(maker.Shape())) return refuse("the profile does not extrude into a solid");
-    return made(SclGeometryKind::shell, outward(maker.Shape()), true);
+    auto body = prism(profiles, 0, height);
+    if (!body.ok()) return body.error();
+    return made(SclGeometryKind::shell, outward(*body), true);
   } catch (const Standard_Failure& f) {
     return failure("the profile does not extrude into a solid", f);
+  }
+}
+
+SclMade scl_drafted(const std::vector<SclGeometryPtr>& profiles, double below, double height, double draft) {
+  if (!(below >= 0)) return refuse("expected no negative length below the profiles, found " + print_number(below));
+  if (!(height > 0)) return refuse("expected a positive height, found " + print_number(height));
+  if (!(std::abs(draft) < pi / 2)) return refuse("expected a draft below 90 degrees, found " + print_degrees(draft));
+  try {
+    auto body = prism(profiles, -below, height);
+    if (!body.ok()) return body.error();
+    if (draft == 0) return made(SclGeometryKind::shell, outward(*body), true);
+    // Every wall is turned about the line in which it crosses z = 0.
+    BRepOffsetAPI_DraftAngle lean(*body);
+    for (TopExp_Explorer e(*body, TopAbs_FACE); e.More(); e.Next()) {
+      const TopoDS_Face& face = TopoDS::Face(e.Current());
+      const bool cap = largest_coordinate(face, 2, 1) + largest_coordinate(face, 2, -1) < scl_join;
+      if (cap) continue;
+      lean.Add(face, gp_Dir(0, 0, 1), draft, gp_Pln(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)));
+      if (!lean.AddDone()) return refuse("the walls cannot lean that way: arcs have to join tangentially");
+    }
+    lean.Build();
+    if (!lean.IsDone() || !has_solid(lean.Shape()) || !BRepCheck_Analyzer(lean.Shape()).IsValid())
+      return refuse("the walls cannot lean that far: an edge or an arc vanishes");
+    return made(SclGeometryKind::shell, outward(lean.Shape()), true);
+  } catch (const Standard_Failure& f) {
+    return failure("the walls cannot lean that way", f);
   }
 }
 

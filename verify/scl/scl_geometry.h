@@ -87,6 +87,9 @@ SclMade scl_shell_of(const SclGeometryPtr& geometry);
 SclMade scl_revolved(const std::vector<SclGeometryPtr>& profiles, double angle);
 /// Closed profiles in the plane z = 0, moved along z: the first is the outline, the others are holes.
 SclMade scl_extruded(const std::vector<SclGeometryPtr>& profiles, double height);
+/// The same from z = -below to height, with walls that lean inwards by an angle (rad) as z rises; at z = 0 it has the
+/// profiles.
+SclMade scl_drafted(const std::vector<SclGeometryPtr>& profiles, double below, double height, double draft);
 /// Surfaces that meet along their edges, as one shell.
 SclMade scl_sewn(const std::vector<SclGeometryPtr>& surfaces);
 /// Flat convex facets, counter-clockwise seen from outside; equal corners are one. A solid if they close up.

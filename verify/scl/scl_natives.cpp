@@ -465,6 +465,14 @@ const std::map<std::string, Entry>& natives() {
           const double height = a.number();
           return wrapped(a, [&] { return scl_extruded(p, height); });
         }}},
+      {"extrudeprofileswithdraft",
+       {4, 4,
+        [](const SclValues& v, SclCallContext&) {
+          SclArguments a(v);
+          const auto p = profiles(a);
+          const double below = a.number(), height = a.number(), draft = radians(a.number());
+          return wrapped(a, [&] { return scl_drafted(p, below, height, draft); });
+        }}},
       {"nurbscrv",
        {4, 4,
         [](const SclValues& v, SclCallContext&) {

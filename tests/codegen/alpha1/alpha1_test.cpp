@@ -268,4 +268,6 @@ TEST_CASE("alpha1: the net of a superellipsoid stays within what was asked, at e
       CHECK(net.around.size() % 4 == 0);
     }
   }
+  CHECK(superellipsoid_net({9, 11, 40, 0.5, 0.7, 0.2, -0.3, 1.3}, 0.05).deviation <= 0.05);
+  CHECK(superellipsoid_net({9, 11, 40, 1.4, 1.2, 0.2, -0.3, -1.3}, 0.05).deviation <= 0.05);
 }

@@ -205,6 +205,27 @@ TEST_CASE("alpha1: profiles turn and extrude into the volumes of Pappus and Cava
                     0.005) == Approx(pi * 9 / 4 * 2).epsilon(1e-3));
 }
 
+TEST_CASE("alpha1: walls lean by the angle they are given, about the plane of the profiles") {
+  const std::string frame =
+      "P : profile( pt( 0.0, 0.0 ), pt( 20.0, 0.0 ), pt( 20.0, 12.0 ), pt( 0.0, 12.0 ), pt( 0.0, 0.0 ) );"
+      "H : profile( arcThru3Pts( pt( 12.0, 6.0 ), pt( 10.0, 8.0 ), pt( 8.0, 6.0 ) ),"
+      "             arcThru3Pts( pt( 8.0, 6.0 ), pt( 10.0, 4.0 ), pt( 12.0, 6.0 ) ) );";
+  // The integral of (20 - 2 t z) (12 - 2 t z), and that of pi (2 + t z)^2.
+  auto part = [](double t, double z) { return 240 * z - 32 * t * z * z + 4 * t * t * z * z * z / 3; };
+  auto hole = [](double t, double z) { return pi * (4 * z + 2 * t * z * z + t * t * z * z * z / 3); };
+  const double t = std::tan(radians(8));
+  CHECK(good_volume(frame + "B : extrudeProfilesWithDraft( P, 2.0, 9.0, 8.0 );") ==
+        Approx(part(t, 9) - part(t, -2)).epsilon(1e-9));
+  CHECK(good_volume(frame + "Both : seqCollect { P; H; } B : extrudeProfilesWithDraft( Both, 2.0, 9.0, 8.0 );",
+                    0.005) == Approx(part(t, 9) - part(t, -2) - hole(t, 9) + hole(t, -2)).epsilon(1e-4));
+  CHECK(good_volume(frame + "B : extrudeProfilesWithDraft( P, 0.0, 9.0, -8.0 );") == Approx(part(-t, 9)).epsilon(1e-9));
+  CHECK(good_volume(frame + "B : extrudeProfilesWithDraft( P, 0.0, 9.0, 0.0 );") == Approx(2160).epsilon(1e-9));
+  CHECK_THAT(refusal(frame + "B : extrudeProfilesWithDraft( P, 0.0, 9.0, 90.0 );"),
+             Catch::Contains("below 90 degrees"));
+  CHECK_THAT(refusal(frame + "B : extrudeProfilesWithDraft( P, 0.0, 60.0, 8.0 );"), Catch::Contains("cannot lean"));
+  CHECK_THAT(refusal(frame + "B : extrudeProfilesWithDraft( P, -1.0, 9.0, 8.0 );"), Catch::Contains("negative length"));
+}
+
 TEST_CASE("alpha1: facets and half-spaces close into solids that face outward") {
   const std::string tetrahedron =
       "A : pt(0,0,0); B : pt(6,0,0); C : pt(0,6,0); D : pt(0,0,6);"
