@@ -82,10 +82,10 @@ module pocket()
 // Fit: rms 0.021 mm from 3,100 points, local mean within 0.043 mm, 87 % of its surface scanned.
 module drill_profile()
   polygon([
-    [0, -9 - drill_d / 2 * 0.5150380749100542 / 0.8571673007021123],  // tip
-    [drill_d / 2, -9],                                                // wall
-    [drill_d / 2, 1],                                                 // mouth
-    [0, 1]                                                            // axis
+    [0, -9 - drill_d / 2 * cos(59) / sin(59)],  // tip
+    [drill_d / 2, -9],                          // wall
+    [drill_d / 2, 1],                           // mouth
+    [0, 1]                                      // axis
   ]);
 
 module drill() {
