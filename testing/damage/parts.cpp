@@ -167,7 +167,8 @@ Model tray() {
 }  // namespace
 
 Model golden_part(const std::string& part) {
-  static const std::set<std::string> coarser = {"ellipsoid", "nurbs_vase", "sphere", "superellipsoid", "torus"};
+  static const std::set<std::string> coarser = {"ellipsoid", "handle",         "nurbs_vase",
+                                                "sphere",    "superellipsoid", "torus"};
   const Path file = source_file("tests/golden/" + part + "/model.json");
   const auto text = read_file(file);
   if (!text.ok()) throw std::runtime_error(text.error().message);

@@ -105,6 +105,23 @@ TEST_CASE(
   CHECK(has("bolt_step "));
 }
 
+TEST_CASE("mutation: a draft and a bend are damaged like other sizes, and the walls that lean are named") {
+  for (const auto& [part, parameter, face] :
+       {std::tuple{"cover", "draft", "outside corner 1"}, {"handle", "bend", "surface"}}) {
+    const Model model = golden_part(part);
+    int found = 0;
+    for (const auto& m : mutations_of(model)) {
+      if (m.kind != Mutation::Kind::parameter || m.name.rfind(parameter, 0) != 0) continue;
+      INFO(m.name);
+      CHECK(m.moved > 1.5 * model.tolerance);
+      const auto harm = harm_of(model, m.model, model.tolerance);
+      CHECK(std::count(harm.faces.begin(), harm.faces.end(), face) == 1);
+      ++found;
+    }
+    CHECK(found == 1);
+  }
+}
+
 TEST_CASE("mutation: a damage moves the surface by as much as it says") {
   const Model pin = golden_part("pin");
   for (const auto& m : mutations_of(pin)) {
