@@ -158,12 +158,9 @@ Named faces_of(const Revolve& s) {
   return faces;
 }
 
-Named faces_of(const Hole& s) { return faces_of(solid_of(s)); }
-Named faces_of(const Slot& s) { return faces_of(solid_of(s)); }
-Named faces_of(const Pocket& s) { return faces_of(solid_of(s)); }
-Named faces_of(const Boss& s) { return faces_of(solid_of(s)); }
 template <class S>
-Named faces_of(const S&) {
+Named faces_of(const S& s) {
+  if constexpr (SaidSimpler<S>) return faces_of(solid_of(s));
   return {};
 }
 

@@ -88,7 +88,7 @@ class Lowering {
   /// A feature by the solid that it is; a sketch with islands by a body for each piece of material.
   template <class S>
   void replace(Object o, const S& s) {
-    if constexpr (requires { solid_of(s); }) {
+    if constexpr (SaidSimpler<S>) {
       if (!known(S::kind)) return put(std::move(o), solid_of(s));
     }
     if constexpr (requires { s.sketch; }) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "model/lower/solids.h"
 #include "model/model.h"
 
 namespace partscribe::model {
@@ -25,11 +26,19 @@ Model lowered(const Model& model, const Kinds& known);
 /// The same with every expression replaced by its value.
 Model lowered(const Model& model, const Values& values, const Kinds& known = {});
 
-/// True for the kinds that lowered() never replaces.
 template <class S>
-constexpr bool is_basic = S::kind != "fillet" && S::kind != "hole" && S::kind != "slot" && S::kind != "pocket" &&
-                          S::kind != "boss" && S::kind != "linear_pattern" && S::kind != "circular_pattern" &&
-                          S::kind != "mirror" && S::kind != "edge_fillet" && S::kind != "edge_chamfer";
+struct AsWritten;  // HoleOf<double>: Hole
+template <template <class> class S, class N>
+struct AsWritten<S<N>> {
+  using type = S<Expr>;
+};
+
+/// True for the kinds that lowered() never replaces: no simpler solid says them, and they repeat or work no other
+/// object.
+template <class S>
+constexpr bool is_basic = !SaidSimpler<typename AsWritten<S>::type> && !requires(S s) {
+  s.object;
+};
 
 /// A shape that lowered() replaces: a visitor that runs after it needs one function for all of them.
 template <class S>

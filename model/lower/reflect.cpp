@@ -4,6 +4,7 @@
 
 #include "core/ensure.h"
 #include "core/number.h"
+#include "model/lower/solids.h"
 #include "model/overloaded.h"
 
 namespace partscribe::model {
@@ -76,9 +77,7 @@ Sketch reflected(const Sketch& sketch) {
   return result;
 }
 
-/// A solid over a sketch in its x-y plane.
-template <class S>
-Placed over_sketch(S s, int axis) {
+Placed over_sketch(Extrude s, int axis) {
   s.sketch = reflected(s.sketch);
   if (axis == 0) return {s, {}};
   return {s, half_turn(axis == 1 ? 2 : 1)};
@@ -125,7 +124,6 @@ Placed reflected(const Shape& shape, int axis, const Renamed& renamed) {
                         [&](const Supertoroid& s) -> Placed {
                           return symmetric(s, axis, {0, 1, 2});
                         },
-                        [&](const Fillet& s) -> Placed { return symmetric_along_z(s, axis, s.length); },
                         [&](HalfSpaces s) -> Placed {
                           for (auto& p : s.planes) {
                             Expr& normal = axis == 0 ? p.normal_x : axis == 1 ? p.normal_y : p.normal_z;
@@ -150,14 +148,7 @@ Placed reflected(const Shape& shape, int axis, const Renamed& renamed) {
                         [&](const Union& s) -> Placed { return combined(s, renamed); },
                         [&](const Difference& s) -> Placed { return combined(s, renamed); },
                         [&](const Intersection& s) -> Placed { return combined(s, renamed); },
-                        [&](const Hole& s) -> Placed {
-                          return symmetric(s, axis, {0, 1});
-                        },
-                        [&](const Slot& s) -> Placed {
-                          return symmetric(s, axis, {0, 1});
-                        },
-                        [&](const Pocket& s) -> Placed { return over_sketch(s, axis); },
-                        [&](const Boss& s) -> Placed { return over_sketch(s, axis); },
+                        [&]<SaidSimpler S>(const S& s) -> Placed { return reflected(solid_of(s), axis, renamed); },
                         [&](LinearPattern s) -> Placed {
                           Expr& step = axis == 0 ? s.step_x : axis == 1 ? s.step_y : s.step_z;
                           step = -step, s.object = renamed(s.object);

@@ -21,6 +21,12 @@ ExtrudeOf<N> solid_of(const BossOf<N>& s) {
   return {s.sketch, s.height, s.root, s.draft};
 }
 
+/// A shape that a simpler solid says.
+template <class S>
+concept SaidSimpler = requires(const S& s) {
+  solid_of(s);
+};
+
 /// One sketch for every loop that bounds material from outside, with the holes directly inside it.
 std::vector<Sketch> without_islands(const Sketch& sketch, const Values& values);
 
