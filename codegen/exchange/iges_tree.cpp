@@ -141,26 +141,26 @@ Entity tree_of(const std::vector<Entity>& operands, Operation operation) {
   return Entity(e);
 }
 
-Entity solid_of(const BoxOf<double>& s) {
+Entity iges_solid(const BoxOf<double>& s) {
   const Handle(IGESSolid_Block) e = new IGESSolid_Block;
   e->Init(gp_XYZ(s.size_x, s.size_y, s.size_z), origin, along_x, along_z);
   return Entity(e);
 }
 
-Entity solid_of(const WedgeOf<double>& s) {
+Entity iges_solid(const WedgeOf<double>& s) {
   if (s.top_x >= s.size_x) return {};  // entity 152 knows only wedges that become narrower
   const Handle(IGESSolid_RightAngularWedge) e = new IGESSolid_RightAngularWedge;
   e->Init(gp_XYZ(s.size_x, s.size_y, s.size_z), s.top_x, origin, along_x, along_z);
   return Entity(e);
 }
 
-Entity solid_of(const CylinderOf<double>& s) {
+Entity iges_solid(const CylinderOf<double>& s) {
   const Handle(IGESSolid_Cylinder) e = new IGESSolid_Cylinder;
   e->Init(s.height, s.radius, origin, along_z);
   return Entity(e);
 }
 
-Entity solid_of(const ConeOf<double>& s) {
+Entity iges_solid(const ConeOf<double>& s) {
   // Entity 156 starts at its larger face.
   const bool up = s.bottom_radius >= s.top_radius;
   const Handle(IGESSolid_ConeFrustum) e = new IGESSolid_ConeFrustum;
@@ -169,13 +169,13 @@ Entity solid_of(const ConeOf<double>& s) {
   return Entity(e);
 }
 
-Entity solid_of(const SphereOf<double>& s) {
+Entity iges_solid(const SphereOf<double>& s) {
   const Handle(IGESSolid_Sphere) e = new IGESSolid_Sphere;
   e->Init(s.radius, origin);
   return Entity(e);
 }
 
-Entity solid_of(const EllipsoidOf<double>& s) {
+Entity iges_solid(const EllipsoidOf<double>& s) {
   // Entity 168 wants its sizes in falling order, along x, y and z of its own axes.
   struct Axis {
     double half;
@@ -188,7 +188,7 @@ Entity solid_of(const EllipsoidOf<double>& s) {
   return Entity(e);
 }
 
-Entity solid_of(const TorusOf<double>& s) {
+Entity iges_solid(const TorusOf<double>& s) {
   const Handle(IGESSolid_Torus) e = new IGESSolid_Torus;
   e->Init(s.major_radius, s.minor_radius, origin, along_z);
   return Entity(e);
@@ -204,7 +204,7 @@ Entity swept(const EvaluatedSketch& sketch, const Sweep& sweep) {
   return tree_of(bodies, subtract);
 }
 
-Entity solid_of(const ExtrudeOf<double>& s) {
+Entity iges_solid(const ExtrudeOf<double>& s) {
   if (s.draft != 0) return {};  // entity 164 knows upright walls only
   Pose raised;
   raised.translation.z() = -s.below;
@@ -216,7 +216,7 @@ Entity solid_of(const ExtrudeOf<double>& s) {
   });
 }
 
-Entity solid_of(const RevolveOf<double>& s) {
+Entity iges_solid(const RevolveOf<double>& s) {
   // The profile lies in x-y and turns about y; a rotation puts y onto z.
   Pose upright;
   upright.rotation << 1, 0, 0, 0, 0, -1, 0, 1, 0;
@@ -229,13 +229,13 @@ Entity solid_of(const RevolveOf<double>& s) {
   });
 }
 
-Entity solid_of(const SuperellipsoidOf<double>&) { return {}; }
-Entity solid_of(const SupertoroidOf<double>&) { return {}; }
-Entity solid_of(const HalfSpacesOf<double>&) { return {}; }
-Entity solid_of(const TriSurfaceOf<double>&) { return {}; }
+Entity iges_solid(const SuperellipsoidOf<double>&) { return {}; }
+Entity iges_solid(const SupertoroidOf<double>&) { return {}; }
+Entity iges_solid(const HalfSpacesOf<double>&) { return {}; }
+Entity iges_solid(const TriSurfaceOf<double>&) { return {}; }
 
 template <LoweredAway S>
-Entity solid_of(const S&) {
+Entity iges_solid(const S&) {
   ensure(false, "features are lowered before");
   return {};
 }
@@ -278,7 +278,7 @@ class TreeBuilder {
 
   template <class S>
   Entity node(const S& shape) {
-    return solid_of(shape);
+    return iges_solid(shape);
   }
   Entity node(const UnionOf<double>& s) { return combined(s.objects, unite); }
   Entity node(const DifferenceOf<double>& s) { return combined(s.objects, subtract); }
