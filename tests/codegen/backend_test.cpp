@@ -25,7 +25,7 @@ namespace {
 
 const std::vector<std::string> own_backends = {"openscad", "iges", "step"};
 
-Path golden_folder(const std::string& part) { return testing::source_file("tests/golden/" + part); }
+Path golden_folder(const std::string& part) { return source_file("tests/golden/" + part); }
 
 CheckedModel checked_model(const Model& model) {
   auto result = checked(model, model.name);

@@ -25,7 +25,7 @@ Json parsed(const Path& path) {
 }
 
 const JsonSchema& schema() {
-  static const JsonSchema document(testing::source_file("docs/model.schema.json"));
+  static const JsonSchema document(source_file("docs/model.schema.json"));
   return document;
 }
 
@@ -61,7 +61,7 @@ TEST_CASE("model.schema.json: every shape as it is written validates, without a 
 
 TEST_CASE("model.schema.json: every committed model validates") {
   std::size_t models = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(testing::source_file("tests/golden"))) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_file("tests/golden"))) {
     if (!std::filesystem::exists(entry.path() / "model.json")) continue;
     INFO(entry.path().filename());
     CHECK(schema().fault(parsed(entry.path() / "model.json"), Keys::named) == "");

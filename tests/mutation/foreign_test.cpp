@@ -26,7 +26,7 @@ struct TextEdit {
 };
 
 std::string script(const std::string& name) {
-  const auto text = read_file(testing::source_file("tests/mutation/scripts/" + std::string(name)));
+  const auto text = read_file(source_file("tests/mutation/scripts/" + std::string(name)));
   REQUIRE(text.ok());
   return *text;
 }

@@ -101,7 +101,7 @@ TEST_CASE("alpha1 goldens: the committed model gives exactly the committed proce
   const bool rewrite = std::getenv("PARTSCRIBE_WRITE_GOLDENS") != nullptr;
   for (const Model& made : golden_models()) {
     INFO(made.name);
-    const Path folder = testing::source_file("tests/golden/" + made.name);
+    const Path folder = source_file("tests/golden/" + made.name);
     auto text = read_file(folder / "model.json");
     REQUIRE(text.ok());
     auto model = read_model_json(*text, made.name);

@@ -16,7 +16,7 @@ using namespace partscribe::testing;
 namespace {
 
 std::string golden(const std::string& file) {
-  const auto text = read_file(testing::source_file("tests/golden/" + std::string(file)));
+  const auto text = read_file(source_file("tests/golden/" + std::string(file)));
   REQUIRE(text.ok());
   return *text;
 }

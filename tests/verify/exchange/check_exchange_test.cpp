@@ -11,7 +11,7 @@ using namespace partscribe::verify;
 namespace {
 
 std::string golden(const std::string& file) {
-  const auto text = read_file(testing::source_file("tests/golden/" + std::string(file)));
+  const auto text = read_file(partscribe::testing::source_file("tests/golden/" + std::string(file)));
   REQUIRE(text.ok());
   return *text;
 }
@@ -31,7 +31,7 @@ bool says(const std::optional<std::string>& fault, const std::string& words) {
 }  // namespace
 
 TEST_CASE("check exchange: every golden file is whole") {
-  for (const auto& entry : std::filesystem::directory_iterator(testing::source_file("tests/golden"))) {
+  for (const auto& entry : std::filesystem::directory_iterator(partscribe::testing::source_file("tests/golden"))) {
     const std::string part = entry.path().filename().string();
     INFO(part);
     if (std::filesystem::exists(entry.path() / "part.step")) CHECK_FALSE(fault_of_step(golden(part + "/part.step")));

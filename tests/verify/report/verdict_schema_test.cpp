@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::json;
 
 std::string fault(const Json& verdict) {
-  static const JsonSchema schema(testing::source_file("docs/verdict.schema.json"));
+  static const JsonSchema schema(source_file("docs/verdict.schema.json"));
   return schema.fault(verdict, JsonSchema::Keys::named);
 }
 
