@@ -15,16 +15,12 @@ ProcessOutput run_partscribe(const std::vector<std::string>& arguments, const Pa
   return *output;
 }
 
-Path program() { return PARTSCRIBE_PROGRAM; }
-
 std::string bytes_of(const Path& file) {
   const auto bytes = read_file(file);
   INFO(file.string());
   REQUIRE(bytes.ok());
   return *bytes;
 }
-
-Path source_file(const std::string& path) { return Path(PARTSCRIBE_SOURCE_DIR) / path; }
 
 void simulate_part(const std::string& part, const Path& folder, int resolution, double sigma) {
   const auto output = run_partscribe({"simulate", source_file("corpus/" + part + "/model.json").string(),

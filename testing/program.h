@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/process.h"
+#include "testing/places.h"
 
 namespace partscribe::testing {
 
@@ -13,14 +14,8 @@ using namespace core;
 /// The program with these arguments; a program that cannot be started ends the test.
 ProcessOutput run_partscribe(const std::vector<std::string>& arguments, const Path& working_directory = {});
 
-/// Where the program is.
-Path program();
-
 /// A file's bytes; a missing file ends the test.
 std::string bytes_of(const Path& file);
-
-/// A file or folder of the source tree: "docs/model.schema.json".
-Path source_file(const std::string& path);
 
 /// A scan of a bundled model: the folder that `simulate` wrote.
 void simulate_part(const std::string& part, const Path& folder, int resolution, double sigma);

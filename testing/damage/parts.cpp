@@ -10,7 +10,7 @@
 #include "geometry/points/kd_tree.h"
 #include "model/json.h"
 #include "scan/simulate/simulate.h"
-#include "testing/program.h"
+#include "testing/places.h"
 #include "verify/mutate/mutate.h"
 
 namespace partscribe::testing {
