@@ -11,7 +11,7 @@
 namespace partscribe::geometry {
 namespace {
 
-using namespace formats;
+using formats::LineReader, formats::next_word, formats::suffix_of, formats::to_real;
 using Parser = Result<RawGeometry> (*)(std::string_view, const std::string&);
 
 bool starts_with(std::string_view bytes, std::string_view what) { return bytes.substr(0, what.size()) == what; }
@@ -58,6 +58,7 @@ bool looks_like_obj(std::string_view bytes) {
 }
 
 Parser parser_for(std::string_view bytes, const std::string& name) {
+  using namespace formats;
   const auto suffix = suffix_of(name);
   if (starts_with(bytes, "ply\n") || starts_with(bytes, "ply\r") || starts_with(bytes, "ply ")) return parse_ply;
   if (starts_with(bytes, "PK\x03\x04")) return parse_3mf;
