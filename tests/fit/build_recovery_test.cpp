@@ -5,6 +5,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "fit/build.h"
+#include "testing/models.h"
 #include "testing/recovery/facets.h"
 #include "testing/recovery/parts.h"
 #include "testing/recovery/score.h"
@@ -17,13 +18,7 @@ using namespace fit;
 namespace {
 
 using namespace recovery;
-
-Model model_with(Shape shape) {
-  Model model;
-  model.as_scanned = false;
-  model.objects.push_back({"part", std::move(shape), {}, {}, {}});
-  return model;
-}
+using partscribe::testing::model_with;
 
 std::string reasons(const Model& model) {
   std::string text;

@@ -5,19 +5,13 @@
 
 #include "fit/input/prepare.h"
 #include "fit/refine/refine.h"
+#include "testing/models.h"
 #include "testing/sampled.h"
 
 using namespace partscribe::fit;
 using namespace partscribe::testing;
 
 namespace {
-
-Model model_with(Shape shape) {
-  Model model;
-  model.as_scanned = false;
-  model.objects.push_back({"part", std::move(shape), {}, {}, {}});
-  return model;
-}
 
 FitInput prepared(Scan& scan, double tolerance) {
   Context context;

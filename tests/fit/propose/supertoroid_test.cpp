@@ -3,22 +3,15 @@
 
 #include <catch2/catch.hpp>
 
+#include "testing/models.h"
 #include "testing/sampled.h"
 
 namespace partscribe::testing {
 
 using namespace fit;
+using partscribe::testing::model_with;
 
-namespace {
-
-Model model_with(Shape shape) {
-  Model model;
-  model.as_scanned = false;
-  model.objects.push_back({"part", std::move(shape), {}, {}, {}});
-  return model;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("supertoroid: a start from half of a soiled ring is near the truth") {
   const Supertoroid truth{30, 10, 8, 0.6, 0.5};

@@ -8,20 +8,15 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "fit/build.h"
+#include "testing/models.h"
 #include "testing/sampled.h"
 
 namespace partscribe::testing {
 
 using namespace fit;
+using partscribe::testing::model_with;
 
 namespace {
-
-Model model_with(Shape shape) {
-  Model model;
-  model.as_scanned = false;
-  model.objects.push_back({"part", std::move(shape), {}, {}, {}});
-  return model;
-}
 
 std::string reasons(const Model& model) {
   std::string text;

@@ -11,7 +11,7 @@
 
 using namespace partscribe::geometry;
 namespace scenes = partscribe::testing::primitives;
-using scenes::example, scenes::kinds, scenes::Scan;
+using scenes::example, scenes::kinds;
 
 namespace {
 
@@ -53,7 +53,7 @@ double largest_distance(const Primitive& p, const std::vector<Vec3>& points) {
   return largest;
 }
 
-PrimitiveFit fitted(PrimitiveKind kind, const Scan& scan, const PrimitiveFitOptions& options = {}) {
+PrimitiveFit fitted(PrimitiveKind kind, const scenes::Scan& scan, const PrimitiveFitOptions& options = {}) {
   const auto fit = fit_primitive(kind, scan.points, {}, options);
   REQUIRE(fit);
   return *fit;
@@ -67,7 +67,7 @@ TEST_CASE("primitive fit: every kind is recovered within four of the sigmas that
     for (const double arc : {2 * pi, pi / 3})
       for (int trial = 0; trial < 10; ++trial) {
         const Primitive truth = example(kind, 100, random);
-        const Scan scan = scenes::scan(truth, 500, arc, 0.02, random);
+        const scenes::Scan scan = scenes::scan(truth, 500, arc, 0.02, random);
         const PrimitiveFit fit = fitted(kind, scan);
         INFO(name_of(kind) << " over " << degrees(arc) << " degrees");
         CHECK(fit.converged);
@@ -99,7 +99,7 @@ TEST_CASE("primitive fit: intervals of 95 % cover the truth in 95 of 100 scans")
     int inside = 0, all = 0;
     for (int trial = 0; trial < 1200; ++trial) {
       const Primitive truth = example(kind, 100, random);
-      const Scan scan = scenes::scan(truth, 200, trial % 2 ? pi / 3 : 2 * pi, 0.02, random);
+      const scenes::Scan scan = scenes::scan(truth, 200, trial % 2 ? pi / 3 : 2 * pi, 0.02, random);
       PrimitiveFitOptions options;
       options.start = truth;
       options.sigma = trial % 3 ? 0 : 0.02;  // estimated or given
@@ -118,7 +118,7 @@ TEST_CASE("primitive fit: a hundred metres from the origin exact points give exa
   Random random(4);
   for (const PrimitiveKind kind : kinds) {
     const Primitive truth = example(kind, 1e5, random);
-    const Scan scan = scenes::scan(truth, 1000, 2 * pi, 0, random);
+    const scenes::Scan scan = scenes::scan(truth, 1000, 2 * pi, 0, random);
     const PrimitiveFit fit = fitted(kind, scan);
     INFO(name_of(kind));
     CHECK(std::abs(fit.primitive.radius - truth.radius -
@@ -137,7 +137,7 @@ TEST_CASE("primitive fit: the basin reaches starts a radian and half the size aw
   for (const PrimitiveKind kind : kinds)
     for (int trial = 0; trial < 30; ++trial) {
       const Primitive truth = example(kind, 100, random);
-      const Scan scan = scenes::scan(truth, 300, 2 * pi, 0.02, random);
+      const scenes::Scan scan = scenes::scan(truth, 300, 2 * pi, 0.02, random);
       PrimitiveFitOptions options;
       options.start = truth;
       options.start->axis = rotation_of(direction(random).cross(truth.axis).normalized()) * truth.axis;
@@ -153,7 +153,7 @@ TEST_CASE("primitive fit: the order of the points moves only the last bits") {
   Random random(6);
   for (const PrimitiveKind kind : kinds) {
     const Primitive truth = example(kind, 100, random);
-    Scan scan = scenes::scan(truth, 3000, pi, 0.02, random);
+    scenes::Scan scan = scenes::scan(truth, 3000, pi, 0.02, random);
     const Primitive a = fitted(kind, scan).primitive;
     for (std::size_t i = scan.points.size() - 1; i > 0; --i)
       std::swap(scan.points[i], scan.points[random.below(i + 1)]);
@@ -173,7 +173,7 @@ TEST_CASE("primitive fit: too few points and undefined numbers give no fit") {
     INFO(name_of(kind));
     CHECK_FALSE(fit_primitive(kind, {}, {}, {}));
     CHECK_FALSE(fit_primitive(kind, {Vec3::Zero()}, {}, {}));
-    Scan scan = scenes::scan(example(kind, 10, random), 100, 2 * pi, 0.02, random);
+    scenes::Scan scan = scenes::scan(example(kind, 10, random), 100, 2 * pi, 0.02, random);
     scan.points[57].y() = std::nan("");
     CHECK_FALSE(fit_primitive(kind, scan.points, {}, {}));
     scan.points[57].y() = INFINITY;
@@ -250,7 +250,7 @@ TEST_CASE("primitive fit: robust weights see through one wild point in five") {
   for (const PrimitiveKind kind : kinds)
     for (int trial = 0; trial < 12; ++trial) {
       const Primitive truth = example(kind, 100, random);
-      Scan scan = scenes::scan(truth, 500, trial % 2 ? pi / 2 : 2 * pi, 0.02, random);
+      scenes::Scan scan = scenes::scan(truth, 500, trial % 2 ? pi / 2 : 2 * pi, 0.02, random);
       for (std::size_t i = 0; i < scan.points.size(); i += 5)
         scan.points[i] += Vec3(random.uniform(-10, 10), random.uniform(-10, 10), random.uniform(-10, 10));
       PrimitiveFitOptions options;
@@ -270,8 +270,8 @@ TEST_CASE("primitive fit: points with a sigma of their own count by it") {
   Random random(12);
   for (const PrimitiveKind kind : kinds) {
     const Primitive truth = example(kind, 100, random);
-    Scan scan = scenes::scan(truth, 400, 2 * pi, 0.02, random);
-    const Scan rough = scenes::scan(truth, 400, 2 * pi, 0.5, random);
+    scenes::Scan scan = scenes::scan(truth, 400, 2 * pi, 0.02, random);
+    const scenes::Scan rough = scenes::scan(truth, 400, 2 * pi, 0.5, random);
     const PrimitiveFit good = fitted(kind, scan);
     scan.points.insert(scan.points.end(), rough.points.begin(), rough.points.end());
     std::vector<double> sigmas(800, 0.02);
@@ -302,7 +302,7 @@ TEST_CASE("primitive fit: planes look along the normals, and starts keep their s
   Random random(13);
   for (const double sense : {1.0, -1.0}) {
     Primitive truth = example(PrimitiveKind::plane, 10, random);
-    Scan scan = scenes::scan(truth, 100, 2 * pi, 0.02, random);
+    scenes::Scan scan = scenes::scan(truth, 100, 2 * pi, 0.02, random);
     for (Vec3& n : scan.normals) n *= sense;
     const auto fit = fit_primitive(PrimitiveKind::plane, scan.points, scan.normals, {});
     REQUIRE(fit);
