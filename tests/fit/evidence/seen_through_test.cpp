@@ -14,7 +14,7 @@ using namespace fit;
 
 namespace {
 
-constexpr double radius = 20, length = 60, noise = 0.1, tolerance = 3 * noise;
+constexpr double radius = 20, rod_length = 60, noise = 0.1, tolerance = 3 * noise;
 
 /// Half of a cylinder's wall, seen from above by parallel rays: its outside, or the inside of a trough of that form.
 Scan half_wall(bool outside) {
@@ -25,7 +25,8 @@ Scan half_wall(bool outside) {
   const Vec3 down(0, 0, -1);
   while (scan.cloud.size() < 4000) {
     const double x = radius * random.uniform(-0.95, 0.95), z = std::sqrt(radius * radius - x * x);
-    scan.cloud.points.push_back(Vec3(x, length * random.uniform(), outside ? z : -z) + noise * random.normal() * down);
+    scan.cloud.points.push_back(Vec3(x, rod_length * random.uniform(), outside ? z : -z) +
+                                noise * random.normal() * down);
     scan.cloud.rays.push_back(down), scan.cloud.view.push_back(0);
   }
   return scan;
@@ -41,7 +42,7 @@ FitInput input_of(const Scan& scan) {
 /// The solid with that wall.
 Candidate rod() {
   Candidate c;
-  c.procedure = "cylinder", c.object_name = "rod", c.shape = Cylinder{Expr(radius), Expr(length)};
+  c.procedure = "cylinder", c.object_name = "rod", c.shape = Cylinder{Expr(radius), Expr(rod_length)};
   c.scan_from_part.rotation = rotation_of(Vec3(-pi / 2, 0, 0));
   return c;
 }
