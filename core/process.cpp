@@ -19,15 +19,12 @@
 #include <sstream>
 #include <string_view>
 
+#include "core/sanitized.h"
+
 namespace partscribe::core {
 namespace {
 
 constexpr std::size_t kept_output = 1 << 20;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool addresses_cost = false;  // a sanitizer reserves its shadow of all memory there could be
-#else
-constexpr bool addresses_cost = true;
-#endif
 constexpr double patience = 0.5;  // seconds for output that is still on its way when a program has ended
 
 /// Variables that a program needs to find its files, and what tells a sanitizer how to speak.
@@ -123,7 +120,7 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
     ::dup2(out.write_end, 1);
     ::dup2(err.write_end, 2);
     ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
-    if (addresses_cost) limit(RLIMIT_AS, limits.memory_mb * 1048576.0);
+    if (!sanitized) limit(RLIMIT_AS, limits.memory_mb * 1048576.0);
     limit(RLIMIT_FSIZE, limits.file_mb * 1048576.0);
     limit(RLIMIT_NPROC, processes);
     limit(RLIMIT_CORE, 0);
