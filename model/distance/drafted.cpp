@@ -30,21 +30,7 @@ struct PlaneWall {
       : corners{raised(low.a, z_low), raised(low.b, z_low), raised(high.b, z_high), raised(high.a, z_high)},
         normal((corners[1] - corners[0]).cross(corners[3] - corners[0]).normalized()) {}
 
-  Foot foot(const Vec3& p) const {
-    Foot f{1e300, p, normal};
-    f.point = p - normal.dot(p - corners[0]) * normal;
-    f.distance = (p - f.point).norm();
-    bool inside = true;
-    Foot edge{1e300, p, normal};
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Vec3 &a = corners[i], &b = corners[(i + 1) % 4];
-      if (normal.dot((b - a).cross(f.point - a)) >= 0) continue;
-      inside = false;
-      const Vec3 q = foot_on_segment(a, b, p);
-      if (const double d = (p - q).norm(); d < edge.distance) edge.distance = d, edge.point = q;
-    }
-    return inside ? f : edge;
-  }
+  Foot foot(const Vec3& p) const { return foot_on_polygon(corners, normal, p); }
   /// How often a ray along x from p, at its height, crosses the wall; `up` from 0 to 1.
   int crossings(const Vec3& p, double up) const {
     const Vec3 a = corners[0] + up * (corners[3] - corners[0]), b = corners[1] + up * (corners[2] - corners[1]);

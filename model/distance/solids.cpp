@@ -187,21 +187,8 @@ class ConvexSolid : public Solid {
   Foot foot(const Vec3& p, int face) const override {
     const std::size_t i = static_cast<std::size_t>(face);
     const Vec3& n = planes_[i].normal;
-    Foot f{1e300, p, n};
-    if (i >= polygons_.size() || polygons_[i].size() < 3) return f;
-    const auto& polygon = polygons_[i];
-    const Vec3 q = p - (n.dot(p) - planes_[i].offset) * n;
-    bool inside = true;
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const Vec3 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()], along = b - a;
-      if (n.dot(along.cross(q - a)) >= 0) continue;
-      inside = false;
-      const double t = std::clamp((q - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-      const Vec3 at = a + t * along;
-      if (const double d = (p - at).norm(); d < f.distance) f.distance = d, f.point = at;
-    }
-    if (inside) f.distance = (p - q).norm(), f.point = q;
-    return f;
+    if (i >= polygons_.size() || polygons_[i].size() < 3) return {1e300, p, n};
+    return foot_on_polygon(polygons_[i], n, p);
   }
 
  private:
@@ -372,6 +359,22 @@ SolidPointer solid_for(const S&) {
 }
 
 }  // namespace
+
+Foot foot_on_polygon(std::span<const Vec3> corners, const Vec3& normal, const Vec3& p) {
+  Foot f{1e300, p, normal};
+  const Vec3 q = p - normal.dot(p - corners[0]) * normal;
+  bool inside = true;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Vec3 &a = corners[k], &b = corners[(k + 1) % corners.size()], along = b - a;
+    if (normal.dot(along.cross(q - a)) >= 0) continue;
+    inside = false;
+    const double t = std::clamp((q - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+    const Vec3 at = a + t * along;
+    if (const double d = (p - at).norm(); d < f.distance) f.distance = d, f.point = at;
+  }
+  if (inside) f.distance = (p - q).norm(), f.point = q;
+  return f;
+}
 
 std::unique_ptr<Solid> make_solid(const EvaluatedShape& shape) {
   return std::visit([](const auto& s) { return solid_for(s); }, shape);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct Foot {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< of the face, unit length, either way
 };
+
+/// The nearest point of a plane convex polygon, whose corners run counter-clockwise seen along its unit normal.
+Foot foot_on_polygon(std::span<const Vec3> corners, const Vec3& normal, const Vec3& p);
 
 class Solid {
  public:
