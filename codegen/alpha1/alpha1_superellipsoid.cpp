@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "geometry/surfaces/quadric_distance.h"
 #include "model/distance/distance.h"
 
 namespace partscribe::codegen {
@@ -135,9 +136,10 @@ Vec2 closed_at(const std::vector<SuperellipsoidNet::Around>& net, int order, dou
 
 /// What bending adds to a place along the net: radius and height of its straight place are u.
 Eigen::Matrix<double, 6, 1> bent_along(const Vec2& u, double bend) {
-  const double c = std::cos(bend * u.y()), s = std::sin(bend * u.y()), half = std::sin(bend * u.y() / 2);
+  const double c = std::cos(bend * u.y()), s = std::sin(bend * u.y());
+  const Vec3 axis = bent({0, 0, u.y()}, bend);
   Eigen::Matrix<double, 6, 1> v;
-  v << u.x() * c, u.x() * u.y() * c, u.x() * s, u.x() * u.y() * s, 2 * half * half / bend, s / bend;
+  v << u.x() * c, u.x() * u.y() * c, u.x() * s, u.x() * u.y() * s, axis.x(), axis.z();
   return v;
 }
 

@@ -14,6 +14,7 @@
 
 #include "codegen/exchange/brep_shapes.h"
 #include "core/number.h"
+#include "geometry/surfaces/quadric_distance.h"
 
 // A superellipsoid is the product of two plane curves: x = a1 U(u) C(v) (1 + taper_x S(v)) and so on, with (U, V) on
 // the unit superellipse of exponent e2, (C, S) on that of e1. Each curve is replaced by C1 cubics in the angle of the
@@ -71,8 +72,9 @@ Jet meridian(const SuperellipsoidOf<double>& s, double t, int half) {
   const double x = c * gx, y = c * gy, dx = dc * gx + c * s.taper_x * dz, dy = dc * gy + c * s.taper_y * dz;
   const double b = s.bend;
   if (b == 0) return {row(x, y, z), row(dx, dy, dz)};
-  const double cos = std::cos(b * z), sin = std::sin(b * z), middle = std::sin(b * z / 2), turn = b * dz;
-  return {row(x * cos, y, sin / b, x * sin, 2 * middle * middle / b),
+  const double cos = std::cos(b * z), sin = std::sin(b * z), turn = b * dz;
+  const Vec3 axis = bent({0, 0, z}, b);
+  return {row(x * cos, y, axis.z(), x * sin, axis.x()),
           row(dx * cos - x * sin * turn, dy, cos * dz, dx * sin + x * cos * turn, sin * dz)};
 }
 
