@@ -203,8 +203,6 @@ class Seeker {
   }
 };
 
-std::string percent(double share) { return print_number(snapped(100 * share, 0.1)) + " %"; }
-
 /// What is wrong with the artifact if `to` puts it right.
 std::string described(const Similarity& to, const Vec3& center) {
   std::vector<std::string> faults;
@@ -227,12 +225,12 @@ std::string described(const Similarity& to, const Vec3& center) {
   else if (larger > 1.5)
     faults.push_back(shown(larger, 0.001) + " times too " + (to.scale > 1 ? "large" : "small"));
   else if (larger > 1 + 1e-9)
-    faults.push_back("scaled by " + print_number(snapped(to.scale, 1e-4)) + ", " +
-                     print_number(snapped(100 * (larger - 1), 0.01)) + " % too " + (to.scale > 1 ? "large" : "small"));
+    faults.push_back("scaled by " + shown(to.scale, 1e-4) + ", " + shown(100 * (larger - 1), 0.01) + " % too " +
+                     (to.scale > 1 ? "large" : "small"));
   if (!to.mirrors()) {
     const Eigen::AngleAxisd turn(to.turn);
     if (turn.angle() > 1e-9)
-      faults.push_back("turned by " + print_number(snapped(degrees(turn.angle()), 0.01)) + " degrees about " +
+      faults.push_back("turned by " + shown(degrees(turn.angle()), 0.01) + " degrees about " +
                        shown(Vec3(turn.axis()), 0.001));
     // A part grows about its own origin or about another place: only the latter is a motion.
     const Vec3 moved = larger > 1 + 1e-9 && to.shift.norm() < 1e-9 ? Vec3(Vec3::Zero()) : Vec3(to * center - center);

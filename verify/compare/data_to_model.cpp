@@ -318,8 +318,8 @@ class Comparison {
                         : std::string()) +
             " stand together at " + shown(scene.off[nearest], 0.01) + ", " + shown(off, 0.0001) +
             " mm off the artifact" + (outside > 0 && outside < members.size() ? " on both sides of it" : "") +
-            ": too close to one another for outliers, of which chance puts " +
-            print_number(snapped(clusters[c].expected, 0.01)) + " where there are " + std::to_string(clusters[c].most));
+            ": too close to one another for outliers, of which chance puts " + shown(clusters[c].expected, 0.01) +
+            " where there are " + std::to_string(clusters[c].most));
     }
     if (clusters.size() > most_clusters_told)
       field_.faults.push_back(std::to_string(clusters.size() - most_clusters_told) + " more such groups of points");
@@ -334,7 +334,6 @@ class Comparison {
   void judge_rate(std::size_t far) {
     const double total = static_cast<double>(source_.kept + source_.set_aside.size());
     const double rate = options_.outlier_rate;
-    auto percent = [](double share) { return print_number(snapped(100 * share, 0.1)) + " %"; };
     if (static_cast<double>(far) > rate * total + 4 * std::sqrt(rate * total) + 3)
       field_.faults.push_back(std::to_string(far) + " points (" + percent(static_cast<double>(far) / total) +
                               ") were set aside as outliers and lie farther than the tolerance from the artifact; " +

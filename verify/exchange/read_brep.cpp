@@ -216,9 +216,8 @@ void take_shape(BrepReading& reading, const TopoDS_Shape& shape, double toleranc
   evaluation.error = meshed.error;
   evaluation.solid = check.solid;
   if (!check.solid && seam.width > 0)
-    evaluation.complaints.push_back("its faces do not meet: they are up to " +
-                                    print_number(snapped(seam.width, 0.0001)) + " mm apart, near " +
-                                    Words(tolerance).place(seam.place));
+    evaluation.complaints.push_back("its faces do not meet: they are up to " + shown(seam.width, 0.0001) +
+                                    " mm apart, near " + Words(tolerance).place(seam.place));
   for (auto& fault : check.faults) evaluation.complaints.push_back(std::move(fault));
   // Flat faces are their mesh; and without a solid the shape's own orientation says nothing.
   if (evaluation.solid && evaluation.error > 1e-6 * tolerance && count(body, TopAbs_SOLID) > 0)
@@ -254,7 +253,7 @@ void compare_with_tree(BrepReading& reading, IGESControl_Reader& reader, bool ha
   const double apart = std::max(one_way(meshed.mesh, MeshDistance(evaluation.mesh)),
                                 one_way(evaluation.mesh, MeshDistance(meshed.mesh)));
   if (apart > tolerance / 5 + meshed.error + evaluation.error)
-    refuse("the file's boolean tree and its body differ by " + print_number(snapped(apart, 0.0001)) + " mm");
+    refuse("the file's boolean tree and its body differ by " + shown(apart, 0.0001) + " mm");
 }
 
 /// Runs `read` where no exception of OpenCASCADE escapes; only memory that runs out does.

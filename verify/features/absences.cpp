@@ -191,8 +191,8 @@ void Absences::find_missing() {
       f.reason = "the scan shows a " + what + " wall, the artifact has none";
       f.text = (open ? "missing material about a " : "missing ") + noun_of(a) + ": the scan shows a " + what +
                " wall of " +
-               (cone ? print_number(snapped(degrees(2 * a.axis.half_angle), 0.1)) + " degrees, diameter " +
-                           words.mm(2 * low) + " to " + words.mm(2 * high)
+               (cone ? shown(degrees(2 * a.axis.half_angle), 0.1) + " degrees, diameter " + words.mm(2 * low) + " to " +
+                           words.mm(2 * high)
                      : "diameter " + words.mm(2 * a.axis.radius)) +
                " about " + words.place(a.center) + " along " + axis_text(a.axis.axis) + ", the artifact has none";
       missing_.push_back(std::move(a));

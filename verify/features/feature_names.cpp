@@ -34,8 +34,7 @@ std::string face_name(const MeshFeature& f) {
   const Vec3& n = f.primitive->axis;
   Eigen::Index axis;
   if (n.cwiseAbs().maxCoeff(&axis) < std::cos(radians(0.5))) return "slanted face";
-  return std::string("face ") + (n[axis] > 0 ? "+" : "-") + "xyz"[axis] + " at " +
-         print_number(snapped(f.middle[axis], 0.01));
+  return std::string("face ") + (n[axis] > 0 ? "+" : "-") + "xyz"[axis] + " at " + shown(f.middle[axis], 0.01);
 }
 
 }  // namespace

@@ -475,11 +475,10 @@ class Inspector {
         say(std::string(nominal_.kind == PrimitiveKind::plane ? "" : "centre ") + words_.mm(displacement_.norm()) +
             " mm too far in " + direction_text(-displacement_));
       } else if (d.name == "tilt") {
-        say("tilted by " + print_number(snapped(degrees(d.measured), 0.01)) + " degrees");
+        say("tilted by " + shown(degrees(d.measured), 0.01) + " degrees");
       } else if (d.quantity == Quantity::angle) {
-        say(d.name + " " + print_number(snapped(degrees(d.nominal), 0.01)) + " degrees, the scan says " +
-            print_number(snapped(degrees(d.measured), 0.01)) + " +- " +
-            print_number(snapped(std::max(degrees(d.sigma), 0.01), 0.01)));
+        say(d.name + " " + shown(degrees(d.nominal), 0.01) + " degrees, the scan says " +
+            shown(degrees(d.measured), 0.01) + " +- " + shown(std::max(degrees(d.sigma), 0.01), 0.01));
       } else {
         say(d.name + " " + words_.mm(d.nominal) + ", the scan says " + words_.with_sigma(d.measured, d.sigma));
       }
@@ -501,7 +500,7 @@ std::string with_size(const std::string& name, const MeshFeature& feature, doubl
     return name + " (diameter " + words.mm(2 * p.radius) + ")";
   if (feature.kind == "fillet" || feature.kind == "round" || feature.kind == "cylinder")
     return name + " (radius " + words.mm(p.kind == PrimitiveKind::torus ? p.tube : p.radius) + ")";
-  if (feature.kind == "cone") return name + " (" + print_number(snapped(degrees(2 * p.half_angle), 0.1)) + " degrees)";
+  if (feature.kind == "cone") return name + " (" + shown(degrees(2 * p.half_angle), 0.1) + " degrees)";
   return name;
 }
 

@@ -19,8 +19,6 @@ constexpr std::size_t most_findings = 12;  // that a table shows
 
 double rounded(double v) { return snapped(v, 1e-6); }
 
-std::string fixed(double v, double resolution) { return print_number(snapped(v, resolution)); }
-
 /// `text` padded or cut to `columns` columns; what is cut ends in "~".
 std::string column(const std::string& text, std::size_t columns, bool right = false) {
   if (text.size() > columns) return text.substr(0, columns - 1) + "~";
@@ -118,14 +116,14 @@ Json finding_json(const Finding& f) {
 
 bool was_compared(const ArtifactVerdict& artifact) { return artifact.model_to_data.area > 0; }
 
-std::string percent(double part, double whole) { return whole > 0 ? fixed(100 * part / whole, 0.1) + " %" : "-"; }
+std::string percent(double part, double whole) { return whole > 0 ? shown(100 * part / whole, 0.1) + " %" : "-"; }
 
 std::string main_reason(const Verdict& verdict) {
   for (const auto& artifact : verdict.artifacts)
     if (artifact.verdict == verdict.verdict && !artifact.reasons.empty())
       return (verdict.artifacts.size() > 1 ? artifact.file + ": " : "") + artifact.reasons.front();
   for (const auto& pair : verdict.between_backends)
-    if (!pair.agree) return pair.first + " and " + pair.second + " differ by " + fixed(pair.distance, 0.0001) + " mm";
+    if (!pair.agree) return pair.first + " and " + pair.second + " differ by " + shown(pair.distance, 0.0001) + " mm";
   return name_of(verdict.verdict);
 }
 
@@ -137,7 +135,7 @@ std::string failure_of(const ArtifactVerdict& artifact, const FeatureVerdict& fe
         (f.feature == feature.name || f.text.find(feature.name + " at (") != std::string::npos))
       lines.push_back(f.text);
   if (lines.empty())
-    lines.push_back("deviates by " + fixed(feature.max, 0.0001) + " mm, covered " + fixed(feature.covered, 0.001));
+    lines.push_back("deviates by " + shown(feature.max, 0.0001) + " mm, covered " + shown(feature.covered, 0.001));
   return joined(lines);
 }
 
@@ -211,10 +209,10 @@ std::string agreement_lines(const Verdict& verdict) {
     if (p.agree)
       farthest = std::max(farthest, p.distance), ++agree;
     else
-      text += p.first + " and " + p.second + " DIFFER: " + fixed(p.distance, 0.0001) + " mm apart\n";
+      text += p.first + " and " + p.second + " DIFFER: " + shown(p.distance, 0.0001) + " mm apart\n";
   }
   if (agree == 0) return text;
-  const std::string apart = fixed(farthest, 0.0001) + " mm apart\n";
+  const std::string apart = shown(farthest, 0.0001) + " mm apart\n";
   if (pairs.size() == 1) return text + pairs[0].first + " and " + pairs[0].second + " agree: " + apart;
   return text +
          (agree == pairs.size() ? "All files agree with each other: at most "
@@ -229,7 +227,7 @@ std::string failing_dimensions(const ArtifactVerdict& a) {
     if (o.verdict == Outcome::verified) continue;
     for (const auto& d : o.dimensions) {
       const bool angle = d.quantity == Quantity::angle;
-      auto value = [&](double v) { return fixed(angle ? degrees(v) : v, 0.001); };
+      auto value = [&](double v) { return shown(angle ? degrees(v) : v, 0.001); };
       text += "  " + column(column(o.name, 29), 30) + column(column(d.name + (angle ? " [deg]" : ""), 21), 22) +
               column(value(d.nominal), 10, true) + column(value(d.measured), 10, true) +
               column(value(d.sigma), 9, true) + column(value(d.deviation), 10, true) + (d.within ? "  in" : "  OUT") +
@@ -258,7 +256,7 @@ std::string opinion_lines(const ArtifactVerdict& a) {
     if (!o.delivered)
       line += "no answer, " + o.note;
     else
-      line += (o.agrees ? "agrees, " : "DIFFERS, ") + fixed(o.distance, 0.0001) + " mm apart" +
+      line += (o.agrees ? "agrees, " : "DIFFERS, ") + shown(o.distance, 0.0001) + " mm apart" +
               (!o.agrees && o.exact_circles ? " (it reads polygons as circles)" : "");
     text += wrapped(line, 2);
   }
@@ -294,7 +292,7 @@ std::string alignment_lines(const ArtifactVerdict& artifact) {
   const std::string motion = a.moves()
                                  ? "before it was compared with " + artifact.file + ", the scan was " + words_for(a)
                                  : "the scan lies on " + artifact.file + " as it should and was not moved";
-  return wrapped("ALIGNED (" + std::string(name_of(a.method)) + "): " + motion + "; rms " + fixed(a.rms, 0.0001) +
+  return wrapped("ALIGNED (" + std::string(name_of(a.method)) + "): " + motion + "; rms " + shown(a.rms, 0.0001) +
                      " mm over " + std::to_string(a.points) + " points" + (a.remark.empty() ? "" : "; " + a.remark),
                  2);
 }
@@ -302,9 +300,9 @@ std::string alignment_lines(const ArtifactVerdict& artifact) {
 /// What the scan is good for, and how much of it was not believed.
 std::string scan_lines(const Verdict& verdict) {
   std::string text = snapped(verdict.smallest_honest_tolerance, 0.0001) > 0
-                         ? "The scan's local noise is " + fixed(verdict.noise, 0.0001) +
+                         ? "The scan's local noise is " + shown(verdict.noise, 0.0001) +
                                " mm; it can decide tolerances from " +
-                               fixed(verdict.smallest_honest_tolerance, 0.0001) + " mm.\n"
+                               shown(verdict.smallest_honest_tolerance, 0.0001) + " mm.\n"
                          : "The scan has no noise that could be measured; it can decide any tolerance.\n";
   const DataToModel* most = nullptr;
   for (const auto& a : verdict.artifacts)
@@ -426,7 +424,7 @@ std::string write_verdict_junit(const Verdict& verdict) {
   }
   for (const auto& p : verdict.between_backends)
     test_case("between backends", p.first + " and " + p.second, p.agree ? Outcome::verified : Outcome::out_of_tolerance,
-              "differ by " + fixed(p.distance, 0.0001) + " mm");
+              "differ by " + shown(p.distance, 0.0001) + " mm");
   const std::string counts = " tests=\"" + std::to_string(tests) + "\" failures=\"" + std::to_string(failures) +
                              "\" errors=\"0\" skipped=\"" + std::to_string(skipped) + "\"";
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + counts +
@@ -442,8 +440,8 @@ std::string verdict_table(const Verdict& verdict) {
     text += column(column(a.file, 23), 24) +
             column(column(a.program + (a.version.empty() ? "" : " ") + a.version, 21), 22) +
             column(name_of(a.verdict), 17) +
-            column(compared ? fixed(a.data_to_model.local_max, 0.0001) : "-", 10, true) +
-            column(compared ? fixed(a.data_to_model.rms, 0.0001) : "-", 9, true) +
+            column(compared ? shown(a.data_to_model.local_max, 0.0001) : "-", 10, true) +
+            column(compared ? shown(a.data_to_model.rms, 0.0001) : "-", 9, true) +
             column(percent(a.model_to_data.supported, a.model_to_data.area), 9, true) +
             column(percent(a.model_to_data.contradicted, a.model_to_data.area), 9, true) + "\n";
   }
@@ -463,7 +461,7 @@ std::string verdict_table(const Verdict& verdict) {
     for (const auto& o : a->objects)
       if ((first && a->objects.size() <= most_rows) || o.verdict != Outcome::verified)
         faces += "  " + column(column(o.name, 43), 44) + column(name_of(o.verdict), 17) +
-                 column(fixed(o.max, 0.0001), 10, true) + column(fixed(o.rms, 0.0001), 9, true) +
+                 column(shown(o.max, 0.0001), 10, true) + column(shown(o.rms, 0.0001), 9, true) +
                  column(percent(o.covered, 1), 9, true) + column(std::to_string(o.points), 9, true) + "\n";
     if (!faces.empty())
       text += "\n" + column(a->file + ", feature by feature", 46) + column("verdict", 17) +
@@ -483,7 +481,7 @@ std::string verdict_table(const Verdict& verdict) {
     const bool aligned = std::any_of(verdict.artifacts.begin(), verdict.artifacts.end(),
                                      [](const auto& a) { return a.alignment.has_value(); });
     text += "VERIFIED within " + print_number(verdict.tolerance) + " mm" + (aligned ? " after alignment" : "") +
-            (unseen > 0.001 ? "; " + fixed(100 * unseen, 0.1) + " % of the surface was not scanned" : "") + "\n";
+            (unseen > 0.001 ? "; " + shown(100 * unseen, 0.1) + " % of the surface was not scanned" : "") + "\n";
   } else {
     text += "NOT VERIFIED: " + main_reason(verdict) + "\n";
   }

@@ -29,6 +29,8 @@ std::string shown(const Vec3& v, double resolution) {
   return "(" + shown(v.x(), resolution) + ", " + shown(v.y(), resolution) + ", " + shown(v.z(), resolution) + ")";
 }
 
+std::string percent(double share) { return shown(100 * share, 0.1) + " %"; }
+
 std::string direction_text(const Vec3& direction) {
   const double length = direction.norm();
   if (!(length > 0)) return "no direction";

@@ -26,6 +26,9 @@ class Words {
 std::string shown(double value, double resolution);
 std::string shown(const Vec3& v, double resolution);
 
+/// "0.3 %" of a share from 0 to 1.
+std::string percent(double share);
+
 /// "+x" within 10 degrees of an axis, else the two or three components: "(0.6, 0.8, 0)".
 std::string direction_text(const Vec3& direction);
 
