@@ -25,6 +25,13 @@ inline Model model_with(Shape shape, std::vector<Parameter> parameters = {}) {
   return m;
 }
 
+/// Why each of a model's rivals was not taken, a line each.
+inline std::string reasons(const Model& model) {
+  std::string text;
+  for (const auto& rival : model.rivals) text += rival.procedure + ": " + rival.reason + "\n";
+  return text;
+}
+
 inline Loop polygon(const std::vector<std::pair<Expr, Expr>>& corners) {
   Loop loop;
   for (const auto& [x, y] : corners) loop.elements.push_back(SketchPoint{x, y, ""});

@@ -18,13 +18,7 @@ using namespace fit;
 namespace {
 
 using namespace recovery;
-using partscribe::testing::model_with;
-
-std::string reasons(const Model& model) {
-  std::string text;
-  for (const auto& rival : model.rivals) text += rival.procedure + ": " + rival.reason + "\n";
-  return text;
-}
+using partscribe::testing::model_with, partscribe::testing::reasons;
 
 /// One simulated scan of a known part.
 struct Run {

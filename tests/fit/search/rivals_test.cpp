@@ -14,17 +14,7 @@
 namespace partscribe::testing {
 
 using namespace fit;
-using partscribe::testing::model_with;
-
-namespace {
-
-std::string reasons(const Model& model) {
-  std::string text;
-  for (const auto& rival : model.rivals) text += rival.procedure + ": " + rival.reason + "\n";
-  return text;
-}
-
-}  // namespace
+using partscribe::testing::model_with, partscribe::testing::reasons;
 
 TEST_CASE("rivals: a cone that noise hides is a cylinder, and the model says that the data cannot tell") {
   Scan scan = sampled(model_with(Cone{10.02, 10, 30}), {.points = 3000, .noise = 0.1, .reach = 20, .seed = 4});
