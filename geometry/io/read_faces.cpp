@@ -74,13 +74,13 @@ void cut_polygon(const std::vector<Vec3>& points, const std::uint32_t* corner, s
 
 }  // namespace
 
-bool Faces::add_corner(std::int64_t index) {
+bool FilePolygons::add_corner(std::int64_t index) {
   if (index < 0 || index >= std::numeric_limits<std::uint32_t>::max()) return false;
   corners.push_back(static_cast<std::uint32_t>(index));
   return true;
 }
 
-bool Faces::add_strip(const std::vector<std::int64_t>& strip) {
+bool FilePolygons::add_strip(const std::vector<std::int64_t>& strip) {
   for (std::size_t i = 0; i + 2 < strip.size(); ++i) {
     const bool odd = i % 2 == 1;
     const auto a = strip[i], b = strip[i + (odd ? 2 : 1)], c = strip[i + (odd ? 1 : 2)];
@@ -91,7 +91,7 @@ bool Faces::add_strip(const std::vector<std::int64_t>& strip) {
   return true;
 }
 
-std::optional<Error> cut_faces(const Faces& faces, const std::string& name, RawGeometry& raw) {
+std::optional<Error> cut_faces(const FilePolygons& faces, const std::string& name, RawGeometry& raw) {
   const auto& points = raw.cloud.points;
   raw.mesh.triangles.reserve(faces.ends.size());
   std::size_t begin = 0, thin = 0;

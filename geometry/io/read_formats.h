@@ -68,7 +68,7 @@ double load_real(const char* from, NumberType type, bool swapped);
 std::int64_t load_integer(const char* from, NumberType type, bool swapped);
 
 /// Polygons as a file lists them, before they are cut.
-struct Faces {
+struct FilePolygons {
   std::vector<std::uint32_t> corners;
   std::vector<std::size_t> ends;  ///< one past the last corner of each face
   /// False if the index fits no mesh; other faces stay.
@@ -79,7 +79,7 @@ struct Faces {
 };
 
 /// Makes `raw.mesh` of `raw.cloud.points` and the faces. Convex polygons are cut into fans, others by ears.
-std::optional<Error> cut_faces(const Faces& faces, const std::string& name, RawGeometry& raw);
+std::optional<Error> cut_faces(const FilePolygons& faces, const std::string& name, RawGeometry& raw);
 
 Result<RawGeometry> parse_ply(std::string_view bytes, const std::string& name);
 Result<RawGeometry> parse_stl(std::string_view bytes, const std::string& name);

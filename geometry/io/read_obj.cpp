@@ -17,7 +17,7 @@ bool corner_index(std::string_view word, std::size_t vertices, std::int64_t& ind
 Result<RawGeometry> parse_obj(std::string_view bytes, const std::string& name) {
   RawGeometry raw;
   raw.format = "OBJ";
-  Faces faces;
+  FilePolygons faces;
   std::vector<Vec3> normals;
   LineReader lines{bytes};
   std::string_view line;

@@ -54,7 +54,7 @@ Result<RawGeometry> parse_off(std::string_view bytes, const std::string& name) {
         return at_line(name, lines.line, "expected a normal after the coordinates, found " + shown(word));
     raw.cloud.normals.push_back(n);
   }
-  Faces polygons;
+  FilePolygons polygons;
   for (std::int64_t f = 0; f < faces; ++f) {
     if (!next())
       return at_line(

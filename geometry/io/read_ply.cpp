@@ -284,7 +284,7 @@ std::optional<Error> read_lists(const Element& element, Records& records, Use&& 
   return {};
 }
 
-bool add_strips(const std::vector<std::int64_t>& indices, Faces& faces) {
+bool add_strips(const std::vector<std::int64_t>& indices, FilePolygons& faces) {
   std::vector<std::int64_t> strip;
   for (const auto index : indices) {
     if (index >= 0) {
@@ -305,7 +305,7 @@ Result<RawGeometry> parse_ply(std::string_view bytes, const std::string& name) {
   RawGeometry raw;
   raw.format = "PLY";
   if (header->millimetres) raw.unit = "mm";
-  Faces faces;
+  FilePolygons faces;
   std::vector<std::int64_t> grid;  // vertex of each grid cell, -1 where there is none
   Records records(bytes, *header, name);
   bool has_vertices = false;

@@ -134,7 +134,7 @@ std::optional<Error> read_cells(Arrays& arrays, const std::string& key, double v
 /// The surfaces among the cells; points and lines are none. `type_of(i)` is that of a cell; false if an index fits no
 /// mesh.
 template <class TypeOf>
-bool add_surfaces(const Cells& cells, const TypeOf& type_of, Faces& faces) {
+bool add_surfaces(const Cells& cells, const TypeOf& type_of, FilePolygons& faces) {
   std::vector<std::int64_t> corners;
   for (std::size_t i = 0; i < cells.ends.size(); ++i) {
     const std::int64_t type = type_of(i);
@@ -194,7 +194,7 @@ Result<RawGeometry> parse_vtk(std::string_view bytes, const std::string& name) {
         name, words.line,
         "expected a POLYDATA or UNSTRUCTURED_GRID dataset, found " + shown(dataset) + "; save the surface as PolyData");
 
-  Faces faces;
+  FilePolygons faces;
   bool points_seen = false;
   std::vector<double> values;
   Cells cells;  // of an unstructured grid, until their types are known

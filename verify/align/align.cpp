@@ -14,9 +14,9 @@
 #include "geometry/decompose.h"
 #include "geometry/mesh/mesh_facets.h"
 #include "geometry/points/thin.h"
+#include "geometry/segment/facets.h"
 #include "verify/compare/model_to_data.h"
 #include "verify/compare/samples.h"
-#include "verify/features/facets.h"
 #include "verify/report/words.h"
 
 namespace partscribe::verify {

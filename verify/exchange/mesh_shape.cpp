@@ -111,9 +111,11 @@ ShapeMesh collect(const TopoDS_Shape& shape, double limit) {
   std::vector<std::int64_t> vertex_node(static_cast<std::size_t>(vertices.Extent()) + 1, -1);
   NodeUnion nodes;
   std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> face_of;
+  std::uint32_t face_index = 0;
   std::vector<Vec3> on_surface;  // exact places over the middles of facets and of their edges
 
-  for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
+  for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next(), ++face_index) {
     const TopoDS_Face face = TopoDS::Face(faces.Current());
     TopLoc_Location location;
     const auto triangulation = BRep_Tool::Triangulation(face, location);
@@ -177,20 +179,23 @@ ShapeMesh collect(const TopoDS_Shape& shape, double limit) {
       }
     }
     triangles.insert(triangles.end(), own_triangles.begin(), own_triangles.end());
+    face_of.resize(triangles.size(), face_index);
   }
 
   std::vector<std::uint32_t> index(nodes.size(), ~0u);
-  for (const auto& t : triangles) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
     std::array<std::uint32_t, 3> w;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto r = nodes.root(t[k]);
+      const auto r = nodes.root(triangles[i][k]);
       if (index[r] == ~0u) {
         index[r] = static_cast<std::uint32_t>(result.mesh.vertices.size());
         result.mesh.vertices.push_back(nodes.point(r));
       }
       w[k] = index[r];
     }
-    if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) result.mesh.triangles.push_back(w);
+    if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue;
+    result.mesh.triangles.push_back(w);
+    result.face_of.push_back(face_of[i]);
   }
   // To the whole mesh, not to the facet it came from: beside a pole the mean of parameters lies over a neighbour.
   if (!result.mesh.empty()) {

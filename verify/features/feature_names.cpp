@@ -39,7 +39,7 @@ std::string face_name(const MeshFeature& f) {
 
 }  // namespace
 
-void name_features(std::vector<MeshFeature>& features, std::size_t small_faces) {
+void name_features(std::vector<MeshFeature>& features) {
   auto key = [](const MeshFeature& f) {
     auto r = [](double v) { return std::round(v * 100) / 100; };
     return std::array<double, 5>{double(rank_of(f.kind)), -r(size_of(f)), r(f.middle.x()), r(f.middle.y()),
@@ -54,7 +54,7 @@ void name_features(std::vector<MeshFeature>& features, std::size_t small_faces) 
   }
   for (auto& f : features) {
     if (f.kind == "small faces") {
-      f.name = counted(small_faces, "small face");
+      f.name = counted(f.triangles.size(), "small facet");
       continue;
     }
     const int number = ++used[f.name];

@@ -7,8 +7,7 @@ namespace partscribe::verify {
 
 /// Sorts the features and names them: planes first, then holes, bosses and so on, within each kind the larger first,
 /// and equal ones by their position. Planes are named by direction and position ("face +z at 10"), all others by kind
-/// and number ("hole 2"). Faces too small to be recognised have one entry, which says how many there are:
-/// `small_faces`.
-void name_features(std::vector<MeshFeature>& features, std::size_t small_faces);
+/// and number ("hole 2"). Facets too small to be recognised have one entry, which says how many there are.
+void name_features(std::vector<MeshFeature>& features);
 
 }  // namespace partscribe::verify

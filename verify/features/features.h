@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/mesh/triangle_mesh.h"
-#include "geometry/surfaces/primitive_fit.h"
+#include "geometry/segment/faces.h"
 
 namespace partscribe::verify {
 
@@ -33,9 +32,6 @@ struct MeshFeatures {
   std::vector<std::uint32_t> feature_of;  ///< of each triangle
 };
 
-/// Told a cylinder that stands between `low` and `high` along its axis: is the part round there?
-using IsRound = std::function<bool(const Primitive& cylinder, double low, double high)>;
-
 /// Facets of a polygon are one round surface if at least eight would close the circle; four to seven equal walls are a
 /// square to a heptagon unless `is_round` knows better. Corners must be shared. `tolerance` decides what is too small
 /// to be named.
@@ -43,8 +39,5 @@ MeshFeatures recognise_features(const TriangleMesh& mesh, double tolerance, cons
 
 /// How many flat sides the circle of a cylinder is drawn with; 0 if it has none to speak of, or is no cylinder.
 int sides_of(const MeshFeature& feature);
-
-/// Unit normal of a primitive's surface near `point`, on the side where distance() is positive.
-Vec3 surface_normal(const Primitive& primitive, const Vec3& point);
 
 }  // namespace partscribe::verify

@@ -1,4 +1,4 @@
-#include "verify/features/fit_facets.h"
+#include "geometry/segment/fit_facets.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -9,9 +9,9 @@
 
 #include "core/number.h"
 #include "geometry/decompose.h"
-#include "verify/features/features.h"
+#include "geometry/segment/faces.h"
 
-namespace partscribe::verify {
+namespace partscribe::geometry {
 namespace {
 
 constexpr std::size_t most_corners = 1500;  // that a fit takes
@@ -152,7 +152,9 @@ bool facet_fits(const Primitive& primitive, const TriangleMesh& mesh, const Face
   const double sagitta = 1.05 * twofold * radius * (1 - std::cos(bend / 2)) + corner_error;
   const double direction = facet.normal.dot(surface_normal(primitive, facet.middle));
   if (std::abs(direction) < std::cos(std::min(0.75 * twofold * bend + 0.02, 1.2))) return false;
-  if (std::abs(distance(primitive, facet.middle)) > sagitta) return false;
+  // Between rings of a cone whose corners are turned against each other a triangle bridges twice as much.
+  const bool lone = primitive.kind == PrimitiveKind::cone && facet.triangles.size() == 1;
+  if (std::abs(distance(primitive, facet.middle)) > (lone ? 4 : 1) * sagitta) return false;
   const std::size_t step = facet.vertices.size() / most_corners + 1;
   for (std::size_t i = 0; i < facet.vertices.size(); i += step) {
     const double d = distance(primitive, mesh.vertices[facet.vertices[i]]);
@@ -274,4 +276,4 @@ std::optional<Primitive> FacetGroup::fit(PrimitiveKind kind, double corner_error
   return std::nullopt;
 }
 
-}  // namespace partscribe::verify
+}  // namespace partscribe::geometry

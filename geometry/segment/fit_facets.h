@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "geometry/segment/facets.h"
 #include "geometry/surfaces/primitive_fit.h"
-#include "verify/features/facets.h"
 
-namespace partscribe::verify {
+namespace partscribe::geometry {
 
 /// A group of facets of one mesh, seen as samples of one smooth surface.
 class FacetGroup {
@@ -18,6 +18,8 @@ class FacetGroup {
   /// its own bend; nothing if there is none. `largest_bend`: rad, between neighbours in the group.
   std::optional<Primitive> fit(PrimitiveKind kind, double corner_error, double largest_bend) const;
 
+  const std::vector<Vec3>& corners() const { return corners_; }  ///< that several facets share; all if they are few
+  const std::vector<Vec3>& corner_normals() const { return corner_normals_; }
   double turning() const { return turning_; }  ///< rad, largest angle between the first and another facet's normal
 
  private:
@@ -38,4 +40,4 @@ class FacetGroup {
 bool facet_fits(const Primitive& primitive, const TriangleMesh& mesh, const Facet& facet, double corner_error,
                 double largest_bend);
 
-}  // namespace partscribe::verify
+}  // namespace partscribe::geometry

@@ -6,7 +6,7 @@
 
 #include "geometry/mesh/triangle_mesh.h"
 
-namespace partscribe::verify {
+namespace partscribe::geometry {
 
 /// Connected triangles in one plane.
 struct Facet {
@@ -34,4 +34,4 @@ struct Facets {
 /// `flatness`: mm, how far a corner may lie off the plane of its facet's largest triangle. Corners must be shared.
 Facets flat_pieces(const TriangleMesh& mesh, double flatness);
 
-}  // namespace partscribe::verify
+}  // namespace partscribe::geometry

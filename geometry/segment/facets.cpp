@@ -1,4 +1,4 @@
-#include "verify/features/facets.h"
+#include "geometry/segment/facets.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "geometry/mesh/mesh_facets.h"
 
-namespace partscribe::verify {
+namespace partscribe::geometry {
 namespace {
 
 constexpr double same_plane = 0.99;  // cosine; flatness decides, this keeps folds apart
@@ -122,4 +122,4 @@ Facets flat_pieces(const TriangleMesh& mesh, double flatness) {
   return result;
 }
 
-}  // namespace partscribe::verify
+}  // namespace partscribe::geometry

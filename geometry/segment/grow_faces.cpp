@@ -1,0 +1,205 @@
+#include "geometry/segment/grow_faces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/number.h"
+#include "core/parallel.h"
+#include "geometry/segment/faces.h"
+
+namespace partscribe::geometry {
+namespace {
+
+constexpr std::array kinds = {PrimitiveKind::plane, PrimitiveKind::cylinder, PrimitiveKind::sphere, PrimitiveKind::cone,
+                              PrimitiveKind::torus};
+constexpr std::size_t most_fitted = 1500;  // samples that a fit is made of while growing
+constexpr int most_rounds = 14;
+constexpr std::size_t least_members = 12;
+constexpr double enough_border = 0.85;  // of a plane's border that ends at creases or gaps: nothing else is tried
+constexpr double crease = 0.4;          // rad
+
+/// Where growth begins: so many samples within so wide an angle of the seed's normal.
+struct SeedSize {
+  std::size_t count;
+  double turn;
+};
+constexpr std::array<SeedSize, 2> seed_sizes = {SeedSize{30, 0.44}, SeedSize{90, 0.9}};
+
+int numbers_of(PrimitiveKind kind) {
+  switch (kind) {
+    case PrimitiveKind::plane:
+      return 3;
+    case PrimitiveKind::cylinder:
+      return 5;
+    case PrimitiveKind::sphere:  // four, but balls are rarer than cones
+    case PrimitiveKind::cone:
+      return 6;
+    default:
+      return 7;
+  }
+}
+
+double between(const FaceSamples& samples, const Vec3& a, const Vec3& b) {
+  const double c = a.dot(b);
+  return std::acos(std::clamp(samples.oriented ? c : std::abs(c), -1.0, 1.0));
+}
+
+std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& some) {
+  std::vector<std::uint32_t> rest;
+  std::set_difference(all.begin(), all.end(), some.begin(), some.end(), std::back_inserter(rest));
+  return rest;
+}
+
+class Growth {
+ public:
+  Growth(const FaceSamples& samples, const std::vector<std::uint8_t>& taken) : samples_(samples), taken_(taken) {}
+
+  std::vector<std::uint32_t> seed_members(std::uint32_t seed, const SeedSize& size) const {
+    return flood({seed}, size.count, [&](std::uint32_t i) {
+      return between(samples_, samples_.normals[i], samples_.normals[seed]) <= size.turn;
+    });
+  }
+
+  std::optional<GrownFace> grown(PrimitiveKind kind, std::vector<std::uint32_t> members) const {
+    if (members.size() < least_members) return std::nullopt;
+    auto surface = fit_samples(samples_, kind, members, std::nullopt);
+    if (!surface) return std::nullopt;
+    const std::size_t begin = members.size();
+    double sense = sense_of(samples_, *surface, members);
+    for (int round = 0; round < most_rounds; ++round) {
+      const auto explained = [&](std::uint32_t i) { return explains(*surface, sense, i); };
+      std::vector<std::uint32_t> roots;
+      for (const auto i : members)
+        if (explained(i)) roots.push_back(i);
+      auto next = flood(std::move(roots), 3 * members.size() + 60, explained);
+      if (next.size() < std::max(least_members, begin / 2)) return std::nullopt;
+      auto again = fit_samples(samples_, kind, next, surface);
+      if (!again) return std::nullopt;
+      const bool settled = 100 * std::max(next.size(), members.size()) <= 101 * std::min(next.size(), members.size());
+      members = std::move(next), surface = *again;
+      sense = sense_of(samples_, *surface, members);
+      if (settled && round > 0) break;
+    }
+    GrownFace face{*surface, sense, std::move(members), 0};
+    std::sort(face.members.begin(), face.members.end());
+    face.gain = gain_of(samples_, face.surface, face.members);
+    return face;
+  }
+
+  /// Its border is made of creases, gaps and other faces: no other surface could go on there.
+  bool is_bounded(const GrownFace& face) const {
+    std::vector<std::uint8_t> inside(samples_.size(), 0);
+    for (const auto i : face.members) inside[i] = 1;
+    std::size_t border = 0, open = 0;
+    for (const auto i : face.members)
+      for (const auto j : samples_.around(i)) {
+        if (inside[j]) continue;
+        ++border;
+        if (!taken_[j] && turn_of(samples_, j, face.surface, face.sense) < crease) ++open;
+      }
+    return static_cast<double>(open) <= (1 - enough_border) * static_cast<double>(border);
+  }
+
+ private:
+  const FaceSamples& samples_;
+  const std::vector<std::uint8_t>& taken_;
+
+  bool explains(const Primitive& surface, double sense, std::uint32_t i) const {
+    return std::abs(residual_of(samples_, i, surface)) <= widest_distance &&
+           turn_of(samples_, i, surface, sense) <= widest_turn;
+  }
+
+  /// Samples that `fits` takes, reached from the roots in rings, at most `most`.
+  template <class Fits>
+  std::vector<std::uint32_t> flood(std::vector<std::uint32_t> roots, std::size_t most, const Fits& fits) const {
+    std::vector<std::uint8_t> seen(samples_.size(), 0);
+    for (const auto i : roots) seen[i] = 1;
+    for (std::size_t k = 0; k < roots.size() && roots.size() < most; ++k)
+      for (const auto j : samples_.around(roots[k])) {
+        if (seen[j] || taken_[j]) continue;
+        seen[j] = 1;
+        if (fits(j)) roots.push_back(j);
+      }
+    return roots;
+  }
+};
+
+}  // namespace
+
+double residual_of(const FaceSamples& samples, std::uint32_t sample, const Primitive& surface) {
+  return distance(surface, samples.points[sample]) / samples.sigma[sample];
+}
+
+double turn_of(const FaceSamples& samples, std::uint32_t sample, const Primitive& surface, double sense) {
+  return between(samples, samples.normals[sample], sense * surface_normal(surface, samples.points[sample]));
+}
+
+double sense_of(const FaceSamples& samples, const Primitive& surface, const std::vector<std::uint32_t>& members) {
+  double sum = 0;
+  for (const auto i : members) sum += samples.normals[i].dot(surface_normal(surface, samples.points[i]));
+  return sum < 0 ? -1 : 1;
+}
+
+double gain_of(const FaceSamples& samples, const Primitive& surface, const std::vector<std::uint32_t>& members) {
+  double sum = 0;
+  for (const auto i : members) {
+    const double u = residual_of(samples, i, surface);
+    sum += std::max(0.0, 4 - 0.5 * u * u) / 2;
+  }
+  return sum - 25 - numbers_of(surface.kind) * (10 + 0.005 * static_cast<double>(members.size()));
+}
+
+std::optional<Primitive> fit_samples(const FaceSamples& samples, PrimitiveKind kind,
+                                     const std::vector<std::uint32_t>& members, const std::optional<Primitive>& start) {
+  std::vector<Vec3> points, normals;
+  std::vector<double> sigmas;
+  const std::size_t step = (members.size() + most_fitted - 1) / most_fitted;
+  for (std::size_t k = 0; k < members.size(); k += step) {
+    points.push_back(samples.points[members[k]]), normals.push_back(samples.normals[members[k]]);
+    sigmas.push_back(samples.sigma[members[k]]);
+  }
+  PrimitiveFitOptions options;
+  options.sigmas = &sigmas, options.robust = 2.5, options.start = start;
+  const auto fit = fit_primitive(kind, points, normals, options);
+  if (!fit || !fit->determined) return std::nullopt;
+  return fit->primitive;
+}
+
+std::optional<GrownFace> grow_face(const FaceSamples& samples, std::uint32_t seed,
+                                   const std::vector<std::uint8_t>& taken, int threads) {
+  const Growth growth(samples, taken);
+  std::array<std::vector<std::uint32_t>, seed_sizes.size()> starts;
+  for (std::size_t s = 0; s < starts.size(); ++s) starts[s] = growth.seed_members(seed, seed_sizes[s]);
+  if (auto plane = growth.grown(PrimitiveKind::plane, starts[0]);
+      plane && plane->gain > 0 && plane->members.size() > starts[1].size() && growth.is_bounded(*plane))
+    return plane;
+  std::array<std::optional<GrownFace>, kinds.size() * seed_sizes.size()> found;
+  parallel_for(
+      found.size(), threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          found[i] = growth.grown(kinds[i / starts.size()], starts[i % starts.size()]);
+      },
+      1);
+  std::optional<GrownFace> best;
+  for (const auto& face : found)
+    if (face && face->gain > 0 && (!best || face->gain > best->gain)) best = face;
+  if (!best) return best;
+  // A surface that explains much because it follows two faces badly gives way to one of these, if that one and the rest
+  // of the other save more together.
+  for (bool better = true; better;) {
+    better = false;
+    const GrownFace wide = *best;
+    double most = wide.gain;
+    for (const auto& face : found) {
+      if (!face || face->gain <= 0 || face->members.size() >= wide.members.size()) continue;
+      const double both =
+          face->gain + std::max(0.0, gain_of(samples, wide.surface, without(wide.members, face->members)));
+      if (both > most) most = both, best = face, better = true;
+    }
+  }
+  return best;
+}
+
+}  // namespace partscribe::geometry

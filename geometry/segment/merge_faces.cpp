@@ -1,0 +1,132 @@
+#include "geometry/segment/merge_faces.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/parallel.h"
+#include "geometry/segment/faces.h"
+
+namespace partscribe::geometry {
+namespace {
+
+constexpr std::array kinds = {PrimitiveKind::plane, PrimitiveKind::cylinder, PrimitiveKind::sphere, PrimitiveKind::cone,
+                              PrimitiveKind::torus};
+constexpr double smooth_border = 0.45;  // rad between faces that may be one
+constexpr std::size_t least_links = 4;
+
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The best single surface for these samples.
+std::optional<GrownFace> best_surface(const FaceSamples& samples, const std::vector<std::uint32_t>& members,
+                                      std::vector<Primitive> starts) {
+  std::optional<GrownFace> best;
+  const auto judge = [&](const std::optional<Primitive>& surface) {
+    if (!surface) return;
+    GrownFace face{*surface, sense_of(samples, *surface, members), members, gain_of(samples, *surface, members)};
+    if (!best || face.gain > best->gain) best = std::move(face);
+  };
+  for (const auto kind : kinds) judge(fit_samples(samples, kind, members, std::nullopt));
+  for (const auto& start : starts) judge(fit_samples(samples, start.kind, members, start));
+  return best;
+}
+
+/// Neighbours whose surfaces meet smoothly, by the angle between them.
+std::set<Pair> smooth_pairs(const FaceSamples& samples, const std::vector<GrownFace>& faces,
+                            const std::vector<std::uint32_t>& label) {
+  struct Meeting {
+    std::size_t links = 0;
+    double turned = 0;
+  };
+  std::map<Pair, Meeting> meetings;
+  for (std::uint32_t i = 0; i < samples.size(); ++i)
+    for (const auto j : samples.around(i)) {
+      const auto f = label[i], g = label[j];
+      if (f == no_face || g == no_face || f == g) continue;
+      Meeting& meeting = meetings[{std::min(f, g), std::max(f, g)}];
+      ++meeting.links;
+      meeting.turned += turn_of(samples, j, faces[f].surface, faces[f].sense);
+    }
+  std::set<Pair> pairs;
+  for (const auto& [pair, meeting] : meetings)
+    if (meeting.links >= least_links && meeting.turned < smooth_border * static_cast<double>(meeting.links))
+      pairs.insert(pair);
+  return pairs;
+}
+
+std::vector<std::uint32_t> united(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+  std::vector<std::uint32_t> all;
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace
+
+bool merge_faces(const FaceSamples& samples, std::vector<GrownFace>& faces, std::vector<std::uint32_t>& label,
+                 int threads) {
+  bool changed = false;
+  parallel_for(
+      faces.size(), threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+          faces[f].gain = gain_of(samples, faces[f].surface, faces[f].members);
+          if (auto other = best_surface(samples, faces[f].members, {}); other && other->gain > faces[f].gain)
+            faces[f] = std::move(*other);
+        }
+      },
+      1);
+  auto pairs = smooth_pairs(samples, faces, label);
+  std::map<Pair, GrownFace> tried;  // what one surface for both would be
+  while (!pairs.empty()) {
+    std::vector<Pair> fresh;
+    for (const auto& pair : pairs)
+      if (!tried.contains(pair)) fresh.push_back(pair);
+    std::vector<std::optional<GrownFace>> found(fresh.size());
+    parallel_for(
+        fresh.size(), threads,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t k = begin; k < end; ++k) {
+            const GrownFace &a = faces[fresh[k].first], &b = faces[fresh[k].second];
+            found[k] = best_surface(samples, united(a.members, b.members), {a.surface, b.surface});
+          }
+        },
+        1);
+    for (std::size_t k = 0; k < fresh.size(); ++k) {
+      const double before = faces[fresh[k].first].gain + faces[fresh[k].second].gain;
+      if (found[k] && found[k]->gain > before)
+        tried[fresh[k]] = std::move(*found[k]);
+      else
+        pairs.erase(fresh[k]);
+    }
+    const auto better = [&](const Pair& p) { return tried.at(p).gain - faces[p.first].gain - faces[p.second].gain; };
+    const auto best = std::max_element(pairs.begin(), pairs.end(),
+                                       [&](const Pair& a, const Pair& b) { return better(a) < better(b); });
+    if (best == pairs.end()) break;
+    const auto [f, g] = *best;
+    faces[f] = std::move(tried.at(*best));
+    faces[g].members.clear();
+    for (const auto i : faces[f].members) label[i] = f;
+    changed = true;
+    std::set<Pair> rest;
+    for (const auto& p : pairs) {
+      const auto a = p.first == g ? f : p.first, b = p.second == g ? f : p.second;
+      if (a == b) continue;
+      if (p.first == f || p.second == f || p.first == g || p.second == g)
+        tried.erase(p), tried.erase({std::min(a, b), std::max(a, b)});
+      rest.insert({std::min(a, b), std::max(a, b)});
+    }
+    pairs = std::move(rest);
+  }
+  std::vector<std::uint32_t> number(faces.size(), no_face);
+  std::uint32_t kept = 0;
+  for (std::uint32_t f = 0; f < faces.size(); ++f)
+    if (!faces[f].members.empty()) number[f] = kept++;
+  for (auto& l : label)
+    if (l != no_face) l = number[l];
+  std::erase_if(faces, [](const GrownFace& face) { return face.members.empty(); });
+  return changed;
+}
+
+}  // namespace partscribe::geometry
