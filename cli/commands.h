@@ -27,6 +27,7 @@ Command emit_command();
 Command verify_command();
 Command report_command();
 Command explain_command();
+Command measure_command();
 Command simulate_command();
 Command views_command();
 

@@ -5,9 +5,12 @@
 #include "cli/commands.h"
 #include "cli/commands/stages.h"
 #include "cli/inputs.h"
+#include "cli/measure/measured_part.h"
 #include "cli/names.h"
+#include "cli/report/report_faces.h"
 #include "cli/report/report_page.h"
 #include "cli/verdict_file.h"
+#include "geometry/normals/normals.h"
 #include "verify/evaluate/evaluate.h"
 
 namespace partscribe::cli {
@@ -18,6 +21,7 @@ constexpr const char* report_help =
   partscribe report bracket-partscribe --force              report.html again, after an edit
   partscribe report bracket-partscribe --pictures figures   the page, and its pictures as PNG files
   partscribe report edited.scad bracket.ply --out review    verify my script and report what came out
+  partscribe report bracket-partscribe --faces --force      with what 'partscribe measure' says of the scan
 
 Given a folder (or a model.json or verdict.json in it) it reads model.json, cloud.ply, verdict.json and the artifacts
 there. The verdict is the recorded one; the artifacts are run again for the pictures, because verdict.json holds no
@@ -26,6 +30,7 @@ geometry. Given artifacts and scans it verifies them first. Writes report.html: 
 struct ReportArguments {
   std::vector<Path> files;
   Path pictures;
+  bool faces = false;
 };
 
 /// Everything a page is made of.
@@ -133,6 +138,17 @@ Result<Material> verified_material(const std::vector<Path>& files, Session& sess
   return material;
 }
 
+/// The scan measured as 'measure' does: the section of the page, and its picture among the others.
+Result<std::string> measured_section(const Material& material, std::vector<ReportPicture>& pictures, Session& session) {
+  if (auto ok = session.stage("faces"); !ok) return ok.error();
+  Scan scan = material.scan;
+  estimate_normals(scan.cloud, {}, session.context);
+  const auto part = measured_part(scan, material.verdict.tolerance, session.context);
+  if (!part) return part.error();
+  pictures.push_back(picture_of_faces(scan, part->faces, session.context));
+  return faces_section(*part, pictures.back());
+}
+
 Result<int> run_report(const ReportArguments& given, Session& session) {
   const Path& first = given.files.front();
   const bool recorded =
@@ -149,7 +165,13 @@ Result<int> run_report(const ReportArguments& given, Session& session) {
 
   if (auto ok = session.stage("report"); !ok) return ok.error();
   const auto scene = report_scene(material->model, material->verdict, material->scan.cloud, session.context);
-  const auto pictures = draw_report(scene, session.context);
+  auto pictures = draw_report(scene, session.context);
+  std::string faces;
+  if (given.faces) {
+    auto section = measured_section(*material, pictures, session);
+    if (!section) return section.error();
+    faces = std::move(*section);
+  }
   if (!given.pictures.empty()) {
     std::vector<std::string> names;
     for (const auto& picture : pictures) names.push_back(picture.name);
@@ -159,8 +181,9 @@ Result<int> run_report(const ReportArguments& given, Session& session) {
   std::vector<SourceFile> sources;
   for (std::size_t i = 0; i < material->scan.files.size() && i < material->scan.sha256.size(); ++i)
     sources.push_back({material->scan.files[i], material->scan.sha256[i]});
-  const auto page = report_page({material->name, material->model, material->verdict, scene, pictures,
-                                 read_scripts(material->artifacts), sources, material->scan.warnings, session.version});
+  const auto page =
+      report_page({material->name, material->model, material->verdict, scene, pictures,
+                   read_scripts(material->artifacts), sources, material->scan.warnings, session.version, faces});
   if (auto ok = make_folder(out); !ok) return ok.error();
   std::vector<Path> written = {out / "report.html"};
   if (auto ok = write_file(written.front(), page); !ok) return ok.error();
@@ -185,6 +208,8 @@ Command report_command() {
                     "a folder with model.json, cloud.ply and verdict.json, or artifacts and scans");
             a.path(options->pictures, "--pictures", "DIR",
                    "write the pictures (deviation.png, the six sides, each finding, ...) as PNG files there too");
+            a.flag(options->faces, "--faces",
+                   "measure the scan as well: its faces, features and relations, with a picture of them");
           },
           [options](Session& session) { return run_report(*options, session); }};
 }

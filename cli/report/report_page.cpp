@@ -29,11 +29,12 @@ const ReportPicture* picture_named(const std::vector<ReportPicture>& pictures, c
   return nullptr;
 }
 
-/// The sides, the scan and the model; the overview and the findings stand elsewhere.
+/// The sides, the scan and the model; the overview, the findings and the faces stand elsewhere.
 std::string gallery(const std::vector<ReportPicture>& pictures) {
   std::string text;
   for (const auto& picture : pictures)
-    if (picture.name != "deviation.png" && !picture.name.starts_with("finding-")) text += figure_of(picture);
+    if (picture.name != "deviation.png" && picture.name != "faces.png" && !picture.name.starts_with("finding-"))
+      text += figure_of(picture);
   return text;
 }
 
@@ -105,7 +106,7 @@ std::string report_page(const ReportInput& input) {
   data["sentence"] = typeset(verdict_sentence(verdict));
   std::string fallback;
   if (input.model && input.model->fallback) {
-    fallback = "The model is a triangulation, because no procedure with named dimensions met the tolerance.";
+    fallback = "The model is " + procedure_text(*input.model) + ".";
     if (const auto nearest = nearest_procedure_line(*input.model); !nearest.empty()) fallback += " " + nearest;
   }
   data["fallback"] = escaped(fallback);
@@ -123,6 +124,7 @@ std::string report_page(const ReportInput& input) {
   data["artifacts"] = artifacts_section(verdict);
   data["gallery"] = list_if("pictures", gallery(input.pictures));
   data["parameters"] = list_if("table", input.model ? parameters_section(*input.model) : std::string());
+  data["measured"] = list_if("tables", input.faces);
   data["reasons"] = list_if("table", input.model ? reasons_section(*input.model) : std::string());
   data["provenance"] = provenance_section(verdict, input.model, input.sources, input.warnings);
   data["scripts"] = list_if("tabs", scripts_section(input.scripts));

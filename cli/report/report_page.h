@@ -22,6 +22,7 @@ struct ReportInput {
   std::vector<SourceFile> sources;    ///< of the scan, where no model tells them
   std::vector<std::string> warnings;  ///< of the reader
   std::string version;                ///< of the program
+  std::string faces = {};             ///< of the scan (faces_section); empty: nobody measured it
 };
 
 /// Needs no network, prints well, stays readable without pictures and scripts. The same input gives the same bytes.

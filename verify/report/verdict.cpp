@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/csv_text.h"
 #include "core/json_text.h"
 #include "core/number.h"
 #include "verify/align/align.h"
@@ -24,13 +25,6 @@ std::string column(const std::string& text, std::size_t columns, bool right = fa
   if (text.size() > columns) return text.substr(0, columns - 1) + "~";
   const std::string space(columns - text.size(), ' ');
   return right ? space + text : text + space;
-}
-
-std::string quoted_csv(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 std::string xml(const std::string& text) {

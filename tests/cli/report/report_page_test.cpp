@@ -197,6 +197,19 @@ TEST_CASE("report: an artifact without a model or without geometry is reported t
   CHECK(all_between(page, "<script", ">").size() == 1);  // for the colour scheme
 }
 
+TEST_CASE("report: faces have a section where the scan was measured, and none where it was not") {
+  const Verdict verdict = verdict_with_mesh();
+  const PointCloud cloud = four_points();
+  Context context;
+  const std::optional<Model> model = ball();
+  const auto scene = report_scene(model, verdict, cloud, context);
+  const std::string page = report_page({"ball", model, verdict, scene, {}, {}, {}, {}, "1.2.3", "<p>seven faces</p>"});
+  CHECK(page.find("id=\"faces\"") != std::string::npos);
+  CHECK(page.find("href=\"#faces\"") != std::string::npos);
+  CHECK(page.find("<p>seven faces</p>") != std::string::npos);
+  CHECK(page_of(model, verdict, cloud).find("id=\"faces\"") == std::string::npos);
+}
+
 TEST_CASE("report: the sentence names the worst place, or says what the scan can decide") {
   Verdict verdict = verdict_with_mesh();
   CHECK(verdict_sentence(verdict).find("ball: 0.2 mm too far in +x") != std::string::npos);
