@@ -10,6 +10,26 @@
 namespace partscribe::cli {
 namespace {
 
+/// "79 faces: 49 planes, 29 cylinders, 1 free form of 200 triangles".
+std::string faces_text(const TriSurface& surface) {
+  std::string text;
+  std::size_t count = 0;
+  for (const std::string kind : {"plane", "cylinder", "cone", "sphere", "torus", ""}) {
+    std::size_t of_kind = 0;
+    int triangles = 0;
+    for (const auto& face : surface.faces)
+      if (face.surface == kind) ++of_kind, triangles += face.triangles;
+    if (of_kind == 0) continue;
+    count += of_kind;
+    text += text.empty() ? ": " : ", ";
+    if (kind.empty())
+      text += std::to_string(of_kind) + " free form of " + std::to_string(triangles) + " triangles";
+    else
+      text += std::to_string(of_kind) + " " + (of_kind == 1 ? kind : kind == "torus" ? "tori" : kind + "s");
+  }
+  return std::to_string(count) + " faces" + text;
+}
+
 /// Shapes as people call them.
 std::string noun_of(const Shape& shape) {
   const auto kind = kind_of(shape);
@@ -22,6 +42,7 @@ std::string noun_of(const Shape& shape) {
   if (kind == "revolve") return "a surface of revolution";
   if (kind == "tri_surface") {
     const auto& surface = std::get<TriSurface>(shape);
+    if (!surface.faces.empty()) return "a body of " + faces_text(surface);
     return "a triangulation of " + std::to_string(surface.triangles.size()) + " triangles" +
            (surface.closed ? "" : " (an open sheet)");
   }
@@ -189,6 +210,10 @@ std::string no_procedure_line(const Model& model, const std::string& asked) {
             (nearest->deviation > model.tolerance       ? "is off by up to " + readable(nearest->deviation) + " mm"
              : nearest->reason.starts_with("refused: ") ? "was " + nearest->reason
                                                         : "is refused: " + nearest->reason);
+  const auto* surface = std::get_if<TriSurface>(&model.objects.back().shape);
+  if (surface && !surface->faces.empty())
+    return line + ". STEP and IGES hold " + noun_of(*surface) + "; OpenSCAD and SCL hold its " +
+           std::to_string(surface->triangles.size()) + " triangles, which have no dimensions to edit.\n";
   return line + ". The files hold " + noun_of(model.objects.back().shape) + ", which has no dimensions to edit.\n";
 }
 

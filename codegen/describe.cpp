@@ -52,7 +52,13 @@ std::vector<std::string> header_lines(const Model& model) {
   const Object& part = model.objects.back();
   lines.push_back(as_title(model.name) + (part.note.empty() ? "" : ": " + one_line(part.note)));
   lines.push_back("");
-  if (model.fallback) lines.push_back("A triangulation, because no procedure met the tolerance.");
+  if (model.fallback) {
+    lines.push_back("A triangulation, because no procedure met the tolerance.");
+    const auto* surface = std::get_if<TriSurface>(&part.shape);
+    if (surface && !surface->faces.empty())
+      lines.push_back("STEP and IGES files of the same model hold its " + std::to_string(surface->faces.size()) +
+                      " faces as true surfaces.");
+  }
   lines.push_back("Units: millimetres and degrees. Tolerance: " + print_number(model.tolerance) + " mm.");
   if (const auto quality = describe_evidence(part.evidence); !quality.empty()) lines.push_back("Fit: " + quality + ".");
   std::string sources;

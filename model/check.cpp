@@ -14,6 +14,7 @@
 #include "model/overloaded.h"
 #include "model/sketch.h"
 #include "model/sketch_relations.h"
+#include "model/tri_faces.h"
 
 namespace partscribe::model {
 namespace {
@@ -284,6 +285,33 @@ struct Check {
     if (s.closed && topo.boundary_edges > 0)
       complain(where + ": called closed, but has " + print_number(double(topo.boundary_edges)) + " open edges");
     if (s.closed && topo.closed() && volume(mesh) <= 0) complain(where + ": the triangles face inward");
+    if (!s.faces.empty()) check_faces(where, s, mesh);
+  }
+
+  void check_faces(const std::string& where, const TriSurfaceOf<double>& s, const TriangleMesh& mesh) {
+    if (!s.closed) return complain(where + ": only a closed triangulation may have faces");
+    std::size_t count = 0;
+    for (const auto& face : s.faces) {
+      const std::string which = where + ": face " + quoted(face.name);
+      const bool free_form = face.surface.empty();
+      const auto surface = surface_of(face);
+      if (!surface && !free_form)
+        return complain(which + ": expected plane, cylinder, cone, sphere or torus with the numbers of its kind");
+      if (face.triangles < 1) return complain(which + " has no triangles");
+      count += static_cast<std::size_t>(face.triangles);
+      if (!surface) continue;
+      const Primitive& p = *surface;
+      if (!p.point.allFinite() || !p.axis.allFinite() || std::abs(p.axis.norm() - 1) > 1e-6)
+        complain(which + ": its axis is no unit vector");
+      const bool round = p.kind != PrimitiveKind::plane;
+      if (round && !(p.radius > 0)) complain(which + ": its radius must be above 0");
+      if (p.kind == PrimitiveKind::torus && !(p.tube > 0)) complain(which + ": the radius of its tube must be above 0");
+      if (p.kind == PrimitiveKind::cone && !(p.half_angle > 0 && p.half_angle < pi / 2))
+        complain(which + ": the half angle of a cone must lie between 0 and a right angle");
+    }
+    if (count != mesh.triangles.size())
+      complain(where + ": its faces have " + print_number(double(count)) + " triangles, there are " +
+               print_number(double(mesh.triangles.size())));
   }
 
   void check_hole(const std::string& where, const HoleOf<double>& s) {

@@ -120,6 +120,9 @@ struct FieldWriter {
   void operator()(const char* name, const std::vector<SketchRelation>& items, const char* meaning) const {
     if (!items.empty()) operator()<SketchRelation>(name, items, meaning);
   }
+  void operator()(const char* name, const std::vector<TriFace>& items, const char* meaning) const {
+    if (!items.empty()) operator()<TriFace>(name, items, meaning);
+  }
   template <class Item>
   void operator()(const char* name, const std::vector<Item>& items, const char*) const requires
       requires(const Item& item, FieldWriter w) {
@@ -207,6 +210,9 @@ struct FieldReader {
   }
   void operator()(const char* name, std::vector<SketchRelation>& items, const char* meaning) const {
     if (in.is_object() && in.contains(name)) operator()<SketchRelation>(name, items, meaning);
+  }
+  void operator()(const char* name, std::vector<TriFace>& items, const char* meaning) const {
+    if (in.is_object() && in.contains(name)) operator()<TriFace>(name, items, meaning);
   }
   template <class Item>
   void operator()(const char* name, std::vector<Item>& items, const char*) const requires

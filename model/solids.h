@@ -346,6 +346,28 @@ struct RevolveOf {
   bool operator==(const RevolveOf&) const = default;
 };
 
+/// A face of a triangulated body that lies on one surface.
+struct TriFace {
+  std::string name;             ///< "bore"; unique in its body
+  std::string surface;          ///< "plane", "cylinder", "cone", "sphere", "torus"; empty: free form, its triangles
+  int triangles = 0;            ///< how many of the list, after those of the faces before, belong to it
+  bool hollow = false;          ///< of round surfaces: the material is outside, as around a hole
+  std::vector<double> point{};  ///< mm: on the plane, on the axis (of a cone where the radius is taken), the centre
+  std::vector<double> axis{};   ///< unit: outward normal, axis, of a cone towards its wide end; none of a sphere
+  std::vector<double> sizes{};  ///< mm and rad: radius; of a cone radius, half angle; of a torus ring, tube
+  template <class S, class V>
+  static void fields(S& s, V&& v) {
+    v("name", s.name, "role of the face");
+    v("surface", s.surface, "plane, cylinder, cone, sphere or torus; left out: free form");
+    v("triangles", s.triangles, "how many triangles of the list belong to it, after those of the faces before");
+    v("hollow", s.hollow, "true: the material is outside of the round surface");
+    v("point", s.point, "on the plane or axis, or the centre");
+    v("axis", s.axis, "normal or axis");
+    v("sizes", s.sizes, "radius; of a cone radius and half angle, of a torus the radii of ring and tube");
+  }
+  bool operator==(const TriFace&) const = default;
+};
+
 /// A triangulation: a solid if `closed`, a sheet otherwise.
 template <class N>
 struct TriSurfaceOf {
@@ -354,12 +376,15 @@ struct TriSurfaceOf {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
   bool closed = true;
   N thickness{};  ///< a sheet becomes a solid of this thickness, behind it, where a program knows only solids
+  /// Of a closed one: the surfaces that its triangles stand for; corners between faces lie on theirs. May be empty.
+  std::vector<TriFace> faces{};
   template <class S, class V>
   static void fields(S& s, V&& v) {
     v("vertices", s.vertices, "corners");
     v("triangles", s.triangles, "three vertex indices each, counter-clockwise seen from outside");
     v("closed", s.closed, "true: bounds a solid");
     v("thickness", s.thickness, Domain::length_or_zero, "of the solid made from an open sheet");
+    v("faces", s.faces, "surfaces that the triangles stand for");
   }
   bool operator==(const TriSurfaceOf&) const = default;
 };

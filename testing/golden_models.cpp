@@ -249,6 +249,47 @@ Model tri_surface() {
   return m;
 }
 
+/// A ring whose triangles say what surfaces they stand for.
+Model washer() {
+  Model m = model("washer", "washer", "a ring of four faces");
+  m.fallback = true;
+  TriSurface s;
+  const int sides = 72;
+  const double outer = 12, inner = 6.5, height = 8;
+  const auto rounded = [](double v) { return snapped(v, 1e-7); };
+  for (int i = 0; i < sides; ++i)
+    for (const double radius : {outer, inner})
+      for (const double z : {0.0, height})
+        s.vertices.push_back(
+            {rounded(radius * std::cos(2 * pi * i / sides)), rounded(radius * std::sin(2 * pi * i / sides)), z});
+  const auto corner = [&](int side, int ring, int top) {
+    return static_cast<std::uint32_t>(4 * (side % sides) + 2 * ring + top);
+  };
+  const auto quads = [&](const TriFace& face, auto&& corners) {
+    for (int i = 0; i < sides; ++i) {
+      const std::array<std::uint32_t, 4> q = corners(i);
+      s.triangles.push_back({q[0], q[1], q[2]});
+      s.triangles.push_back({q[0], q[2], q[3]});
+    }
+    s.faces.push_back(face);
+  };
+  const int all = 2 * sides;
+  quads({"top", "plane", all, false, {0, 0, height}, {0, 0, 1}, {}}, [&](int i) -> std::array<std::uint32_t, 4> {
+    return {corner(i, 0, 1), corner(i + 1, 0, 1), corner(i + 1, 1, 1), corner(i, 1, 1)};
+  });
+  quads({"bottom", "plane", all, false, {0, 0, 0}, {0, 0, -1}, {}}, [&](int i) -> std::array<std::uint32_t, 4> {
+    return {corner(i, 1, 0), corner(i + 1, 1, 0), corner(i + 1, 0, 0), corner(i, 0, 0)};
+  });
+  quads({"rim", "cylinder", all, false, {0, 0, 4}, {0, 0, 1}, {outer}}, [&](int i) -> std::array<std::uint32_t, 4> {
+    return {corner(i, 0, 0), corner(i + 1, 0, 0), corner(i + 1, 0, 1), corner(i, 0, 1)};
+  });
+  quads({"bore", "cylinder", all, true, {0, 0, 4}, {0, 0, 1}, {inner}}, [&](int i) -> std::array<std::uint32_t, 4> {
+    return {corner(i, 1, 1), corner(i + 1, 1, 1), corner(i + 1, 1, 0), corner(i, 1, 0)};
+  });
+  finish(m, s);
+  return m;
+}
+
 Model sheet() {
   Model m = model("sheet", "bent_sheet", "a bent sheet");
   m.fallback = true;
@@ -541,7 +582,7 @@ std::vector<Model> golden_models() {
   return {sphere(),         box(),         wedge(),   cylinder(),    cone(),          torus(),   ellipsoid(),
           superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),           tie_bar(), tri_surface(),
           sheet(),          nurbs_vase(),  bracket(), lens(),        drilled_plate(), flange(),  tray(),
-          clamp(),          elbow(),       cover(),   handle()};
+          clamp(),          elbow(),       cover(),   handle(),      washer()};
 }
 
 }  // namespace partscribe::testing

@@ -8,6 +8,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "model/distance/distance.h"
+#include "model/tri_faces.h"
 #include "verify/align/align.h"
 #include "verify/align/misplaced_part.h"
 #include "verify/compare/compare.h"
@@ -39,6 +40,13 @@ bool describes_a_sheet(const Model& model) {
   if (model.objects.empty()) return false;
   const auto* surface = std::get_if<TriSurface>(&model.objects.back().shape);
   return surface && !surface->closed;
+}
+
+/// mm: how far a program that has only triangles draws round faces off; 0 unless the model states both.
+double drawn_off(const std::optional<Model>& model) {
+  const auto* surface = model ? std::get_if<TriSurface>(&model->objects.back().shape) : nullptr;
+  if (!surface || surface->faces.empty()) return 0;
+  return facet_depth(std::get<TriSurfaceOf<double>>(evaluate(*surface, values_of(*model))));
 }
 
 /// Rows by the model's named faces; a place on the artifact belongs to the face of the model that is nearest.
@@ -264,13 +272,14 @@ Result<Verdict> verify_artifacts(const std::vector<Path>& artifacts, const Scan&
     }
   }
 
+  const double apart = options.tolerance / 5 + drawn_off(model);
   for (std::size_t a = 0; a < verdict.artifacts.size(); ++a)
     for (std::size_t b = a + 1; b < verdict.artifacts.size(); ++b) {
       const auto &first = verdict.artifacts[a], &second = verdict.artifacts[b];
       if (first.mesh.empty() || second.mesh.empty()) continue;
       BackendPair pair{first.file, second.file,
                        distance_between(as_written(first), as_written(second), context.threads), true};
-      pair.agree = pair.distance <= options.tolerance / 5 + first.evaluation_error + second.evaluation_error;
+      pair.agree = pair.distance <= apart + first.evaluation_error + second.evaluation_error;
       verdict.between_backends.push_back(pair);
     }
 

@@ -125,7 +125,7 @@ struct ArtifactVerdict {
 struct BackendPair {
   std::string first, second;
   double distance = 0;  ///< mm, both directions
-  bool agree = true;    ///< within tolerance / 5
+  bool agree = true;    ///< within tolerance / 5, what the programs approximate aside
 };
 
 struct Verdict {

@@ -25,11 +25,13 @@
 #include <gp_Trsf.hxx>
 #include <map>
 
+#include "codegen/exchange/brep_faces.h"
 #include "codegen/exchange/brep_shapes.h"
 #include "core/ensure.h"
 #include "core/number.h"
 #include "model/distance/distance.h"
 #include "model/lower/lower.h"
+#include "model/tri_faces.h"
 
 namespace partscribe::codegen {
 namespace {
@@ -136,6 +138,16 @@ class Builder {
   TopoDS_Shape build(const S&) {
     ensure(false, "features are lowered before");
     return {};
+  }
+  /// By the surfaces of its faces where these close, else triangle by triangle.
+  TopoDS_Shape build(const TriSurfaceOf<double>& s) {
+    if (s.faces.empty()) return brep_of(s);
+    FacedBody body;
+    for (const auto& v : s.vertices) body.mesh.vertices.emplace_back(v[0], v[1], v[2]);
+    body.mesh.triangles = s.triangles, body.face_of = faces_of_triangles(s);
+    for (const auto& face : s.faces) body.faces.push_back({surface_of(face), face.hollow});
+    const TopoDS_Shape shape = brep_of_faces(body, 0.02 * model_.tolerance);
+    return shape.IsNull() || !BRepCheck_Analyzer(shape).IsValid() ? brep_of(s) : shape;
   }
   TopoDS_Shape build(const SuperellipsoidOf<double>& s) { return approximated(s); }
   TopoDS_Shape build(const SupertoroidOf<double>& s) { return approximated(s); }

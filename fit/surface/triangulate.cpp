@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "fit/surface/faced_mesh.h"
 #include "fit/surface/height_field.h"
 #include "fit/surface/reconstruct.h"
 #include "geometry/mesh/decimate.h"
@@ -144,9 +145,20 @@ Candidate candidate_of(const TriangleMesh& mesh, double tolerance) {
   return candidate;
 }
 
+/// A body of faces: its numbers are those of their surfaces.
+Candidate candidate_of(FacedMesh faced) {
+  Candidate candidate = candidate_of(faced.mesh, 0);
+  auto& surface = std::get<TriSurface>(candidate.shape);
+  candidate.extra_numbers = 0;
+  for (const auto& face : faced.faces)
+    candidate.extra_numbers += face.surface.empty() ? 3 * face.triangles : 3 + static_cast<int>(face.sizes.size());
+  surface.faces = std::move(faced.faces);
+  return candidate;
+}
+
 }  // namespace
 
-TriangleMesh Triangulator::from_mesh(double tolerance) const {
+TriangleMesh Triangulator::repaired(double tolerance) const {
   RepairOptions options;
   options.separation = 0.1 * tolerance;
   RepairReport report = repair(ordered_source(input_.scan->mesh), options);
@@ -155,7 +167,7 @@ TriangleMesh Triangulator::from_mesh(double tolerance) const {
                  " small floating pieces of the mesh left out");
   if (report.filled_holes > 0)
     context_.say("triangulate: " + std::to_string(report.filled_holes) + " holes of the mesh filled");
-  return simplified(report.mesh, 0.4 * tolerance, context_);
+  return std::move(report.mesh);
 }
 
 TriangleMesh Triangulator::from_points(double tolerance) {
@@ -186,7 +198,13 @@ Result<Candidate> Triangulator::within(double tolerance) {
   const Error no_surface = bad_input("triangulate: expected points that lie on a surface, found " +
                                      std::to_string(input_.cloud.size()) + " points that span none");
   if (spans_a_line(input_.cloud.points)) return no_surface;
-  const TriangleMesh mesh = input_.scan && !input_.scan->mesh.empty() ? from_mesh(tolerance) : from_points(tolerance);
+  const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
+  if (of_mesh) {
+    const TriangleMesh whole = canonical(snapped_mesh(repaired(tolerance), power_of_ten_below(tolerance / 2000)));
+    if (auto faced = faced_mesh(whole, tolerance, 0.4 * tolerance, context_)) return candidate_of(std::move(*faced));
+  }
+  const TriangleMesh mesh =
+      of_mesh ? simplified(repaired(tolerance), 0.4 * tolerance, context_) : from_points(tolerance);
   if (mesh.empty()) return no_surface;
   return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
 }

@@ -26,7 +26,7 @@ class Triangulator {
   std::optional<Candidate> unsimplified() const;
 
  private:
-  TriangleMesh from_mesh(double tolerance) const;
+  TriangleMesh repaired(double tolerance) const;
   TriangleMesh from_points(double tolerance);
 
   const FitInput& input_;

@@ -344,8 +344,16 @@ SolidPointer solid_for(const TriSurfaceOf<double>& s) {
   TriangleMesh mesh;
   for (const auto& v : s.vertices) mesh.vertices.emplace_back(v[0], v[1], v[2]);
   mesh.triangles = s.triangles;
-  return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>{}, std::vector<std::string>{"surface"},
-                                     s.closed);
+  if (s.faces.empty())
+    return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>{}, std::vector<std::string>{"surface"},
+                                       s.closed);
+  std::vector<int> face_of;
+  std::vector<std::string> names;
+  for (const auto& face : s.faces) {
+    face_of.insert(face_of.end(), static_cast<std::size_t>(face.triangles), static_cast<int>(names.size()));
+    names.push_back(face.name);
+  }
+  return std::make_unique<MeshSolid>(std::move(mesh), std::move(face_of), std::move(names), s.closed);
 }
 
 SolidPointer solid_for(const UnionOf<double>&) { return {}; }

@@ -143,6 +143,9 @@ Placed reflected(const Shape& shape, int axis, const Renamed& renamed) {
                           for (auto& v : s.vertices)
                             v[static_cast<std::size_t>(axis)] = -v[static_cast<std::size_t>(axis)];
                           for (auto& t : s.triangles) std::swap(t[1], t[2]);
+                          for (auto& face : s.faces)
+                            for (auto* v : {&face.point, &face.axis})
+                              if (!v->empty()) (*v)[static_cast<std::size_t>(axis)] *= -1;
                           return Placed{s, {}};
                         },
                         [&](const Union& s) -> Placed { return combined(s, renamed); },
