@@ -11,6 +11,7 @@
 #include "fit/search/search.h"
 #include "fit/surface/fallback.h"
 #include "geometry/points/keep_points.h"
+#include "geometry/segment/faces.h"
 
 namespace partscribe::fit {
 namespace {
@@ -47,13 +48,24 @@ struct Attempt {
   ProcedureSearch search;
 };
 
+/// What lies on a face of the part is no outlier, however small the face is: the wall of a hole has few neighbours on
+/// any local plane.
+void spare_faces(const PointCloud& cloud, double tolerance, SurfacePoints& found, Context& context) {
+  FaceOptions options;
+  options.tolerance = tolerance;
+  const Faces faces = faces_of_cloud(cloud, options, context);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (found.outlier[i] && faces.face_of[i] != no_face) found.outlier[i] = 0, --found.outliers;
+}
+
 /// The scan without its outliers. The planes by which outliers are recognised also give better normals and a better
 /// estimate of the noise than neighbourhoods that contain outliers.
 std::optional<Attempt> without_outliers(const Scan& scan, FitInput input, Context& context) {
   constexpr std::size_t least_outliers = 9;  // fewer never judge a candidate
   if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return std::nullopt;
-  const SurfacePoints found = surface_points_of(input.cloud.points, input.cloud.rays, input.sampling.sigma, context);
+  SurfacePoints found = surface_points_of(input.cloud.points, input.cloud.rays, input.sampling.sigma, context);
   PointCloud& cloud = input.cloud;
+  spare_faces(cloud, input.tolerance, found, context);
   const std::size_t n = cloud.size();
   if (found.outliers < least_outliers || n - found.outliers < 50) return std::nullopt;
   context.say("outliers: " + print_number(double(found.outliers)) + " of " + print_number(double(n)) +
