@@ -23,6 +23,21 @@ const char* name_of(FaceKind kind) {
   return "free_form";
 }
 
+FaceKind face_kind(PrimitiveKind kind) {
+  switch (kind) {
+    case PrimitiveKind::cylinder:
+      return FaceKind::cylinder;
+    case PrimitiveKind::cone:
+      return FaceKind::cone;
+    case PrimitiveKind::sphere:
+      return FaceKind::sphere;
+    case PrimitiveKind::torus:
+      return FaceKind::torus;
+    default:
+      return FaceKind::plane;
+  }
+}
+
 const char* name_of(EdgeKind kind) {
   return kind == EdgeKind::convex ? "convex" : kind == EdgeKind::concave ? "concave" : "tangent";
 }
@@ -36,6 +51,27 @@ void place_half_way(Face& face, double low, double high) {
   p.radius += middle * std::tan(p.half_angle);
   const double slope = face.fit.sigma_half_angle / std::pow(std::cos(p.half_angle), 2);
   face.fit.sigma_radius = std::hypot(face.fit.sigma_radius, middle * slope);
+}
+
+namespace {
+
+bool mostly_known(const Faces& faces) {
+  double known = 0, all = 0;
+  for (const auto& face : faces.faces) {
+    all += face.area;
+    if (face.kind != FaceKind::free_form) known += face.area;
+  }
+  return known > 0.5 * all;
+}
+
+}  // namespace
+
+bool is_drawn(const TriangleMesh& mesh, Context& context) { return mostly_known(faces_of_mesh(mesh, {}, context)); }
+
+Faces faces_of(const Scan& scan, const FaceOptions& options, Context& context) {
+  if (!scan.mesh.empty())
+    if (Faces faces = faces_of_mesh(scan.mesh, options, context); mostly_known(faces)) return faces;
+  return faces_of_cloud(scan.cloud, options, context);
 }
 
 Vec3 surface_normal(const Primitive& primitive, const Vec3& point) {

@@ -14,6 +14,8 @@ namespace partscribe::geometry {
 enum class FaceKind { plane, cylinder, cone, sphere, torus, free_form };
 const char* name_of(FaceKind kind);  ///< "plane", ..., "free_form"
 
+FaceKind face_kind(PrimitiveKind kind);  ///< of a plane, cylinder, cone, sphere or torus
+
 /// How two faces meet: at an edge that stands out or runs in, or smoothly.
 enum class EdgeKind { convex, concave, tangent };
 const char* name_of(EdgeKind kind);  ///< "convex", ...
@@ -74,6 +76,9 @@ Faces faces_of_mesh(const TriangleMesh& mesh, const FaceOptions& options, Contex
 
 /// Of scanned points with normals, sigma and flags (estimate_normals).
 Faces faces_of_cloud(const PointCloud& cloud, const FaceOptions& options, Context& context);
+
+/// Whether a mesh was drawn and not scanned: the corners of more than half of its area lie on faces of a closed form.
+bool is_drawn(const TriangleMesh& mesh, Context& context);
 
 /// Of a mesh as of a mesh if its corners lie on surfaces, else of its points; of a cloud as of a cloud.
 Faces faces_of(const Scan& scan, const FaceOptions& options, Context& context);

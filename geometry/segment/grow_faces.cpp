@@ -11,8 +11,6 @@
 namespace partscribe::geometry {
 namespace {
 
-constexpr std::array kinds = {PrimitiveKind::plane, PrimitiveKind::cylinder, PrimitiveKind::sphere, PrimitiveKind::cone,
-                              PrimitiveKind::torus};
 constexpr std::size_t most_fitted = 1500;  // samples that a fit is made of while growing
 constexpr int most_rounds = 14;
 constexpr std::size_t least_members = 12;
@@ -174,12 +172,12 @@ std::optional<GrownFace> grow_face(const FaceSamples& samples, std::uint32_t see
   if (auto plane = growth.grown(PrimitiveKind::plane, starts[0]);
       plane && plane->gain > 0 && plane->members.size() > starts[1].size() && growth.is_bounded(*plane))
     return plane;
-  std::array<std::optional<GrownFace>, kinds.size() * seed_sizes.size()> found;
+  std::array<std::optional<GrownFace>, face_kinds.size() * seed_sizes.size()> found;
   parallel_for(
       found.size(), threads,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-          found[i] = growth.grown(kinds[i / starts.size()], starts[i % starts.size()]);
+          found[i] = growth.grown(face_kinds[i / starts.size()], starts[i % starts.size()]);
       },
       1);
   std::optional<GrownFace> best;

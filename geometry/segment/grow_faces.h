@@ -1,6 +1,7 @@
 /// Faces grown from seeds: a surface is fitted to a few samples, takes its neighbours in, and is fitted again.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -9,6 +10,10 @@
 #include "geometry/surfaces/primitive_fit.h"
 
 namespace partscribe::geometry {
+
+/// What a face may be, the plainest first.
+inline constexpr std::array face_kinds = {PrimitiveKind::plane, PrimitiveKind::cylinder, PrimitiveKind::sphere,
+                                          PrimitiveKind::cone, PrimitiveKind::torus};
 
 /// One surface and the samples it explains.
 struct GrownFace {

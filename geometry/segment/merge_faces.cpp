@@ -12,8 +12,6 @@
 namespace partscribe::geometry {
 namespace {
 
-constexpr std::array kinds = {PrimitiveKind::plane, PrimitiveKind::cylinder, PrimitiveKind::sphere, PrimitiveKind::cone,
-                              PrimitiveKind::torus};
 constexpr double smooth_border = 0.45;  // rad between faces that may be one
 constexpr std::size_t least_links = 4;
 
@@ -28,7 +26,7 @@ std::optional<GrownFace> best_surface(const FaceSamples& samples, const std::vec
     GrownFace face{*surface, sense_of(samples, *surface, members), members, gain_of(samples, *surface, members)};
     if (!best || face.gain > best->gain) best = std::move(face);
   };
-  for (const auto kind : kinds) judge(fit_samples(samples, kind, members, std::nullopt));
+  for (const auto kind : face_kinds) judge(fit_samples(samples, kind, members, std::nullopt));
   for (const auto& start : starts) judge(fit_samples(samples, start.kind, members, start));
   return best;
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+#include "core/disjoint_sets.h"
 #include "core/number.h"
 #include "geometry/mesh/mesh_facets.h"
 #include "geometry/segment/faces.h"
@@ -18,21 +19,8 @@ namespace {
 constexpr double tangent_angle = 0.03;      // rad between two analytic surfaces that meet smoothly
 constexpr double widest_smooth_bend = 0.5;  // rad between facets of surfaces that may meet smoothly
 constexpr int turn_bins = 720;
-
-FaceKind face_kind(PrimitiveKind kind) {
-  switch (kind) {
-    case PrimitiveKind::cylinder:
-      return FaceKind::cylinder;
-    case PrimitiveKind::cone:
-      return FaceKind::cone;
-    case PrimitiveKind::sphere:
-      return FaceKind::sphere;
-    case PrimitiveKind::torus:
-      return FaceKind::torus;
-    default:
-      return FaceKind::plane;
-  }
-}
+constexpr double bent_little = 0.35;      // rad between two cones that may be facets of one turned surface
+constexpr std::uint32_t least_rings = 4;  // in a row
 
 /// The surface through all corners at once, with its uncertainty.
 PrimitiveFit fit_of(const MeshPatch& patch, const TriangleMesh& mesh, const Facets& facets, std::size_t& points) {
@@ -191,6 +179,70 @@ void find_neighbours(const TriangleMesh& mesh, Faces& faces) {
   }
 }
 
+/// All its corners lie on two circles: any two rings of a turned surface of free form have a cone between them.
+bool has_two_rings(const TriangleMesh& mesh, const Face& face) {
+  if (face.kind != FaceKind::cone && face.kind != FaceKind::cylinder) return false;
+  const Primitive& p = face.surface();
+  const double near = 1e-3 * (face.high - face.low);
+  for (const auto t : face.members)
+    for (int k = 0; k < 3; ++k) {
+      const double along = (mesh.corner(t, k) - p.point).dot(p.axis);
+      if (along - face.low > near && face.high - along > near) return false;
+    }
+  return true;
+}
+
+/// Many cones in a row, each bent a little against the next, are the facets of one surface of free form.
+void unite_rings(const TriangleMesh& mesh, Faces& result) {
+  const auto count = static_cast<std::uint32_t>(result.faces.size());
+  std::vector<std::uint8_t> ring(count, 0);
+  for (std::uint32_t f = 0; f < count; ++f) ring[f] = has_two_rings(mesh, result.faces[f]);
+  DisjointSets sets(count);
+  for (std::uint32_t f = 0; f < count; ++f)
+    for (const auto& n : result.faces[f].neighbours) {
+      const Face &a = result.faces[f], &b = result.faces[n.face];
+      if (ring[f] && ring[n.face] && n.angle < bent_little &&
+          std::abs(a.surface().axis.dot(b.surface().axis)) > 1 - 1e-4)
+        sets.unite(f, n.face);
+    }
+  std::vector<Face> faces;
+  std::vector<std::uint32_t> number(count, no_face);
+  for (std::uint32_t f = 0; f < count; ++f) {
+    const auto root = sets.root(f);
+    const bool tile = sets.size(root) >= least_rings;
+    if (!tile || root == f) number[f] = static_cast<std::uint32_t>(faces.size()), faces.push_back(result.faces[f]);
+    if (!tile) continue;
+    number[f] = number[root];
+    Face& whole = faces[number[f]];
+    if (root == f) {
+      Face free_form;
+      free_form.area = whole.area, free_form.middle = whole.middle, free_form.spread = whole.spread;
+      free_form.members = whole.members, free_form.complete = whole.complete;
+      whole = std::move(free_form);
+      continue;
+    }
+    const Face& part = result.faces[f];
+    whole.middle = (whole.area * whole.middle + part.area * part.middle) / (whole.area + part.area);
+    whole.area += part.area, whole.complete = whole.complete && part.complete;
+    whole.members.insert(whole.members.end(), part.members.begin(), part.members.end());
+  }
+  if (faces.size() == count) return;
+  for (auto& face : faces) std::sort(face.members.begin(), face.members.end()), face.neighbours.clear();
+  result.faces = std::move(faces);
+}
+
+void number_faces(const TriangleMesh& mesh, Faces& result) {
+  std::stable_sort(result.faces.begin(), result.faces.end(), [](const Face& a, const Face& b) {
+    return a.area != b.area ? a.area > b.area : a.members.front() < b.members.front();
+  });
+  result.face_of.assign(mesh.triangles.size(), no_face);
+  for (std::uint32_t f = 0; f < result.faces.size(); ++f) {
+    result.faces[f].neighbours.clear();
+    for (const auto t : result.faces[f].members) result.face_of[t] = f;
+  }
+  find_neighbours(mesh, result);
+}
+
 }  // namespace
 
 Faces faces_of_mesh(const TriangleMesh& mesh, const FaceOptions& given, Context& context) {
@@ -205,13 +257,10 @@ Faces faces_of_mesh(const TriangleMesh& mesh, const FaceOptions& given, Context&
   result.of_mesh = true, result.noise = patches.corner_error;
   for (const auto& patch : patches.patches)
     if (!patch.crumbs) result.faces.push_back(Description(mesh, facets, patch).face());
-  std::stable_sort(result.faces.begin(), result.faces.end(), [](const Face& a, const Face& b) {
-    return a.area != b.area ? a.area > b.area : a.members.front() < b.members.front();
-  });
-  result.face_of.assign(mesh.triangles.size(), no_face);
-  for (std::uint32_t f = 0; f < result.faces.size(); ++f)
-    for (const auto t : result.faces[f].members) result.face_of[t] = f;
-  find_neighbours(mesh, result);
+  number_faces(mesh, result);
+  const std::size_t before = result.faces.size();
+  unite_rings(mesh, result);
+  if (result.faces.size() < before) number_faces(mesh, result);
   context.report("faces", 1);
   return result;
 }
