@@ -48,14 +48,40 @@ struct Attempt {
   ProcedureSearch search;
 };
 
+constexpr double beside_from = 4, beside_to = 16;  // sigmas off a face: as near as outliers lie that are not on it
+constexpr double least_spared = 12;                // points on a face that were taken for outliers
+
 /// What lies on a face of the part is no outlier, however small the face is: the wall of a hole has few neighbours on
 /// any local plane.
 void spare_faces(const PointCloud& cloud, double tolerance, SurfacePoints& found, Context& context) {
   FaceOptions options;
   options.tolerance = tolerance;
   const Faces faces = faces_of_cloud(cloud, options, context);
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (found.outlier[i] && faces.face_of[i] != no_face) found.outlier[i] = 0, --found.outliers;
+  std::vector<std::uint32_t> outliers;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i)
+    if (found.outlier[i]) outliers.push_back(i);
+  for (std::uint32_t f = 0; f < faces.faces.size(); ++f) {
+    const Face& face = faces.faces[f];
+    if (face.kind == FaceKind::free_form) continue;
+    // Outliers lie beside the face as densely as on it: what they put there by chance does not make a face.
+    Box3 box;
+    for (const auto i : face.members) box.add(cloud.points[i]);
+    const Vec3 margin = Vec3::Constant(beside_to * faces.noise);
+    double on = 0, beside = 0;
+    for (const auto i : outliers) {
+      const Vec3& p = cloud.points[i];
+      if ((p.array() < (box.low - margin).array()).any() || (p.array() > (box.high + margin).array()).any()) continue;
+      const double off = std::abs(distance(face.surface(), p)) / faces.noise;
+      if (faces.face_of[i] == f)
+        on += 1;
+      else if (off > beside_from && off < beside_to)
+        beside += 1;
+    }
+    const double chance = beside * beside_from / (beside_to - beside_from);
+    if (on < 3 * chance + 3 * std::sqrt(chance) + least_spared) continue;
+    for (const auto i : outliers)
+      if (faces.face_of[i] == f) found.outlier[i] = 0, --found.outliers;
+  }
 }
 
 /// The scan without its outliers. The planes by which outliers are recognised also give better normals and a better
