@@ -35,10 +35,12 @@ struct Row {
   double gain = 0, overlap = 0;
 };
 
-double degrees(double angle) { return snapped(angle * 180 / pi, 0.1) + 0.0; }
+double tenths_of_degrees(double angle) { return snapped(angle * 180 / pi, 0.1) + 0.0; }
 
-double azimuth(const Vec3& d) { return degrees(std::hypot(d.x(), d.y()) < 1e-9 ? 0 : std::atan2(d.y(), d.x())); }
-double elevation(const Vec3& d) { return degrees(std::atan2(d.z(), std::hypot(d.x(), d.y()))); }
+double azimuth(const Vec3& d) {
+  return tenths_of_degrees(std::hypot(d.x(), d.y()) < 1e-9 ? 0 : std::atan2(d.y(), d.x()));
+}
+double elevation(const Vec3& d) { return tenths_of_degrees(std::atan2(d.z(), std::hypot(d.x(), d.y()))); }
 
 void print(const std::vector<Row>& rows, bool measured, Session& session) {
   nlohmann::ordered_json json;
