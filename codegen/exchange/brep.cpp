@@ -65,12 +65,6 @@ double volume_of(const TopoDS_Shape& shape) {
   return properties.Mass();
 }
 
-double area_of(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(shape, properties);
-  return properties.Mass();
-}
-
 /// Faces that lie on one surface become one, if that leaves the body as it was.
 TopoDS_Shape unified(const TopoDS_Shape& shape) {
   try {

@@ -22,20 +22,19 @@
 #include <ShapeFix_Shape.hxx>
 #include <Standard_Failure.hxx>
 #include <TColgp_HArray1OfPnt.hxx>
-#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
-#include <TopoDS_Solid.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
+#include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "codegen/exchange/brep_shapes.h"
 #include "codegen/exchange/face_borders.h"
 #include "core/disjoint_sets.h"
 #include "core/number.h"
@@ -176,9 +175,8 @@ class CurveFinder {
       const Vec3 a = points_[0], b = points_[n / 3], c = points_[2 * n / 3];
       const Vec3 u = b - a, v = c - a, w = u.cross(v);
       if (w.norm() > 1e-6 * u.norm() * v.norm())
-        found.emplace_back(
-            a + (u.squaredNorm() * v.cross(w) - v.squaredNorm() * u.cross(w)) / (2 * w.squaredNorm()) * 1.0,
-            w.normalized());
+        found.emplace_back(a + (u.squaredNorm() * v.cross(w) - v.squaredNorm() * u.cross(w)) / (2 * w.squaredNorm()),
+                           w.normalized());
     }
     return found;
   }
@@ -271,12 +269,6 @@ Prepared prepared(const FacedBody& given) {
   return result;
 }
 
-double area_of(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(shape, properties);
-  return properties.Mass();
-}
-
 /// Of the triangles that OpenCASCADE has made of the faces.
 double drawn_area(const TopoDS_Shape& shape) {
   double area = 0;
@@ -309,27 +301,30 @@ class FacedBuilder {
     return bad;
   }
 
+  /// Faces that share a border.
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>>& neighbours() const { return neighbours_; }
+
   /// All faces put together and mended; empty if that fails. Bad faces are named.
   TopoDS_Shape assembled(std::vector<std::uint32_t>& bad) {
     DisjointSets sets(faces_.size());
     for (const auto& [f, g] : neighbours_) sets.unite(f, g);
-    std::vector<TopoDS_Shell> shells;
-    std::vector<std::size_t> shell_of(faces_.size());
-    std::vector<std::size_t> of_root(faces_.size(), faces_.size());
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-      const auto root = sets.root(static_cast<std::uint32_t>(f));
-      if (of_root[root] == faces_.size()) {
-        of_root[root] = shells.size();
-        shells.emplace_back();
-        builder_.MakeShell(shells.back());
-      }
-      shell_of[f] = of_root[root];
-      builder_.Add(shells[of_root[root]], faces_[f]);
+    std::map<std::uint32_t, TopoDS_Shell> shells;  // by the least of their faces
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+      TopoDS_Shell& shell = shells[sets.root(f)];
+      if (shell.IsNull()) builder_.MakeShell(shell);
+      builder_.Add(shell, faces_[f]);
     }
-    TopoDS_Compound all;
-    builder_.MakeCompound(all);
-    for (auto& shell : shells) shell.Closed(true), builder_.Add(all, shell);
-    ShapeFix_Shape fix(all);
+    std::map<std::uint32_t, ClosedShell> closed;
+    for (auto& [root, shell] : shells) shell.Closed(true), closed[root].shell = &shell;
+    for (std::size_t t = 0; t < body_.face_of.size(); ++t) {
+      ClosedShell& shell = closed.at(sets.root(body_.face_of[t]));
+      const Vec3 a = body_.mesh.corner(t, 0), b = body_.mesh.corner(t, 1), c = body_.mesh.corner(t, 2);
+      shell.volume += a.dot(b.cross(c)) / 6;
+      for (const auto& p : {a, b, c}) shell.bounds.add(p);
+    }
+    std::vector<ClosedShell> list;
+    for (const auto& [root, shell] : closed) list.push_back(shell);
+    ShapeFix_Shape fix(solids_of(list));
     fix.SetPrecision(1e-6), fix.SetMaxTolerance(tolerance_);
     fix.Perform();
     const TopoDS_Shape fixed = fix.Shape();
@@ -450,8 +445,8 @@ TopoDS_Shape brep_of_faces(FacedBody& body, double tolerance) {
     const Prepared ready = prepared(body);
     std::vector<std::uint32_t> bad;
     TopoDS_Shape shape;
+    FacedBuilder builder(ready.body, tolerance);
     try {
-      FacedBuilder builder(ready.body, tolerance);
       bad = builder.build();
       if (bad.empty()) shape = builder.assembled(bad);
     } catch (const Standard_Failure&) {
@@ -461,8 +456,8 @@ TopoDS_Shape brep_of_faces(FacedBody& body, double tolerance) {
     // A triangle of a free form is bad for what it borders on.
     std::vector<std::uint8_t> given_up(ready.body.faces.size(), 0);
     for (const auto f : bad) given_up[f] = 1;
-    for (const auto& curve : face_borders(ready.body).curves)
-      for (const auto& [f, g] : {std::pair(curve.left, curve.right), std::pair(curve.right, curve.left)})
+    for (const auto& [left, right] : builder.neighbours())
+      for (const auto& [f, g] : {std::pair(left, right), std::pair(right, left)})
         if (given_up[f] == 1 && ready.body.faces[f].flat && !ready.body.faces[g].flat) given_up[g] = 2;
     bool changed = false;
     for (std::uint32_t f = 0; f < given_up.size(); ++f)

@@ -103,30 +103,41 @@ TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices, const std::vect
   }
   if (pieces.empty()) return {};
 
-  TopoDS_Compound all;
-  builder.MakeCompound(all);
   if (!closed) {
+    TopoDS_Compound all;
+    builder.MakeCompound(all);
     for (const Piece& piece : pieces) builder.Add(all, piece.shell);
     return pieces.size() == 1 ? TopoDS_Shape(pieces[0].shell) : TopoDS_Shape(all);
   }
-  std::vector<TopoDS_Solid> solids(pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    pieces[i].shell.Closed(true);
-    if (pieces[i].volume <= 0) continue;
+  std::vector<ClosedShell> shells;
+  for (Piece& piece : pieces) {
+    piece.shell.Closed(true);
+    shells.push_back({&piece.shell, piece.volume, piece.bounds});
+  }
+  return solids_of(shells);
+}
+
+TopoDS_Shape solids_of(const std::vector<ClosedShell>& shells) {
+  BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  std::vector<TopoDS_Solid> solids(shells.size());
+  for (std::size_t i = 0; i < shells.size(); ++i) {
+    if (shells[i].volume <= 0) continue;
     builder.MakeSolid(solids[i]);
-    builder.Add(solids[i], pieces[i].shell);
+    builder.Add(solids[i], *shells[i].shell);
   }
   // A piece that faces inward is a cavity of the smallest body around it.
-  for (const Piece& cavity : pieces) {
+  for (const ClosedShell& cavity : shells) {
     if (cavity.volume > 0) continue;
-    std::size_t host = pieces.size();
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const bool around = pieces[i].volume > 0 && (pieces[i].bounds.low.array() <= cavity.bounds.low.array()).all() &&
-                          (pieces[i].bounds.high.array() >= cavity.bounds.high.array()).all();
-      if (around && (host == pieces.size() || pieces[i].volume < pieces[host].volume)) host = i;
+    std::size_t host = shells.size();
+    for (std::size_t i = 0; i < shells.size(); ++i) {
+      const bool around = shells[i].volume > 0 && (shells[i].bounds.low.array() <= cavity.bounds.low.array()).all() &&
+                          (shells[i].bounds.high.array() >= cavity.bounds.high.array()).all();
+      if (around && (host == shells.size() || shells[i].volume < shells[host].volume)) host = i;
     }
-    if (host == pieces.size()) return {};
-    builder.Add(solids[host], cavity.shell);
+    if (host == shells.size()) return {};
+    builder.Add(solids[host], *cavity.shell);
   }
   TopoDS_Shape last;
   int count = 0;

@@ -4,6 +4,7 @@
 #include <BRepBuilderAPI_GTransform.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRepOffsetAPI_DraftAngle.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
@@ -15,6 +16,7 @@
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRepPrimAPI_MakeWedge.hxx>
 #include <BRep_Builder.hxx>
+#include <GProp_GProps.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_Circle.hxx>
 #include <Geom_Line.hxx>
@@ -220,6 +222,12 @@ TopoDS_Shape brep_of(const TriSurfaceOf<double>& s) {
   std::vector<std::vector<std::uint32_t>> polygons;
   for (const auto& t : s.triangles) polygons.push_back({t[0], t[1], t[2]});
   return brep_of_polygons(vertices, polygons, s.closed);
+}
+
+double area_of(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(shape, properties);
+  return properties.Mass();
 }
 
 }  // namespace partscribe::codegen

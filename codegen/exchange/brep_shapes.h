@@ -30,6 +30,20 @@ TopoDS_Shape brep_of(const SuperellipsoidOf<double>& shape, double tolerance, do
 /// Likewise: the tube's curve times the ring's.
 TopoDS_Shape brep_of(const SupertoroidOf<double>& shape, double tolerance, double& error);
 
+/// A closed surface of a body, or of a cavity in one.
+struct ClosedShell {
+  const TopoDS_Shape* shell = nullptr;  ///< kept by the caller
+  double volume = 0;                    ///< mm^3, signed: negative for a cavity, whose faces look inward
+  Box3 bounds;
+};
+
+/// A solid for each body, cavities cut out of the smallest one around them; a compound of several. A null shape if a
+/// cavity has no body around it.
+TopoDS_Shape solids_of(const std::vector<ClosedShell>& shells);
+
+/// mm^2, of all faces.
+double area_of(const TopoDS_Shape& shape);
+
 /// Planar faces on shared corners and edges: one shell per connected piece. `closed`: solids, cavities cut out.
 TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices,
                               const std::vector<std::vector<std::uint32_t>>& polygons, bool closed);

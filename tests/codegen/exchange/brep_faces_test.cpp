@@ -41,6 +41,7 @@ FacedBody body_of(const TriangleMesh& mesh) {
 
 struct Counted {
   std::map<GeomAbs_SurfaceType, int> kinds;
+  int solids = 0;
   double volume = 0;
   bool valid = false;
 };
@@ -51,6 +52,9 @@ Counted counted(const TopoDS_Shape& shape) {
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(shape, TopAbs_FACE, faces);
   for (int i = 1; i <= faces.Extent(); ++i) ++result.kinds[BRepAdaptor_Surface(TopoDS::Face(faces(i))).GetType()];
+  TopTools_IndexedMapOfShape solids;
+  TopExp::MapShapes(shape, TopAbs_SOLID, solids);
+  result.solids = solids.Extent();
   GProp_GProps properties;
   BRepGProp::VolumeProperties(shape, properties);
   result.volume = properties.Mass();
@@ -62,6 +66,7 @@ TEST_CASE("faced bodies: a hole drawn with 16 sides is a true cylinder in a body
   FacedBody body = body_of(holed_plate(20, 10, 6, 0, 0, 16));
   const Counted made = counted(codegen::brep_of_faces(body, 1e-3));
   CHECK(made.valid);
+  CHECK(made.solids == 1);
   CHECK(made.kinds.at(GeomAbs_Plane) == 6);
   CHECK(made.kinds.at(GeomAbs_Cylinder) == 1);
   CHECK(made.volume == Approx(40 * 40 * 10 - pi * 36 * 10).epsilon(1e-6));
@@ -97,6 +102,18 @@ TEST_CASE("faced bodies: what has no surface stays triangles, and the body close
   CHECK(made.kinds.count(GeomAbs_Cylinder) == 0);
   CHECK(made.kinds.at(GeomAbs_Plane) == 6 + triangles);
   CHECK(made.volume == Approx(volume(body.mesh)).epsilon(1e-6));
+}
+
+TEST_CASE("faced bodies: a cavity is cut out of the body around it, and a body beside it stays one of its own") {
+  TriangleMesh cavity = sphere(3, 24);
+  for (auto& t : cavity.triangles) std::swap(t[1], t[2]);
+  const TriangleMesh block = moved(holed_plate(20, 20, 4, 0, 0, 16), {0, 0, -10});
+  const TriangleMesh beside = moved(turned({{0, 0}, {5, 0}, {5, 6}, {0, 6}}, 24), {60, 0, 0});
+  FacedBody body = body_of(joined(joined(block, moved(cavity, {12, 12, 0})), beside));
+  const Counted made = counted(codegen::brep_of_faces(body, 1e-3));
+  CHECK(made.valid);
+  CHECK(made.solids == 2);
+  CHECK(made.volume == Approx(40 * 40 * 20 - pi * 16 * 20 - 4 * pi / 3 * 27 + pi * 25 * 6).epsilon(1e-3));
 }
 
 TEST_CASE("faced bodies: an open mesh has none") {
