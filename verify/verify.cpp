@@ -42,7 +42,7 @@ bool describes_a_sheet(const Model& model) {
   return surface && !surface->closed;
 }
 
-/// mm: how far a program that has only triangles draws round faces off; 0 unless the model states both.
+/// mm between the triangles of a model and the surfaces that it says they stand for; 0 unless it states both.
 double drawn_off(const std::optional<Model>& model) {
   const auto* surface = model ? std::get_if<TriSurface>(&model->objects.back().shape) : nullptr;
   if (!surface || surface->faces.empty()) return 0;
@@ -72,6 +72,7 @@ void note_evaluation(ArtifactVerdict& verdict, const Evaluation& evaluation, boo
   verdict.version = evaluation.version;
   verdict.seconds = evaluation.seconds;
   verdict.evaluation_error = evaluation.error;
+  verdict.true_surfaces = evaluation.exact != nullptr;
   verdict.verdict = Outcome::verified;
   const bool refused = evaluation.failed || evaluation.mesh.empty() || (!evaluation.solid && !sheet);
   if (refused) {
@@ -272,14 +273,15 @@ Result<Verdict> verify_artifacts(const std::vector<Path>& artifacts, const Scan&
     }
   }
 
-  const double apart = options.tolerance / 5 + drawn_off(model);
+  const double drawn = drawn_off(model);
   for (std::size_t a = 0; a < verdict.artifacts.size(); ++a)
     for (std::size_t b = a + 1; b < verdict.artifacts.size(); ++b) {
       const auto &first = verdict.artifacts[a], &second = verdict.artifacts[b];
       if (first.mesh.empty() || second.mesh.empty()) continue;
       BackendPair pair{first.file, second.file,
                        distance_between(as_written(first), as_written(second), context.threads), true};
-      pair.agree = pair.distance <= apart + first.evaluation_error + second.evaluation_error;
+      const double apart = first.true_surfaces == second.true_surfaces ? 0 : drawn;
+      pair.agree = pair.distance <= options.tolerance / 5 + apart + first.evaluation_error + second.evaluation_error;
       verdict.between_backends.push_back(pair);
     }
 

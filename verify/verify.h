@@ -119,6 +119,7 @@ struct ArtifactVerdict {
   std::vector<std::int32_t> triangle_object;  ///< of each triangle of `mesh`; for pictures too
   std::vector<std::uint8_t> sample_support;   ///< Support of even_samples(mesh, this size); for pictures too
   TriangleMesh mesh;                          ///< the evaluated geometry, for pictures; not in the JSON
+  bool true_surfaces = false;                 ///< the file holds surfaces, not triangles alone
   std::shared_ptr<const BrepDistance> exact;  ///< the surfaces that `mesh` approaches, where known; not in the JSON
 };
 
