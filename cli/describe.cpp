@@ -6,6 +6,7 @@
 
 #include "codegen/describe.h"
 #include "core/number.h"
+#include "verify/report/words.h"
 
 namespace partscribe::cli {
 namespace {
@@ -23,7 +24,8 @@ std::string faces_text(const TriSurface& surface) {
     count += of_kind;
     text += text.empty() ? ": " : ", ";
     if (kind.empty())
-      text += std::to_string(of_kind) + " free form of " + std::to_string(triangles) + " triangles";
+      text +=
+          std::to_string(of_kind) + " free form of " + verify::counted(static_cast<std::size_t>(triangles), "triangle");
     else
       text += std::to_string(of_kind) + " " + (of_kind == 1 ? kind : kind == "torus" ? "tori" : kind + "s");
   }

@@ -91,7 +91,7 @@ std::optional<Attempt> without_outliers(const Scan& scan, FitInput input, Contex
   if (!scan.mesh.empty() || input.cloud.normals.size() != input.cloud.size()) return std::nullopt;
   SurfacePoints found = surface_points_of(input.cloud.points, input.cloud.rays, input.sampling.sigma, context);
   PointCloud& cloud = input.cloud;
-  spare_faces(cloud, input.tolerance, found, context);
+  if (found.outliers >= least_outliers) spare_faces(cloud, input.tolerance, found, context);
   const std::size_t n = cloud.size();
   if (found.outliers < least_outliers || n - found.outliers < 50) return std::nullopt;
   context.say("outliers: " + print_number(double(found.outliers)) + " of " + print_number(double(n)) +

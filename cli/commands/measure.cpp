@@ -11,6 +11,7 @@
 #include "cli/measure/measured_part.h"
 #include "cli/pictures/face_picture.h"
 #include "geometry/normals/normals.h"
+#include "verify/report/words.h"
 
 namespace partscribe::cli {
 namespace {
@@ -50,10 +51,8 @@ std::string reading_line(const Scan& scan, const MeasuredPart& part, const Chose
 }
 
 std::string found_line(const MeasuredPart& part) {
-  const auto counted = [](std::size_t n, const std::string& what) {
-    return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
-  };
-  return "Found " + counted(part.faces.faces.size(), "face") + " and " + counted(part.features.size(), "feature") +
+  return "Found " + verify::counted(part.faces.faces.size(), "face") + " and " +
+         verify::counted(part.features.size(), "feature") +
          (part.faces.of_mesh ? "" : "; noise " + readable(part.faces.noise) + " mm") + ".\n";
 }
 

@@ -93,9 +93,6 @@ std::string size_of(const MeasuredPart& part, std::size_t f) {
   return "";
 }
 
-bool has_direction(FaceKind kind) { return kind != FaceKind::sphere && kind != FaceKind::free_form; }
-bool is_round(FaceKind kind) { return kind != FaceKind::plane && kind != FaceKind::free_form; }
-
 std::string covered_text(const Face& face) {
   std::string text = is_round(face.kind) ? print_number(snapped(degrees(face.arc), 1)) + " deg" : "";
   // A round face that lacks nothing but the rest of the turn has no hole worth a word.
@@ -156,8 +153,6 @@ std::vector<RelatedGroup> groups_of(const MeasuredPart& part, RelationKind kind)
   for (auto& [root, group] : by_root) groups.push_back(std::move(group));
   return groups;
 }
-
-bool is_angle(RelationKind kind) { return kind == RelationKind::parallel || kind == RelationKind::orthogonal; }
 
 std::string within(RelationKind kind, double largest, const MeasuredPart& part) {
   const double finest = is_angle(kind) ? fine_degrees : fine_step(part);

@@ -21,8 +21,6 @@ Json direction_json(const Vec3& v) {
   return {rounded_direction(v.x()), rounded_direction(v.y()), rounded_direction(v.z())};
 }
 
-bool is_round(FaceKind kind) { return kind != FaceKind::plane && kind != FaceKind::free_form; }
-bool has_direction(FaceKind kind) { return kind != FaceKind::sphere && kind != FaceKind::free_form; }
 bool has_length(FaceKind kind) { return kind == FaceKind::cylinder || kind == FaceKind::cone; }
 
 Json ids_json(const std::vector<std::uint32_t>& faces) {
@@ -76,7 +74,7 @@ Json face_json(const MeasuredPart& part, std::size_t f) {
 }
 
 Json relation_json(const FaceRelation& relation) {
-  const bool angle = relation.kind == RelationKind::parallel || relation.kind == RelationKind::orthogonal;
+  const bool angle = is_angle(relation.kind);
   const auto shown = [&](double v) { return angle ? rounded_degrees(v) : rounded(v); };
   return {{"kind", name_of(relation.kind)}, {"faces", ids_json({relation.first, relation.second})},
           {"unit", angle ? "deg" : "mm"},   {"value", shown(relation.value)},

@@ -166,8 +166,7 @@ Result<MeasuredPart> measured_part(const Scan& scan, double tolerance, Context& 
 }
 
 double total_area(const MeasuredPart& part) {
-  double area = 0;
-  for (const auto& face : part.faces.faces) area += face.area;
+  double area = area_of(part.faces);
   for (const auto& place : part.unclassified) area += place.area;
   return area;
 }
@@ -216,9 +215,9 @@ std::vector<Vec2> sizes_of_planes(const Scan& scan, const Faces& faces) {
 }
 
 double area_per_point(const Scan& scan, const Faces& faces) {
-  double area = 0;
+  const double area = area_of(faces);
   std::size_t points = 0;
-  for (const auto& face : faces.faces) area += face.area, points += face.members.size();
+  for (const auto& face : faces.faces) points += face.members.size();
   if (points > 0 && area > 0) return area / static_cast<double>(points);
   if (!scan.mesh.empty())
     return geometry::area(scan.mesh) / static_cast<double>(std::max<std::size_t>(1, scan.cloud.size()));

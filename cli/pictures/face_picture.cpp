@@ -121,12 +121,11 @@ struct DrawnPoints {
 };
 
 /// Of its face, whose sense is known; of the point itself where its ray told the sense.
-Vec3 outward_normal(const PointCloud& cloud, const Faces& faces, std::size_t i) {
+Vec3 normal_of(const PointCloud& cloud, const Faces& faces, std::size_t i) {
   const std::uint32_t f = faces.face_of[i];
   if (f == no_face || faces.faces[f].kind == FaceKind::free_form)
     return cloud.normals.empty() || cloud.rays.empty() ? Vec3(0, 0, 0) : cloud.normals[i];
-  const Vec3 normal = surface_normal(faces.faces[f].surface(), cloud.points[i]);
-  return faces.faces[f].hollow ? Vec3(-normal) : normal;
+  return outward_normal(faces.faces[f], cloud.points[i]);
 }
 
 DrawnPoints drawn_points(const Scan& scan, const Faces& faces) {
@@ -135,7 +134,7 @@ DrawnPoints drawn_points(const Scan& scan, const Faces& faces) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!cloud.rejected.empty() && cloud.rejected[i]) continue;
     drawn.points.push_back(cloud.points[i]);
-    drawn.normals.push_back(outward_normal(cloud, faces, i));
+    drawn.normals.push_back(normal_of(cloud, faces, i));
     drawn.faces.push_back(faces.face_of[i]);
     if (faces.face_of[i] != no_face) drawn.framed.push_back(cloud.points[i]);
   }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/number.h"
+#include "geometry/segment/round_pieces.h"
 
 namespace partscribe::fit {
 namespace {
@@ -41,8 +42,6 @@ double square(double x) { return x * x; }
 
 /// Directions up to their sense.
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), std::abs(a.dot(b))); }
-
-double from_axis(const Known& axis, const Vec3& place) { return (place - axis.point).cross(axis.axis).norm(); }
 
 /// How far the face that moves more must move, if each moves by its share of the variance.
 double largest_move(double value, double variance_a, double reach_a, double variance_b, double reach_b) {
@@ -201,7 +200,7 @@ class Relations {
     if (tilt > std::max(near_angle, std::min(far_angle, near_sigmas * sigma_tilt))) return {};
     const double apart = (a.point - b.point).norm();
     const bool from_a = a_axis && (!b_axis || a.sigma_axis <= b.sigma_axis);
-    const double value = from_a ? from_axis(a, b.point) : from_axis(b, a.point);
+    const double value = from_a ? from_axis(a.point, a.axis, b.point) : from_axis(b.point, b.axis, a.point);
     const double lever = apart * (from_a ? a.sigma_axis : b.sigma_axis);
     const double sigma = std::sqrt(square(a.sigma_point) + square(b.sigma_point) + square(lever));
     if (!is_near(value, sigma)) return {};

@@ -11,6 +11,9 @@ namespace partscribe::fit {
 enum class RelationKind { parallel, orthogonal, coaxial, coplanar, equal_radius, tangent };
 const char* name_of(RelationKind kind);  ///< "parallel", ..., "equal_radius"
 
+/// Its value is an angle between directions.
+inline bool is_angle(RelationKind kind) { return kind == RelationKind::parallel || kind == RelationKind::orthogonal; }
+
 struct FaceRelation {
   RelationKind kind = RelationKind::parallel;
   std::uint32_t first = 0, second = 0;  ///< faces

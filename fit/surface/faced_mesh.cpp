@@ -17,8 +17,6 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr double least_known = 0.5;  // share of the area that has a closed form
-
 using Labels = std::vector<std::uint32_t>;  // of each triangle: its face
 
 /// Vertices at which several faces meet.
@@ -86,10 +84,7 @@ std::optional<FacedMesh> faced_mesh(const TriangleMesh& source, double tolerance
   FaceOptions options;
   options.tolerance = tolerance;
   const Faces found = faces_of_mesh(source, options, context);
-  double known = 0;
-  for (const auto& face : found.faces)
-    if (face.kind != FaceKind::free_form) known += face.area;
-  if (known < least_known * area(source)) return std::nullopt;
+  if (!mostly_known(found, source)) return std::nullopt;
 
   const auto rest = static_cast<std::uint32_t>(found.faces.size());
   Labels label = found.face_of;

@@ -199,12 +199,13 @@ Result<Candidate> Triangulator::within(double tolerance) {
                                      std::to_string(input_.cloud.size()) + " points that span none");
   if (spans_a_line(input_.cloud.points)) return no_surface;
   const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
+  const double max_error = 0.4 * tolerance;
+  const TriangleMesh whole = of_mesh ? repaired(tolerance) : TriangleMesh();
   if (of_mesh) {
-    const TriangleMesh whole = canonical(snapped_mesh(repaired(tolerance), power_of_ten_below(tolerance / 2000)));
-    if (auto faced = faced_mesh(whole, tolerance, 0.4 * tolerance, context_)) return candidate_of(std::move(*faced));
+    const TriangleMesh fine = canonical(snapped_mesh(whole, power_of_ten_below(tolerance / 2000)));
+    if (auto faced = faced_mesh(fine, tolerance, max_error, context_)) return candidate_of(std::move(*faced));
   }
-  const TriangleMesh mesh =
-      of_mesh ? simplified(repaired(tolerance), 0.4 * tolerance, context_) : from_points(tolerance);
+  const TriangleMesh mesh = of_mesh ? simplified(whole, max_error, context_) : from_points(tolerance);
   if (mesh.empty()) return no_surface;
   return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
 }

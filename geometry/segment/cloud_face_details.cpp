@@ -8,6 +8,7 @@
 #include "core/number.h"
 #include "core/statistics.h"
 #include "geometry/points/spatial_order.h"
+#include "geometry/segment/grow_faces.h"
 
 namespace partscribe::geometry {
 namespace {
@@ -34,9 +35,7 @@ void widen_sigmas(const std::vector<Vec3>& points, const std::vector<double>& si
     std::vector<double> kept_sigmas;
     for (std::size_t k = 0; k < order.size(); k += step)
       if (k < begin || k >= end) kept.push_back(points[order[k]]), kept_sigmas.push_back(sigmas[order[k]]);
-    PrimitiveFitOptions options;
-    options.sigmas = &kept_sigmas, options.robust = 2.5, options.start = all;
-    const auto other = fit_primitive(all.kind, kept, {}, options);
+    const auto other = robust_fit(all.kind, kept, {}, kept_sigmas, all);
     if (!other) continue;
     const Primitive& p = other->primitive;
     const Vec3 away = p.point - all.point;
@@ -152,9 +151,7 @@ Face described(const LabelledCloud& labelled, const Primitive& start, std::vecto
     face.spread += d * d.transpose() / static_cast<double>(face.members.size());
   }
   face.points = points.size();
-  PrimitiveFitOptions options;
-  options.sigmas = &sigmas, options.robust = 2.5, options.start = start;
-  const auto fit = fit_primitive(start.kind, points, normals, options);
+  const auto fit = robust_fit(start.kind, points, normals, sigmas, start);
   if (fit)
     face.fit = *fit, widen_sigmas(points, sigmas, face.middle, face.fit);
   else
@@ -212,8 +209,7 @@ void find_neighbours(const FaceSamples& samples, const std::vector<std::uint32_t
       const Vec3 d = samples.points[j] - samples.points[i];
       const Vec3 place = samples.points[i] + 0.5 * d;
       const Face &a = faces.faces[f], &b = faces.faces[g];
-      const Vec3 n = (a.hollow ? -1 : 1) * surface_normal(a.surface(), place);
-      const Vec3 m = (b.hollow ? -1 : 1) * surface_normal(b.surface(), place);
+      const Vec3 n = outward_normal(a, place), m = outward_normal(b, place);
       Border& border = borders[{std::min(f, g), std::max(f, g)}];
       if (std::find(met.begin(), met.end(), g) == met.end()) met.push_back(g), ++border.samples;
       ++border.links, border.turned += std::atan2(n.cross(m).norm(), n.dot(m));

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "core/ensure.h"
 #include "core/number.h"
@@ -32,8 +31,8 @@ constexpr double assigned_turn = 1.0;    // rad; near edges normals are means of
 
 /// What is known of the cloud by all passes.
 struct Work {
+  explicit Work(const PointCloud& given) : cloud(given) {}
   const PointCloud& cloud;
-  bool oriented = false;
   double least_sigma = 0;
   int threads = 1;
   std::vector<GrownFace> faces;           // members: samples of their own pass
@@ -93,8 +92,8 @@ void find_faces(const FaceSamples& samples, Work& work, Context& context) {
   work.faces.insert(work.faces.end(), std::make_move_iterator(faces.begin()), std::make_move_iterator(faces.end()));
 }
 
-/// Gives every usable point to the face near it that explains it best.
-void assign_points(const std::vector<std::uint8_t>& usable, Work& work) {
+/// Gives every point that is not left out to the face near it that explains it best.
+void assign_points(const std::vector<std::uint8_t>& left_out, Work& work) {
   work.label.assign(work.cloud.size(), no_face);
   work.inner.assign(work.cloud.size(), 0);
   if (work.places.empty()) return;
@@ -102,7 +101,7 @@ void assign_points(const std::vector<std::uint8_t>& usable, Work& work) {
   parallel_for(work.cloud.size(), work.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!usable[i]) continue;
+      if (left_out[i]) continue;
       const Vec3& p = work.cloud.points[i];
       const double sigma = std::max(work.least_sigma, static_cast<double>(work.cloud.sigma[i]));
       tree.nearest(p, 8, near);
@@ -115,8 +114,7 @@ void assign_points(const std::vector<std::uint8_t>& usable, Work& work) {
         const auto f = work.place_face[n.index];
         const GrownFace& face = work.faces[f];
         const double u = distance(face.surface, p) / sigma;
-        double c = work.cloud.normals[i].dot(face.sense * surface_normal(face.surface, p));
-        if (!work.oriented) c = std::abs(c);
+        const double c = work.cloud.normals[i].dot(face.sense * surface_normal(face.surface, p));
         const double turn = std::acos(std::clamp(c, -1.0, 1.0));
         if (std::abs(u) > assigned_distance || turn > assigned_turn) continue;
         const double cost = label_cost(u, turn);
@@ -128,9 +126,7 @@ void assign_points(const std::vector<std::uint8_t>& usable, Work& work) {
 
 /// Turns normals outward where no rays tell the side: those of even samples as orient_normals does, all others as the
 /// samples beside them.
-void turn_outward(const std::vector<std::uint8_t>& usable, PointCloud& cloud, Context& context) {
-  std::vector<std::uint8_t> left_out(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) left_out[i] = !usable[i];
+void turn_outward(const std::vector<std::uint8_t>& left_out, PointCloud& cloud, Context& context) {
   PointCloud samples;
   for (const auto i : thinned(cloud.points, left_out, spacing_for_count(cloud.points, left_out, wanted_samples)))
     samples.points.push_back(cloud.points[i]), samples.normals.push_back(cloud.normals[i]);
@@ -140,7 +136,7 @@ void turn_outward(const std::vector<std::uint8_t>& usable, PointCloud& cloud, Co
   parallel_for(cloud.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!usable[i]) continue;
+      if (left_out[i]) continue;
       tree.nearest(cloud.points[i], 4, near);
       double most = 0;
       for (const auto& n : near) {
@@ -157,46 +153,39 @@ void turn_outward(const std::vector<std::uint8_t>& usable, PointCloud& cloud, Co
 Faces faces_of_cloud(const PointCloud& given, const FaceOptions& options, Context& context) {
   Faces result;
   result.face_of.assign(given.size(), no_face);
-  std::vector<std::uint8_t> usable(given.size(), 0);
+  std::vector<std::uint8_t> left_out(given.size(), 0);
   std::vector<double> sigmas;
   ensure(given.normals.size() == given.size() && given.sigma.size() == given.size(), "a cloud with normals and noise");
   for (std::size_t i = 0; i < given.size(); ++i) {
-    usable[i] = !(given.rejected.size() == given.size() && given.rejected[i]) && !given.normals[i].isZero() &&
-                given.points[i].allFinite();
-    if (usable[i]) sigmas.push_back(given.sigma[i]);
+    left_out[i] = (given.rejected.size() == given.size() && given.rejected[i]) || given.normals[i].isZero() ||
+                  !given.points[i].allFinite();
+    if (!left_out[i]) sigmas.push_back(given.sigma[i]);
   }
+  if (sigmas.size() < least_points) return result;
   PointCloud turned;
   const bool rays = given.rays.size() == given.size();
   if (!rays) {
     turned = given;
-    turn_outward(usable, turned, context);
+    turn_outward(left_out, turned, context);
   }
   const PointCloud& cloud = rays ? given : turned;
-  if (sigmas.size() < least_points) return result;
   result.noise = median_in_place(sigmas);
   const double size = cloud.bounds().diagonal();
-  Work work{cloud,
-            true,
-            std::max({1e-6 * size, 0.02 * options.tolerance, 0.5 * result.noise}),
-            context.threads,
-            {},
-            {},
-            {},
-            0,
-            {},
-            {}};
+  Work work{cloud};
+  work.least_sigma = std::max({1e-6 * size, 0.02 * options.tolerance, 0.5 * result.noise});
+  work.threads = context.threads;
   work.label.assign(cloud.size(), no_face);
-  std::vector<std::uint8_t> open = usable;
+  std::vector<std::uint8_t> done = left_out;  // or given to a face
   FaceSamples first;
   for (int pass = 0; pass < most_passes; ++pass) {
-    const FaceSamples samples = face_samples(cloud, open, true, work.least_sigma, wanted_samples, context.threads);
+    const FaceSamples samples = face_samples(cloud, done, work.least_sigma, wanted_samples, context.threads);
     if (pass == 0) work.pitch = samples.pitch, first = samples;
     if (samples.size() < 100) break;
     find_faces(samples, work, context);
-    assign_points(usable, work);
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < cloud.size(); ++i) left += open[i] = usable[i] && work.label[i] == no_face;
-    if (left == 0 || samples.source.size() * 10 > 9 * static_cast<std::size_t>(sigmas.size()) || left < 100) break;
+    assign_points(left_out, work);
+    for (std::size_t i = 0; i < cloud.size(); ++i) done[i] = left_out[i] || work.label[i] != no_face;
+    const auto left = static_cast<std::size_t>(std::count(done.begin(), done.end(), 0));
+    if (samples.source.size() * 10 > 9 * static_cast<std::size_t>(sigmas.size()) || left < 100) break;
   }
   if (context.cancelled) return result;
   std::vector<std::vector<std::uint32_t>> members(work.faces.size());

@@ -17,15 +17,12 @@ constexpr double spacing_by_noise = 4;  // sigmas
 
 }  // namespace
 
-FaceSamples face_samples(const PointCloud& cloud, const std::vector<std::uint8_t>& usable, bool oriented,
-                         double least_sigma, std::size_t wanted, int threads) {
+FaceSamples face_samples(const PointCloud& cloud, const std::vector<std::uint8_t>& left_out, double least_sigma,
+                         std::size_t wanted, int threads) {
   FaceSamples samples;
-  samples.oriented = oriented;
-  std::vector<std::uint8_t> left_out(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) left_out[i] = !usable[i];
   std::vector<double> sigmas;
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (usable[i]) sigmas.push_back(cloud.sigma[i]);
+    if (!left_out[i]) sigmas.push_back(cloud.sigma[i]);
   // Closer together than their noise is thick, samples are neighbours across the surface as often as along it.
   const double spacing =
       std::max(spacing_for_count(cloud.points, left_out, wanted), spacing_by_noise * median_in_place(sigmas));

@@ -10,10 +10,9 @@
 namespace partscribe::geometry {
 
 struct FaceSamples {
-  std::vector<Vec3> points, normals;  ///< normals unit
+  std::vector<Vec3> points, normals;  ///< normals unit, out of the material
   std::vector<double> sigma;          ///< mm along the normal, never zero
   std::vector<std::uint32_t> source;  ///< index of each sample in the cloud
-  bool oriented = false;              ///< normals point out of the material
   double pitch = 0;                   ///< mm between neighbours
   double area = 0;                    ///< mm^2 that a sample stands for
   std::vector<std::uint32_t> first;   ///< of each sample's links, nearest first; one more than samples
@@ -25,8 +24,8 @@ struct FaceSamples {
   }
 };
 
-/// From about `wanted` points of those with `usable` != 0, spread evenly. `least_sigma`: mm, a floor of the noise.
-FaceSamples face_samples(const PointCloud& cloud, const std::vector<std::uint8_t>& usable, bool oriented,
-                         double least_sigma, std::size_t wanted, int threads);
+/// From about `wanted` points of those with `left_out` 0, spread evenly. `least_sigma`: mm, a floor of the noise.
+FaceSamples face_samples(const PointCloud& cloud, const std::vector<std::uint8_t>& left_out, double least_sigma,
+                         std::size_t wanted, int threads);
 
 }  // namespace partscribe::geometry

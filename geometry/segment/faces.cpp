@@ -53,25 +53,32 @@ void place_half_way(Face& face, double low, double high) {
   face.fit.sigma_radius = std::hypot(face.fit.sigma_radius, middle * slope);
 }
 
-namespace {
-
-bool mostly_known(const Faces& faces) {
-  double known = 0, all = 0;
-  for (const auto& face : faces.faces) {
-    all += face.area;
-    if (face.kind != FaceKind::free_form) known += face.area;
-  }
-  return known > 0.5 * all;
+double area_of(const Faces& faces) {
+  double sum = 0;
+  for (const auto& face : faces.faces) sum += face.area;
+  return sum;
 }
 
-}  // namespace
+bool mostly_known(const Faces& faces, const TriangleMesh& mesh) {
+  double known = 0;
+  for (const auto& face : faces.faces)
+    if (face.kind != FaceKind::free_form) known += face.area;
+  return known > 0.5 * area(mesh);
+}
 
-bool is_drawn(const TriangleMesh& mesh, Context& context) { return mostly_known(faces_of_mesh(mesh, {}, context)); }
+bool is_drawn(const TriangleMesh& mesh) {
+  Context silent;
+  return mostly_known(faces_of_mesh(mesh, {}, silent), mesh);
+}
 
 Faces faces_of(const Scan& scan, const FaceOptions& options, Context& context) {
   if (!scan.mesh.empty())
-    if (Faces faces = faces_of_mesh(scan.mesh, options, context); mostly_known(faces)) return faces;
+    if (Faces faces = faces_of_mesh(scan.mesh, options, context); mostly_known(faces, scan.mesh)) return faces;
   return faces_of_cloud(scan.cloud, options, context);
+}
+
+Vec3 outward_normal(const Face& face, const Vec3& point) {
+  return (face.hollow ? -1 : 1) * surface_normal(face.surface(), point);
 }
 
 Vec3 surface_normal(const Primitive& primitive, const Vec3& point) {

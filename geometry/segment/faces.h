@@ -16,6 +16,11 @@ const char* name_of(FaceKind kind);  ///< "plane", ..., "free_form"
 
 FaceKind face_kind(PrimitiveKind kind);  ///< of a plane, cylinder, cone, sphere or torus
 
+/// Cylinder, cone, sphere or torus.
+inline bool is_round(FaceKind kind) { return kind != FaceKind::plane && kind != FaceKind::free_form; }
+/// Has a normal or an axis.
+inline bool has_direction(FaceKind kind) { return kind != FaceKind::sphere && kind != FaceKind::free_form; }
+
 /// How two faces meet: at an edge that stands out or runs in, or smoothly.
 enum class EdgeKind { convex, concave, tangent };
 const char* name_of(EdgeKind kind);  ///< "convex", ...
@@ -77,14 +82,23 @@ Faces faces_of_mesh(const TriangleMesh& mesh, const FaceOptions& options, Contex
 /// Of scanned points with normals, sigma and flags (estimate_normals).
 Faces faces_of_cloud(const PointCloud& cloud, const FaceOptions& options, Context& context);
 
-/// Whether a mesh was drawn and not scanned: the corners of more than half of its area lie on faces of a closed form.
-bool is_drawn(const TriangleMesh& mesh, Context& context);
+/// Whether more than half of a mesh's area lies on faces of a closed form.
+bool mostly_known(const Faces& faces, const TriangleMesh& mesh);
+
+/// Whether a mesh was drawn and not scanned: it is mostly known by its corners.
+bool is_drawn(const TriangleMesh& mesh);
 
 /// Of a mesh as of a mesh if its corners lie on surfaces, else of its points; of a cloud as of a cloud.
 Faces faces_of(const Scan& scan, const FaceOptions& options, Context& context);
 
 /// Moves `point` of a face with an axis half way between `low` and `high`, mm along the axis from where it is now.
 void place_half_way(Face& face, double low, double high);
+
+/// mm^2 of all faces together.
+double area_of(const Faces& faces);
+
+/// Unit normal of a face of closed form near `point`, out of the material.
+Vec3 outward_normal(const Face& face, const Vec3& point);
 
 /// Unit normal of a primitive's surface near `point`, on the side where distance() is positive.
 Vec3 surface_normal(const Primitive& primitive, const Vec3& point);

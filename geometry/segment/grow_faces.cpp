@@ -38,10 +38,8 @@ int numbers_of(PrimitiveKind kind) {
   }
 }
 
-double between(const FaceSamples& samples, const Vec3& a, const Vec3& b) {
-  const double c = a.dot(b);
-  return std::acos(std::clamp(samples.oriented ? c : std::abs(c), -1.0, 1.0));
-}
+/// rad, of unit vectors.
+double between(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
 
 std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& some) {
   std::vector<std::uint32_t> rest;
@@ -54,9 +52,8 @@ class Growth {
   Growth(const FaceSamples& samples, const std::vector<std::uint8_t>& taken) : samples_(samples), taken_(taken) {}
 
   std::vector<std::uint32_t> seed_members(std::uint32_t seed, const SeedSize& size) const {
-    return flood({seed}, size.count, [&](std::uint32_t i) {
-      return between(samples_, samples_.normals[i], samples_.normals[seed]) <= size.turn;
-    });
+    return flood({seed}, size.count,
+                 [&](std::uint32_t i) { return between(samples_.normals[i], samples_.normals[seed]) <= size.turn; });
   }
 
   std::optional<GrownFace> grown(PrimitiveKind kind, std::vector<std::uint32_t> members) const {
@@ -125,12 +122,20 @@ class Growth {
 
 }  // namespace
 
+std::optional<PrimitiveFit> robust_fit(PrimitiveKind kind, const std::vector<Vec3>& points,
+                                       const std::vector<Vec3>& normals, const std::vector<double>& sigmas,
+                                       const std::optional<Primitive>& start) {
+  PrimitiveFitOptions options;
+  options.sigmas = &sigmas, options.robust = 2.5, options.start = start;
+  return fit_primitive(kind, points, normals, options);
+}
+
 double residual_of(const FaceSamples& samples, std::uint32_t sample, const Primitive& surface) {
   return distance(surface, samples.points[sample]) / samples.sigma[sample];
 }
 
 double turn_of(const FaceSamples& samples, std::uint32_t sample, const Primitive& surface, double sense) {
-  return between(samples, samples.normals[sample], sense * surface_normal(surface, samples.points[sample]));
+  return between(samples.normals[sample], sense * surface_normal(surface, samples.points[sample]));
 }
 
 double sense_of(const FaceSamples& samples, const Primitive& surface, const std::vector<std::uint32_t>& members) {
@@ -157,9 +162,7 @@ std::optional<Primitive> fit_samples(const FaceSamples& samples, PrimitiveKind k
     points.push_back(samples.points[members[k]]), normals.push_back(samples.normals[members[k]]);
     sigmas.push_back(samples.sigma[members[k]]);
   }
-  PrimitiveFitOptions options;
-  options.sigmas = &sigmas, options.robust = 2.5, options.start = start;
-  const auto fit = fit_primitive(kind, points, normals, options);
+  const auto fit = robust_fit(kind, points, normals, sigmas, start);
   if (!fit || !fit->determined) return std::nullopt;
   return fit->primitive;
 }

@@ -35,6 +35,11 @@ double turn_of(const FaceSamples& samples, std::uint32_t sample, const Primitive
 /// feign.
 double gain_of(const FaceSamples& samples, const Primitive& surface, const std::vector<std::uint32_t>& members);
 
+/// Each point with its own sigma (mm); those that lie far off count less (Welsch, 2.5 sigmas).
+std::optional<PrimitiveFit> robust_fit(PrimitiveKind kind, const std::vector<Vec3>& points,
+                                       const std::vector<Vec3>& normals, const std::vector<double>& sigmas,
+                                       const std::optional<Primitive>& start);
+
 /// The robust fit of one kind to these samples; nothing if they do not fix it.
 std::optional<Primitive> fit_samples(const FaceSamples& samples, PrimitiveKind kind,
                                      const std::vector<std::uint32_t>& members, const std::optional<Primitive>& start);

@@ -19,18 +19,17 @@ void collect(std::vector<GrownFace>& faces, const std::vector<std::uint32_t>& la
     if (label[i] != no_face) faces[label[i]].members.push_back(i);
 }
 
-/// Drops faces without enough members; labels follow.
-void drop_small(std::vector<GrownFace>& faces, std::vector<std::uint32_t>& label) {
+}  // namespace
+
+void drop_faces(std::vector<GrownFace>& faces, std::vector<std::uint32_t>& label, std::size_t least) {
   std::vector<std::uint32_t> number(faces.size(), no_face);
   std::uint32_t kept = 0;
   for (std::uint32_t f = 0; f < faces.size(); ++f)
-    if (faces[f].members.size() >= least_members) number[f] = kept++;
+    if (faces[f].members.size() >= least) number[f] = kept++;
   for (auto& l : label)
     if (l != no_face) l = number[l];
-  std::erase_if(faces, [](const GrownFace& face) { return face.members.size() < least_members; });
+  std::erase_if(faces, [&](const GrownFace& face) { return face.members.size() < least; });
 }
-
-}  // namespace
 
 double label_cost(double residual, double turn) {
   const double angle = turn / angle_unit;
@@ -74,7 +73,7 @@ std::vector<std::uint32_t> label_samples(const FaceSamples& samples, std::vector
       label[i] = chosen;
     }
     collect(faces, label);
-    drop_small(faces, label);
+    drop_faces(faces, label, least_members);
     for (auto& face : faces)
       if (const auto again = fit_samples(samples, face.surface.kind, face.members, face.surface)) {
         face.surface = *again;

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "geometry/segment/faces.h"
+#include "geometry/segment/label_faces.h"
 
 namespace partscribe::geometry {
 namespace {
@@ -117,13 +118,7 @@ bool merge_faces(const FaceSamples& samples, std::vector<GrownFace>& faces, std:
     }
     pairs = std::move(rest);
   }
-  std::vector<std::uint32_t> number(faces.size(), no_face);
-  std::uint32_t kept = 0;
-  for (std::uint32_t f = 0; f < faces.size(); ++f)
-    if (!faces[f].members.empty()) number[f] = kept++;
-  for (auto& l : label)
-    if (l != no_face) l = number[l];
-  std::erase_if(faces, [](const GrownFace& face) { return face.members.empty(); });
+  drop_faces(faces, label, 1);
   return changed;
 }
 

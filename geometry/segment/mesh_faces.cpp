@@ -1,10 +1,8 @@
 /// Faces of a mesh: its patches described, and how they meet.
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "core/disjoint_sets.h"
 #include "core/number.h"
@@ -19,8 +17,8 @@ namespace {
 constexpr double tangent_angle = 0.03;      // rad between two analytic surfaces that meet smoothly
 constexpr double widest_smooth_bend = 0.5;  // rad between facets of surfaces that may meet smoothly
 constexpr int turn_bins = 720;
-constexpr double bent_little = 0.35;      // rad between two cones that may be facets of one turned surface
-constexpr std::uint32_t least_rings = 4;  // in a row
+constexpr double bent_little = 0.35;    // rad between two cones that may be facets of one turned surface
+constexpr std::size_t least_rings = 4;  // in a row
 
 /// The surface through all corners at once, with its uncertainty.
 PrimitiveFit fit_of(const MeshPatch& patch, const TriangleMesh& mesh, const Facets& facets, std::size_t& points) {
@@ -135,17 +133,10 @@ class Description {
 
 /// Border between two faces.
 struct Border {
-  double length = 0, turned = 0, convex = 0, bent = 0;
+  double length = 0, turned = 0, convex = 0;
 };
 
-/// The angle between two faces at an edge of theirs: of the surfaces where both are known, else of the facets.
-double angle_at(const Face& a, const Face& b, const Vec3& place, double facets_angle, bool& known) {
-  known = a.kind != FaceKind::free_form && b.kind != FaceKind::free_form;
-  if (!known) return facets_angle;
-  const Vec3 n = (a.hollow ? -1 : 1) * surface_normal(a.surface(), place);
-  const Vec3 m = (b.hollow ? -1 : 1) * surface_normal(b.surface(), place);
-  return std::atan2(n.cross(m).norm(), n.dot(m));
-}
+bool both_known(const Face& a, const Face& b) { return a.kind != FaceKind::free_form && b.kind != FaceKind::free_form; }
 
 void find_neighbours(const TriangleMesh& mesh, Faces& faces) {
   const auto normals = triangle_normals(mesh);
@@ -160,19 +151,20 @@ void find_neighbours(const TriangleMesh& mesh, Faces& faces) {
       const double length = (to - from).norm();
       if (!(length > 0)) continue;
       const Vec3 n = normals[around[i].triangle], m = normals[around[i + 1].triangle];
-      const double bend = std::atan2(n.cross(m).norm(), n.dot(m));
-      bool known = false;
-      const double angle = angle_at(faces.faces[f], faces.faces[g], 0.5 * (from + to), bend, known);
+      // Of the surfaces where both are known, else of the facets.
+      const Face &a = faces.faces[f], &b = faces.faces[g];
+      const Vec3 place = 0.5 * (from + to);
+      const Vec3 p = both_known(a, b) ? outward_normal(a, place) : n,
+                 q = both_known(a, b) ? outward_normal(b, place) : m;
       Border& border = borders[{std::min(f, g), std::max(f, g)}];
-      border.length += length, border.turned += length * angle, border.bent += length * bend;
+      border.length += length, border.turned += length * std::atan2(p.cross(q).norm(), p.dot(q));
       border.convex += n.cross(m).dot(to - from) > 0 ? length : -length;
     }
   });
   for (const auto& [pair, border] : borders) {
     Face &a = faces.faces[pair.first], &b = faces.faces[pair.second];
-    const bool known = a.kind != FaceKind::free_form && b.kind != FaceKind::free_form;
     const double angle = border.turned / border.length;
-    const bool smooth = angle < (known ? tangent_angle : widest_smooth_bend);
+    const bool smooth = angle < (both_known(a, b) ? tangent_angle : widest_smooth_bend);
     const EdgeKind edge = smooth ? EdgeKind::tangent : border.convex > 0 ? EdgeKind::convex : EdgeKind::concave;
     a.neighbours.push_back({pair.second, edge, angle, border.length});
     b.neighbours.push_back({pair.first, edge, angle, border.length});
@@ -192,8 +184,26 @@ bool has_two_rings(const TriangleMesh& mesh, const Face& face) {
   return true;
 }
 
-/// Many cones in a row, each bent a little against the next, are the facets of one surface of free form.
-void unite_rings(const TriangleMesh& mesh, Faces& result) {
+/// Several faces as one of free form; without neighbours.
+Face united(const std::vector<const Face*>& parts) {
+  Face whole;
+  for (const auto* part : parts) {
+    whole.area += part->area, whole.middle += part->area * part->middle;
+    whole.complete = whole.complete && part->complete;
+    whole.members.insert(whole.members.end(), part->members.begin(), part->members.end());
+  }
+  if (whole.area > 0) whole.middle /= whole.area;
+  for (const auto* part : parts) {
+    const Vec3 aside = part->middle - whole.middle;
+    if (whole.area > 0) whole.spread += part->area / whole.area * (part->spread + aside * aside.transpose());
+  }
+  std::sort(whole.members.begin(), whole.members.end());
+  return whole;
+}
+
+/// Many cones in a row, each bent a little against the next, are the facets of one surface of free form. True if there
+/// were any: faces then have to be numbered again.
+bool unite_rings(const TriangleMesh& mesh, Faces& result) {
   const auto count = static_cast<std::uint32_t>(result.faces.size());
   std::vector<std::uint8_t> ring(count, 0);
   for (std::uint32_t f = 0; f < count; ++f) ring[f] = has_two_rings(mesh, result.faces[f]);
@@ -205,30 +215,18 @@ void unite_rings(const TriangleMesh& mesh, Faces& result) {
           std::abs(a.surface().axis.dot(b.surface().axis)) > 1 - 1e-4)
         sets.unite(f, n.face);
     }
+  std::map<std::uint32_t, std::vector<const Face*>> groups;
+  for (std::uint32_t f = 0; f < count; ++f) groups[sets.root(f)].push_back(&result.faces[f]);
+  if (std::none_of(groups.begin(), groups.end(), [](const auto& g) { return g.second.size() >= least_rings; }))
+    return false;
   std::vector<Face> faces;
-  std::vector<std::uint32_t> number(count, no_face);
-  for (std::uint32_t f = 0; f < count; ++f) {
-    const auto root = sets.root(f);
-    const bool tile = sets.size(root) >= least_rings;
-    if (!tile || root == f) number[f] = static_cast<std::uint32_t>(faces.size()), faces.push_back(result.faces[f]);
-    if (!tile) continue;
-    number[f] = number[root];
-    Face& whole = faces[number[f]];
-    if (root == f) {
-      Face free_form;
-      free_form.area = whole.area, free_form.middle = whole.middle, free_form.spread = whole.spread;
-      free_form.members = whole.members, free_form.complete = whole.complete;
-      whole = std::move(free_form);
-      continue;
-    }
-    const Face& part = result.faces[f];
-    whole.middle = (whole.area * whole.middle + part.area * part.middle) / (whole.area + part.area);
-    whole.area += part.area, whole.complete = whole.complete && part.complete;
-    whole.members.insert(whole.members.end(), part.members.begin(), part.members.end());
-  }
-  if (faces.size() == count) return;
-  for (auto& face : faces) std::sort(face.members.begin(), face.members.end()), face.neighbours.clear();
+  for (const auto& [root, group] : groups)
+    if (group.size() >= least_rings)
+      faces.push_back(united(group));
+    else
+      for (const auto* face : group) faces.push_back(*face);
   result.faces = std::move(faces);
+  return true;
 }
 
 void number_faces(const TriangleMesh& mesh, Faces& result) {
@@ -258,9 +256,7 @@ Faces faces_of_mesh(const TriangleMesh& mesh, const FaceOptions& given, Context&
   for (const auto& patch : patches.patches)
     if (!patch.crumbs) result.faces.push_back(Description(mesh, facets, patch).face());
   number_faces(mesh, result);
-  const std::size_t before = result.faces.size();
-  unite_rings(mesh, result);
-  if (result.faces.size() < before) number_faces(mesh, result);
+  if (unite_rings(mesh, result)) number_faces(mesh, result);
   context.report("faces", 1);
   return result;
 }

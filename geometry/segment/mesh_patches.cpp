@@ -52,7 +52,7 @@ class Grower {
     if (options_.join_pieces) merge_round();
     take_planes();
     take_rest();
-    return {std::move(patches_), std::move(patch_of_), corner_error_};
+    return {std::move(patches_), corner_error_};
   }
 
  private:

@@ -20,8 +20,7 @@ struct MeshPatch {
 
 struct MeshPatches {
   std::vector<MeshPatch> patches;
-  std::vector<std::uint32_t> patch_of;  ///< of each facet
-  double corner_error = 0;              ///< mm that corners may lie off their surface
+  double corner_error = 0;  ///< mm that corners may lie off their surface
 };
 
 /// All facets in patches, with the tolerance that the options state.

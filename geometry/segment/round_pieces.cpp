@@ -90,10 +90,8 @@ bool stands_across(const RoundPiece& piece, const Face& face) {
 }  // namespace
 
 FeatureScale feature_scale(const Faces& faces) {
-  double area = 0;
-  for (const auto& face : faces.faces) area += face.area;
   FeatureScale scale;
-  scale.fine = 1e-4 * std::sqrt(area);
+  scale.fine = 1e-4 * std::sqrt(area_of(faces));
   scale.coarse = std::max(scale.fine, 3 * faces.noise);
   return scale;
 }

@@ -308,8 +308,7 @@ class SimpleFeatures {
   /// The nearest face behind each, if the two lie back to back.
   void add_walls() {
     std::vector<Plate> plates;
-    double area = 0;
-    for (const auto& f : faces_.faces) area += f.area;
+    const double area = area_of(faces_);
     for (std::uint32_t f = 0; f < faces_.faces.size(); ++f)
       if (face(f).kind == FaceKind::plane && face(f).area > 1e-3 * area) plates.push_back(plate(f));
     std::vector<std::size_t> behind(plates.size(), plates.size());

@@ -14,6 +14,7 @@
 #include "model/lower/lower.h"
 #include "model/overloaded.h"
 #include "model/sketch.h"
+#include "model/tri_faces.h"
 
 namespace partscribe::model {
 namespace {
@@ -347,13 +348,11 @@ SolidPointer solid_for(const TriSurfaceOf<double>& s) {
   if (s.faces.empty())
     return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>{}, std::vector<std::string>{"surface"},
                                        s.closed);
-  std::vector<int> face_of;
+  const auto face_of = faces_of_triangles(s);
   std::vector<std::string> names;
-  for (const auto& face : s.faces) {
-    face_of.insert(face_of.end(), static_cast<std::size_t>(face.triangles), static_cast<int>(names.size()));
-    names.push_back(face.name);
-  }
-  return std::make_unique<MeshSolid>(std::move(mesh), std::move(face_of), std::move(names), s.closed);
+  for (const auto& face : s.faces) names.push_back(face.name);
+  return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>(face_of.begin(), face_of.end()),
+                                     std::move(names), s.closed);
 }
 
 SolidPointer solid_for(const UnionOf<double>&) { return {}; }

@@ -89,8 +89,8 @@ LocalNoise noise_in_wider_neighbourhoods(const ScanSource& source, int threads) 
 
 /// One view's surface is sparser than that of all views together, and three times sparser still where it is seen at
 /// 80 degrees. Without views nobody knows how many overlap: four times the usual spacing.
-/// `drawn`: the points are corners and facets of a drawn part; what scatters are its facets, no noise.
-void measure(ScanSource& source, const std::vector<std::int32_t>& view, bool drawn, int threads) {
+/// `mesh`: of the scan, may be empty. What scatters beside the corners of a drawn part are its facets, no noise.
+void measure(ScanSource& source, const std::vector<std::int32_t>& view, const TriangleMesh& mesh, int threads) {
   const std::size_t places = std::min(noise_places, source.points.size());
   std::vector<double> spacings(places), noises(places, -1), closer(places, -1), overlaps(places);
   parallel_for(
@@ -127,9 +127,11 @@ void measure(ScanSource& source, const std::vector<std::int32_t>& view, bool dra
   Box3 box;
   for (const auto& p : source.points) box.add(p);
   const double rounding = 1e-6 * box.diagonal();
-  if (drawn || source.noise < rounding) source.noise = 0;
   // Neighbourhoods that are narrower than noise is thick show a ball of noise, no surface.
   const LocalNoise wider = noise_in_wider_neighbourhoods(source, threads);
+  const bool scatters = source.noise >= rounding || wider.flat_sigma > rounding;
+  const bool drawn = scatters && !mesh.empty() && is_drawn(mesh);
+  if (drawn || source.noise < rounding) source.noise = 0;
   const double reach = wider.flat_pitch * std::sqrt(noise_neighbours / pi);
   source.dense = !drawn && wider.flat_sigma > rounding && reach < thickness_of_noise(wider.flat_sigma);
   if (source.dense) source.noise = wider.flat_sigma, source.spacing = wider.flat_pitch;
@@ -286,8 +288,7 @@ ScanSource prepare_source(const Scan& scan, Context& context) {
   std::vector<std::int32_t> view;
   if (!cloud.view.empty() && scan.mesh.empty())
     for (const auto k : source.kept_place) view.push_back(cloud.view[kept[k]]);
-  const bool drawn = !scan.mesh.empty() && is_drawn(scan.mesh, context);
-  if (source.points.size() > 1) measure(source, view, drawn, context.threads);
+  if (source.points.size() > 1) measure(source, view, scan.mesh, context.threads);
   if (source.points.size() > 1) source.disagreement = disagreement_of(source, view, context.threads);
   return source;
 }
