@@ -54,13 +54,14 @@ struct HeldParameter {
   double sigma = 0;  ///< mm
 };
 
-/// A proposal: one shape with named parameters, standing somewhere in the scan. Values are starts; refine() makes
-/// them exact.
+/// A proposal: a part with named parameters, standing somewhere in the scan. Values are starts; refine() makes them
+/// exact.
 struct Candidate {
-  std::string procedure;    ///< "sphere", "surface of revolution", ... as users read it
-  std::string object_name;  ///< "pin_body"
-  Shape shape;
-  std::vector<Parameter> parameters;  ///< all that `shape` names
+  std::string procedure;              ///< "sphere", "surface of revolution", ... as users read it
+  std::vector<Object> steps;          ///< what the part is made of, in order; empty where one shape is all
+  std::string object_name;            ///< of the part: "pin_body"
+  Shape shape;                        ///< of the part; a boolean of `steps` where there are some
+  std::vector<Parameter> parameters;  ///< all that the shapes and frames name
   Pose scan_from_part;
   int extra_numbers = 0;            ///< numbers that are no parameters (control points, triangles)
   std::vector<HeldParameter> held;  ///< what a fit must not move
@@ -69,5 +70,15 @@ struct Candidate {
   std::string unseen;  ///< the defining feature of the shape if it was hardly seen: such a candidate is named as a
                        ///< rival, never chosen
 };
+
+/// Calls `visit` with every expression of a candidate's shapes and frames.
+template <class Visit>
+void visit_expressions(const Candidate& candidate, Visit&& visit) {
+  for (const Object& step : candidate.steps) {
+    model::visit_expressions(step.shape, visit);
+    model::visit_expressions(step.frame, [&](const Expr& e) { visit(e, Domain::coordinate); });
+  }
+  model::visit_expressions(candidate.shape, visit);
+}
 
 }  // namespace partscribe::fit

@@ -14,14 +14,15 @@ struct FullName {
   std::string_view name, word;
 };
 constexpr std::array full_names = {FullName{"frustum of a cone", "cone"}, FullName{"convex polyhedron", "half_spaces"},
-                                   FullName{"extrusion", "extrude"}, FullName{"surface of revolution", "revolve"}};
+                                   FullName{"extrusion", "extrude"}, FullName{"surface of revolution", "revolve"},
+                                   FullName{"body with holes", "drilled"}};
 
 }  // namespace
 
 const std::vector<std::string>& procedure_words() {
-  static const std::vector<std::string> words = {"sphere",      "box",         "cylinder",       "cone",     "torus",
-                                                 "wedge",       "fillet",      "ellipsoid",      "revolve",  "extrude",
-                                                 "half_spaces", "supertoroid", "superellipsoid", only_a_mesh};
+  static const std::vector<std::string> words = {
+      "sphere",  "box",     "cylinder",    "cone",    "torus",       "wedge",          "fillet",   "ellipsoid",
+      "revolve", "extrude", "half_spaces", "drilled", "supertoroid", "superellipsoid", only_a_mesh};
   return words;
 }
 
@@ -35,7 +36,8 @@ std::string procedure_word(const std::string& name) {
 }
 
 bool asked_for(const std::string& name, const Candidate& candidate) {
-  return name.empty() || name == candidate.procedure || name == kind_of(candidate.shape);
+  return name.empty() || name == candidate.procedure || name == procedure_word(candidate.procedure) ||
+         name == kind_of(candidate.shape);
 }
 
 }  // namespace partscribe::fit

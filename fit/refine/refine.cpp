@@ -163,6 +163,7 @@ void count_points(Candidate& candidate, const AllPoints& all, const Unknowns& un
 Model bare_model(const Candidate& candidate) {
   Model model;
   model.parameters = candidate.parameters;
+  model.objects = candidate.steps;
   model.objects.push_back({candidate.object_name, candidate.shape, {}, {}, {}});
   model.as_scanned = false;
   return model;
@@ -170,7 +171,7 @@ Model bare_model(const Candidate& candidate) {
 
 Values values_of(const Candidate& candidate) {
   Values values;
-  for (const auto& p : candidate.parameters) values[p.name] = p.value;
+  for (const auto& p : candidate.parameters) values[p.name] = p.formula ? evaluate(*p.formula, values) : p.value;
   return values;
 }
 

@@ -77,6 +77,7 @@ Model model_of(const Candidate& candidate, const FitInput& input) {
   Model model;
   model.tolerance = input.tolerance;
   model.parameters = candidate.parameters;
+  model.objects = candidate.steps;
   const double size = std::max(input.bounds.diagonal(), 1e-9);
   const double step = power_of_ten_below(input.tolerance / 100);
   const double turn_step = std::max(power_of_ten_below(degrees(input.tolerance / 200 / size)), 1e-9);

@@ -112,14 +112,15 @@ Unknowns::Unknowns(const Candidate& candidate, const std::vector<std::string>& f
     : model_(bare_model(candidate)), center_(center), size_(size), moves_(moves) {
   const std::set<std::string> kept(fixed.begin(), fixed.end());
   for (std::size_t i = 0; i < candidate.parameters.size(); ++i)
-    if (candidate.parameters[i].quantity != Quantity::count && !kept.count(candidate.parameters[i].name))
+    if (const Parameter& p = candidate.parameters[i];
+        p.quantity != Quantity::count && !p.formula && !kept.count(p.name))
       free_.push_back(i);
   find_limits(candidate);
 }
 
 /// Exponents and tapers stop at the ends of their domains: a box lies there, and the other parameters go on.
 void Unknowns::find_limits(const Candidate& candidate) {
-  visit_expressions(candidate.shape, [&](const Expr& e, Domain domain) {
+  visit_expressions(candidate, [&](const Expr& e, Domain domain) {
     if (!e.is_parameter()) return;
     if (domain == Domain::exponent) limits_[e.parameter] = {0.1, 2.0};
     if (domain == Domain::taper) limits_[e.parameter] = {-0.95, 0.95};
@@ -232,7 +233,7 @@ Candidate Unknowns::stepped(const Candidate& c, const Vector& step) const {
 bool Unknowns::sensible(const Candidate& c) const {
   const Values v = values_of(c);
   bool all = true;
-  visit_expressions(c.shape, [&](const Expr& e, Domain domain) {
+  visit_expressions(c, [&](const Expr& e, Domain domain) {
     if (domain == Domain::length) all = all && evaluate(e, v) > 0;
     if (domain == Domain::length_or_zero) all = all && evaluate(e, v) >= 0;
   });

@@ -10,6 +10,7 @@
 #include "fit/evidence/face_ends.h"
 #include "fit/evidence/seen_through.h"
 #include "fit/outliers/readmit.h"
+#include "fit/propose/drilled.h"
 #include "fit/propose/extrude.h"
 #include "fit/propose/fillet.h"
 #include "fit/propose/half_spaces.h"
@@ -299,21 +300,38 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
                      Context& context) {
   std::vector<Vec3> directions;
   for (int k = 2; k >= 0; --k) directions.push_back(search.hypothesis.scan_from_shape.rotation.col(k));
-  for (const auto& maker : makers()) {
-    if (maker.last_resort != last_resort) continue;
-    for (auto& candidate : maker.propose(input, search.hypothesis, directions, context)) {
-      if (context.cancelled) return;
-      if (!asked_for(options.force, candidate) || (search.found && is_round_ring(candidate))) continue;
-      const auto otherwise = candidate.otherwise;
-      Judged j = judge(std::move(candidate), input, context);
-      const auto reaches_worst = [&](const Candidate& c) { return distance_to(c, j.evidence.worst) < input.tolerance; };
-      if (otherwise && !j.meets && reaches_worst(*otherwise) && !reaches_worst(j.candidate))
-        if (Judged other = judge(*otherwise, input, context); other.meets) j = std::move(other);
-      context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
-                  ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
-      if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
-    }
+  const auto consider = [&](Candidate candidate) {
+    if (!asked_for(options.force, candidate) || (search.found && is_round_ring(candidate))) return;
+    const auto otherwise = candidate.otherwise;
+    Judged j = judge(std::move(candidate), input, context);
+    const auto reaches_worst = [&](const Candidate& c) { return distance_to(c, j.evidence.worst) < input.tolerance; };
+    if (otherwise && !j.meets && reaches_worst(*otherwise) && !reaches_worst(j.candidate))
+      if (Judged other = judge(*otherwise, input, context); other.meets) j = std::move(other);
+    context.say(j.candidate.procedure + ": deviation " + millimetres(j.evidence.local_max, options.tolerance) +
+                ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
+    if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
+  };
+  const auto proposals = [&](const Maker& maker, const FitInput& data) {
+    return maker.propose(data, search.hypothesis, directions, context);
+  };
+  for (const auto& maker : makers())
+    if (maker.last_resort == last_resort)
+      for (auto& candidate : proposals(maker, input))
+        if (!context.cancelled) consider(std::move(candidate));
+  // Where no single body will do, one may with holes in it.
+  const bool meets = std::ranges::any_of(search.judged, &Judged::meets);
+  if (!meets && !last_resort && !context.cancelled) {
+    const auto bodies = [&](const FitInput& data) {
+      Proposals all;
+      for (const auto& maker : makers())
+        if (!maker.last_resort)
+          for (auto& candidate : proposals(maker, data)) all.push_back(std::move(candidate));
+      return all;
+    };
+    for (auto& candidate : propose_drilled(input, bodies, context))
+      if (!context.cancelled) consider(std::move(candidate));
   }
+  if (context.cancelled) return;
   // Those that meet the tolerance by length of description, then the others by deviation.
   std::stable_sort(search.judged.begin(), search.judged.end(), [](const Judged& a, const Judged& b) {
     if (a.meets != b.meets) return a.meets;

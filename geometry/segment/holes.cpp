@@ -84,7 +84,7 @@ class Hole {
     const End low = end(-1), high = end(1);
     if (low.state == RimState::closed && high.state == RimState::closed) return {};
     FoundHole hole;
-    hole.point = core_->point, hole.axis = core_->axis;
+    hole.point = core_->point;
     hole.sigma_point = core_->sigma_point, hole.sigma_axis = core_->sigma_axis;
     auto& sizes = hole.feature.dimensions;
     sizes.push_back(length_of("diameter", 2 * core_->radius(), 2 * core_->sigma_radius));
@@ -92,8 +92,15 @@ class Hole {
     use(*core_);
     for (std::size_t i = first_; i <= last_; ++i) use(*segments_[i].piece);
     bool bored = false, sunk = false;
-    for (const int side : {-1, 1}) widen(side, side > 0 ? high : low, sizes, bored, sunk);
     const bool closed = low.state == RimState::closed || high.state == RimState::closed;
+    int mouth = high.state == RimState::closed ? -1 : 1;
+    for (const int side : {-1, 1}) {
+      const bool before = bored || sunk;
+      widen(side, side > 0 ? high : low, sizes, bored, sunk);
+      if (!before && (bored || sunk)) mouth = side;
+    }
+    hole.mouth = core_->point + (mouth > 0 ? high : low).place * core_->axis;
+    hole.axis = mouth * core_->axis, hole.closed = closed;
     const bool open = low.state == RimState::open && high.state == RimState::open;
     hole.feature.kind = bored    ? "counterbored hole"
                         : sunk   ? "countersunk hole"

@@ -10,8 +10,10 @@ namespace partscribe::geometry {
 
 struct FoundHole {
   SimpleFeature feature;  ///< without its name; the first size is the diameter of its narrowest bore
-  Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();
-  double sigma_point = 0, sigma_axis = 0;  ///< mm across the axis; rad
+  Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  ///< out of the mouth
+  double sigma_point = 0, sigma_axis = 0;           ///< mm across the axis; rad
+  Vec3 mouth = Vec3::Zero();                        ///< where its axis leaves the part, at the wide or open end
+  bool closed = false;                              ///< it has a bottom
 
   double diameter() const { return feature.dimensions.front().value; }
   double sigma_diameter() const { return feature.dimensions.front().sigma; }

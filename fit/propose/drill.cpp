@@ -1,0 +1,420 @@
+#include "fit/propose/drill.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "core/number.h"
+#include "fit/refine/refine.h"
+#include "fit/sketch/length_parameter.h"
+#include "geometry/segment/round_pieces.h"
+#include "model/distance/distance.h"
+
+namespace partscribe::fit {
+namespace {
+
+constexpr double sigmas = 4;   // within which two numbers of holes are the same
+constexpr double fine = 0.05;  // of the tolerance: what is closer is the same, however certain
+constexpr std::array<const char*, 3> letters = {"x", "y", "z"};
+
+/// A hole in the body's frame, along one of its axes.
+struct Placed {
+  const DrilledHole* hole;
+  int axis = 2;       // of the body that it runs along
+  double sense = 1;   // +1: it opens in the direction of that axis
+  Vec3 place;         // of its axis; the coordinate along it means nothing
+  double mouth, end;  // where the body begins and ends, along `sense` times the axis
+
+  double across(int k) const { return place[(axis + 1 + k) % 3]; }
+};
+
+/// The turn that points z along an axis of the body.
+Frame turned_to(int axis, double sense) {
+  Frame frame;
+  if (axis == 0) frame.ry = sense * pi / 2;
+  if (axis == 1) frame.rx = -sense * pi / 2;
+  if (axis == 2 && sense < 0) frame.rx = pi;
+  return frame;
+}
+
+bool turned_about_z(const Shape& shape) {
+  const auto* turned = std::get_if<Revolve>(&shape);
+  return turned ? turned->angle.is_number() && turned->angle.number >= 2 * pi - 1e-9
+                : std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Cone>(shape);
+}
+
+class Drilling {
+ public:
+  Drilling(const Candidate& body, double tolerance)
+      : body_(body), part_(body), values_(values_of(body)), distance_(bare_model(body)), tolerance_(tolerance) {
+    part_.procedure = "body with holes", part_.object_name = "drilled_" + body.object_name;
+    part_.steps = {{body.object_name, body.shape, {}, {}, "the body before it is drilled"}};
+    part_.otherwise.reset();
+    cut_.objects = {body.object_name};
+    visit_expressions(body.shape, [&](const Expr& e, Domain domain) {
+      const Known number{e, domain == Domain::coordinate};
+      if ((domain == Domain::length || number.place) && !e.is_number()) known_.push_back(number);
+    });
+  }
+
+  /// False if a hole cannot be told by this body.
+  bool drill(const std::vector<DrilledHole>& holes) {
+    face_first(holes);
+    std::vector<Placed> placed;
+    for (const DrilledHole& hole : holes) {
+      const auto p = placed_in_body(hole);
+      if (!p) return false;
+      placed.push_back(*p);
+    }
+    while (!placed.empty()) {
+      const Placed first = placed.front();
+      std::vector<Placed> group;
+      std::erase_if(placed, [&](const Placed& p) {
+        if (!alike(first, p)) return false;
+        group.push_back(p);
+        return true;
+      });
+      cut(std::move(group));
+    }
+    return true;
+  }
+
+  Candidate done() {
+    part_.shape = std::move(cut_);
+    return std::move(part_);
+  }
+
+ private:
+  Candidate body_, part_;
+  Values values_;
+  ModelDistance distance_;
+  double tolerance_;
+  Difference cut_;
+  /// A number of the body, and whether it is a coordinate.
+  struct Known {
+    Expr value;
+    bool place;
+  };
+  std::vector<Known> known_;
+
+  /// A body that may be turned about its axis is turned until the first hole beside the axis lies on x.
+  void face_first(const std::vector<DrilledHole>& holes) {
+    if (!turned_about_z(body_.shape)) return;
+    const Pose part_from_scan = part_.scan_from_part.inverse();
+    for (const DrilledHole& hole : holes) {
+      const Vec3 out = part_from_scan.rotation * hole.out, mouth = part_from_scan * hole.mouth;
+      const Vec2 beside = std::abs(out.z()) < 0.5 ? out.head<2>() : mouth.head<2>();
+      if (beside.norm() <= tolerance_) continue;
+      part_.scan_from_part.rotation =
+          part_.scan_from_part.rotation * rotation_of(Vec3(0, 0, std::atan2(beside.y(), beside.x())));
+      return;
+    }
+  }
+
+  std::optional<Placed> placed_in_body(const DrilledHole& hole) const {
+    const Pose part_from_scan = part_.scan_from_part.inverse();
+    const Vec3 out = part_from_scan.rotation * hole.out;
+    Placed p{&hole, 0, 1, part_from_scan * hole.mouth, 0, 0};
+    out.cwiseAbs().maxCoeff(&p.axis);
+    p.sense = out[p.axis] > 0 ? 1 : -1;
+    const Vec3 along = p.sense * Vec3::Unit(p.axis);
+    if ((out - along).norm() * hole.form.depth > tolerance_) return std::nullopt;
+    // A plain hole through everything has no upper side.
+    const bool plain = hole.form.through && !(hole.form.head_diameter > 0) && !(hole.form.sink_diameter > 0);
+    const double mouth = p.sense * p.place[p.axis];
+    const Vec3 middle = p.place - 0.5 * hole.form.depth * along;
+    if (!(distance_(middle).distance < 0)) return std::nullopt;
+    // Where the body ends, in the middle of the hole and around it.
+    const double radius = 0.5 * std::max({hole.form.diameter, hole.form.head_diameter, hole.form.sink_diameter});
+    const Vec3 x = along.unitOrthogonal(), y = along.cross(x);
+    p.mouth = -1e300, p.end = 1e300;
+    for (int k = 0; k <= 8; ++k) {
+      const double turn = k * pi / 4;
+      const Vec3 start = middle + (k < 8 ? radius : 0) * (std::cos(turn) * x + std::sin(turn) * y);
+      if (!(distance_(start).distance < 0)) continue;
+      const double at = p.sense * start[p.axis];
+      p.mouth = std::max(p.mouth, at + way_out(start, along)), p.end = std::min(p.end, at - way_out(start, -along));
+    }
+    if (hole.form.through) {
+      if (plain && p.sense < 0) p.sense = 1, std::swap(p.mouth, p.end), p.mouth = -p.mouth, p.end = -p.end;
+    } else {
+      p.end = mouth - hole.form.depth;
+    }
+    return p;
+  }
+
+  /// mm from inside of the body to its surface.
+  double way_out(const Vec3& from, const Vec3& along) const {
+    double way = 0;
+    for (int step = 0; step < 200; ++step) {
+      const double d = distance_(from + way * along).distance;
+      if (d > -1e-6 * tolerance_) break;
+      way -= d;
+    }
+    return way;
+  }
+
+  bool same(double a, double b, const DrilledHole& h, const DrilledHole& k) const {
+    return about_equal(a, sigmas / 4 * h.sigma, b, sigmas / 4 * k.sigma, fine * tolerance_);
+  }
+
+  /// Of equal sizes, along one axis, through the same faces.
+  bool alike(const Placed& a, const Placed& b) const {
+    const HoleOf<double>&f = a.hole->form, &g = b.hole->form;
+    if (a.axis != b.axis || a.sense != b.sense || f.through != g.through) return false;
+    if (std::abs(a.mouth - b.mouth) > tolerance_ || std::abs(a.end - b.end) > tolerance_) return false;
+    const auto equal = [&](double x, double y) { return same(x, y, *a.hole, *b.hole); };
+    return equal(f.diameter, g.diameter) && (f.head_diameter > 0) == (g.head_diameter > 0) &&
+           (f.sink_diameter > 0) == (g.sink_diameter > 0) && std::abs(f.head_diameter - g.head_diameter) < tolerance_ &&
+           std::abs(f.sink_diameter - g.sink_diameter) < tolerance_;
+  }
+
+  std::string unused(const std::string& name) const {
+    const auto taken = [&](const std::string& n) {
+      return n == part_.object_name ||
+             std::ranges::any_of(part_.parameters, [&](const Parameter& p) { return p.name == n; }) ||
+             std::ranges::any_of(part_.steps, [&](const Object& o) { return o.name == n; });
+    };
+    if (!taken(name)) return name;
+    for (int k = 2;; ++k)
+      if (const std::string n = name + "_" + std::to_string(k); !taken(n)) return n;
+  }
+
+  Expr parameter(const std::string& name, double value, const std::string& note, Quantity quantity = Quantity::length) {
+    Parameter p = length_parameter(unused(name), value, note);
+    p.quantity = quantity;
+    part_.parameters.push_back(p);
+    return Expr::of(p.name);
+  }
+
+  /// A coordinate by the body's own numbers, if they have it: an edge, or the middle of something.
+  std::optional<Expr> by_body(double at, double within, bool middles) const {
+    if (std::abs(at) <= within) return Expr(0);
+    for (const Known& k : known_)
+      for (const double share : {1.0, 0.5, -0.5, -1.0}) {
+        const bool half = std::abs(share) < 1;
+        if (half ? !middles : middles && !k.place) continue;
+        if (std::abs(share * evaluate(k.value, values_) - at) > within) continue;
+        const Expr part = half ? k.value / Expr(2) : k.value;
+        return share < 0 ? -part : part;
+      }
+    return std::nullopt;
+  }
+
+  Expr edge(double at, const std::string& name) {
+    if (const auto known = by_body(at, tolerance_, false)) return *known;
+    return parameter(name, at, "where it opens");
+  }
+
+  Expr coordinate(double at, const DrilledHole& hole, const std::string& name, const std::string& note) {
+    if (const auto known = by_body(at, std::max(sigmas * hole.sigma, fine * tolerance_), true)) return *known;
+    return parameter(name, at, note);
+  }
+
+  /// The step of one hole, its mouth at z = 0.
+  Hole hole_of(const std::vector<Placed>& group, const std::string& role, const Expr& depth) {
+    const auto mean = [&](double HoleOf<double>::*size) {
+      double sum = 0;
+      for (const Placed& p : group) sum += p.hole->form.*size;
+      return sum / double(group.size());
+    };
+    const HoleOf<double>& form = group.front().hole->form;
+    Hole hole;
+    hole.diameter = parameter(role + "_d", mean(&HoleOf<double>::diameter), "diameter of the " + said(role, group));
+    hole.depth = depth, hole.through = form.through;
+    if (form.tip_angle > 0)
+      hole.tip_angle =
+          parameter(role + "_tip_angle", mean(&HoleOf<double>::tip_angle), "of the drill", Quantity::angle);
+    if (form.head_diameter > 0) {
+      hole.head_diameter = parameter("head_d", mean(&HoleOf<double>::head_diameter), "diameter of the counterbore");
+      hole.head_depth = parameter("head_depth", mean(&HoleOf<double>::head_depth), "depth of the counterbore");
+    }
+    if (form.sink_diameter > 0) {
+      hole.sink_diameter =
+          parameter("sink_d", mean(&HoleOf<double>::sink_diameter), "diameter of the countersink at the face");
+      hole.sink_angle =
+          parameter("sink_angle", mean(&HoleOf<double>::sink_angle), "whole angle of the countersink", Quantity::angle);
+    }
+    return hole;
+  }
+
+  static std::string said(const std::string& role, const std::vector<Placed>& group) {
+    std::string text = role;
+    std::ranges::replace(text, '_', ' ');
+    return text + (group.size() > 1 ? "s" : "");
+  }
+
+  void cut(std::vector<Placed> group) {
+    const HoleOf<double>& form = group.front().hole->form;
+    const Placed& first = group.front();
+    std::string role = form.head_diameter > 0 || form.sink_diameter > 0 ? "screw_hole" : "hole";
+    const bool on_axis = group.size() == 1 && turned_about_z(body_.shape) && first.axis == 2 &&
+                         first.place.head<2>().norm() < tolerance_;
+    if (on_axis) role = "bore";
+    role = unused(role);
+    double mouth_at = 0, end_at = 0;
+    for (const Placed& p : group) mouth_at += p.mouth / double(group.size()), end_at += p.end / double(group.size());
+    const Expr mouth = edge(first.sense * mouth_at, role + "_face");
+    Expr depth;
+    if (form.through) {
+      const Expr end = edge(first.sense * end_at, role + "_end");
+      depth = first.sense > 0 ? mouth - end : end - mouth;
+    } else {
+      depth = parameter(role + "_depth", mouth_at - end_at, "depth of the " + said(role, group));
+    }
+    const Hole hole = hole_of(group, role, depth);
+    if (circle(group, hole, role, mouth)) return;
+    if (grid(group, hole, role, mouth)) return;
+    for (const Placed& p : group) {
+      const std::string name = unused(role);
+      std::array<Expr, 2> at;
+      for (int k = 0; k < 2; ++k)
+        at[static_cast<std::size_t>(k)] =
+            coordinate(p.across(k), *p.hole, name + "_" + letters[static_cast<std::size_t>((p.axis + 1 + k) % 3)],
+                       "place of its axis");
+      step(name, hole, frame_at(p, at, mouth), "");
+      cut_.objects.push_back(name);
+    }
+  }
+
+  Frame frame_at(const Placed& p, const std::array<Expr, 2>& across, const Expr& along) const {
+    Frame frame = turned_to(p.axis, p.sense);
+    std::array<Expr*, 3> at = {&frame.x, &frame.y, &frame.z};
+    *at[static_cast<std::size_t>(p.axis)] = along;
+    for (int k = 0; k < 2; ++k)
+      *at[static_cast<std::size_t>((p.axis + 1 + k) % 3)] = across[static_cast<std::size_t>(k)];
+    return frame;
+  }
+
+  void step(const std::string& name, Shape shape, Frame frame, const std::string& note) {
+    part_.steps.push_back({name, std::move(shape), std::move(frame), {}, note});
+  }
+
+  /// Equally spaced on a circle.
+  bool circle(const std::vector<Placed>& group, const Hole& hole, const std::string& role, const Expr& mouth) {
+    const auto n = group.size();
+    if (n < 3) return false;
+    const Placed& first = group.front();
+    Vec3 middle = Vec3::Zero();
+    double sigma = 0, radius = 0;
+    for (const Placed& p : group) middle += p.place / double(n), sigma = std::max(sigma, p.hole->sigma);
+    middle[first.axis] = 0;
+    const double within = std::max(sigmas * sigma, fine * tolerance_);
+    // The frame of the circle, as the pattern's own turn gives it.
+    const Mat3 turn = rotation_from_euler(angles_of(turned_to(first.axis, first.sense)));
+    std::vector<std::pair<double, std::size_t>> turns;
+    std::vector<double> radii;
+    for (std::size_t i = 0; i < n; ++i) {
+      Vec3 d = group[i].place - middle;
+      d[first.axis] = 0;
+      const Vec3 q = turn.transpose() * d;
+      radii.push_back(q.head<2>().norm()), turns.emplace_back(std::atan2(q.y(), q.x()), i);
+    }
+    for (const double r : radii) radius += r / double(n);
+    std::ranges::sort(turns);
+    double start = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double off = turns[i].first - turns[0].first - 2 * pi * double(i) / double(n);
+      if (std::abs(radii[i] - radius) > within || std::abs(off) * radius > 2 * within) return false;
+      start += (turns[i].first - 2 * pi * double(i) / double(n)) / double(n);
+    }
+    // A turn by whole steps changes nothing: the least one.
+    start -= std::round(start * double(n) / (2 * pi)) * 2 * pi / double(n);
+    Frame frame = frame_at(first, {Expr(0), Expr(0)}, mouth);
+    std::array<Expr*, 3> at = {&frame.x, &frame.y, &frame.z};
+    for (int k = 1; k <= 2; ++k) {
+      const auto axis = static_cast<std::size_t>((first.axis + k) % 3);
+      DrilledHole centre = *first.hole;
+      centre.sigma = sigma;
+      *at[axis] = coordinate(middle[int(axis)], centre, "bolt_circle_" + std::string(letters[axis]),
+                             "centre of the bolt circle");
+    }
+    const Expr diameter = parameter("bolt_circle_d", 2 * radius, "diameter of the bolt circle");
+    const Expr count = parameter(role + "s", double(n), "number of " + said(role, group), Quantity::count);
+    Frame of_hole;
+    of_hole.x = diameter / Expr(2);
+    if (std::abs(start) * radius > within) {
+      // Holes on both sides of an axis, or turned by an angle of their own.
+      const bool between = std::abs(std::abs(start) - pi / double(n)) * radius <= within;
+      const Expr angle =
+          between ? Expr(pi) / count
+                  : parameter("bolt_circle_angle", start, "from the axis to the first hole", Quantity::angle);
+      of_hole.y = of_hole.x * Expr::call(Expr::Kind::sin, {angle});
+      of_hole.x = of_hole.x * Expr::call(Expr::Kind::cos, {angle});
+    }
+    step(role, hole, of_hole, "");
+    const std::string pattern = unused("bolt_holes");
+    step(pattern, CircularPattern{role, count, Expr(2 * pi) / count}, frame, "all of them");
+    cut_.objects.push_back(pattern);
+    return true;
+  }
+
+  static Vec3 angles_of(const Frame& frame) { return {frame.rx.number, frame.ry.number, frame.rz.number}; }
+
+  /// Rows and columns along the body's axes, every place taken.
+  bool grid(const std::vector<Placed>& group, const Hole& hole, const std::string& role, const Expr& mouth) {
+    if (group.size() < 2) return false;
+    const Placed& first = group.front();
+    double sigma = 0;
+    for (const Placed& p : group) sigma = std::max(sigma, p.hole->sigma);
+    const double within = std::max(sigmas * sigma, fine * tolerance_);
+    std::array<std::vector<double>, 2> lines;  // places of columns and rows
+    for (int k = 0; k < 2; ++k) {
+      auto& places = lines[static_cast<std::size_t>(k)];
+      std::vector<double> all;
+      for (const Placed& p : group) all.push_back(p.across(k));
+      std::ranges::sort(all);
+      std::size_t from = 0;
+      for (std::size_t i = 1; i <= all.size(); ++i) {
+        if (i < all.size() && all[i] - all[i - 1] <= 2 * within) continue;
+        double sum = 0;
+        for (std::size_t j = from; j < i; ++j) sum += all[j];
+        places.push_back(sum / double(i - from)), from = i;
+      }
+    }
+    if (lines[0].size() * lines[1].size() != group.size()) return false;
+    for (const auto& places : lines)
+      for (std::size_t i = 2; i < places.size(); ++i)
+        if (std::abs(places[i] - places[i - 1] - places[1] + places[0]) > 2 * within) return false;
+    std::array<Expr, 2> start, pitch;
+    DrilledHole middle = *first.hole;
+    middle.sigma = sigma;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto& places = lines[k];
+      const std::string letter = letters[(static_cast<std::size_t>(first.axis) + 1 + k) % 3];
+      const double centre = 0.5 * (places.front() + places.back());
+      const Expr at = coordinate(centre, middle, role + "s_" + letter, "middle of the " + said(role, group));
+      start[k] = at;
+      if (places.size() < 2) continue;
+      pitch[k] = parameter("pitch_" + letter, (places.back() - places.front()) / double(places.size() - 1),
+                           "from hole to hole along " + letter);
+      start[k] = at - pitch[k] * Expr(double(places.size() - 1) / 2);
+    }
+    std::string name = role;
+    step(name, hole, frame_at(first, start, mouth), "");
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (lines[k].size() < 2) continue;
+      const auto axis = (static_cast<std::size_t>(first.axis) + 1 + k) % 3;
+      LinearPattern row;
+      row.object = name, row.count = Expr(double(lines[k].size()));
+      std::array<Expr*, 3> steps = {&row.step_x, &row.step_y, &row.step_z};
+      *steps[axis] = pitch[k];
+      name = unused(lines[1 - k].size() > 1 && k == 0 ? role + "_row" : role + "s");
+      step(name, row, {}, "along " + std::string(letters[axis]));
+    }
+    cut_.objects.push_back(name);
+    return true;
+  }
+};
+
+}  // namespace
+
+std::optional<Candidate> with_holes(const Candidate& body, const std::vector<DrilledHole>& holes, double tolerance) {
+  Drilling drilling(body, tolerance);
+  if (!drilling.drill(holes)) return std::nullopt;
+  return drilling.done();
+}
+
+}  // namespace partscribe::fit

@@ -1,0 +1,24 @@
+/// Cuts round holes into a body, each group of equal ones a step or a pattern with sizes of its own.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "fit/candidate.h"
+
+namespace partscribe::fit {
+
+/// A hole that was found in a scan.
+struct DrilledHole {
+  HoleOf<double> form;
+  double sigma = 0;                                ///< mm, of its place and its sizes
+  Vec3 mouth = Vec3::Zero(), out = Vec3::UnitZ();  ///< where its axis leaves the part, and which way; scan frame
+};
+
+/// Nothing if a hole runs along none of the body's axes or does not begin in the body.
+///
+/// Mouths and ends of holes that open at a face of the body are said by the body's own numbers, so that they move with
+/// it; so are places in the middle of the body and on its axis.
+std::optional<Candidate> with_holes(const Candidate& body, const std::vector<DrilledHole>& holes, double tolerance);
+
+}  // namespace partscribe::fit
