@@ -47,16 +47,23 @@ bool turned_about_z(const Shape& shape) {
 
 class Drilling {
  public:
-  Drilling(const Candidate& body, double tolerance)
-      : body_(body), part_(body), values_(values_of(body)), distance_(bare_model(body)), tolerance_(tolerance) {
-    part_.procedure = "body with holes", part_.object_name = "drilled_" + body.object_name;
+  Drilling(const Candidate& body, const DrillOptions& options)
+      : part_(body),
+        tolerance_(options.tolerance),
+        alike_(std::max(options.alike, fine * tolerance_)),
+        end_(options.end) {
     part_.steps = {{body.object_name, body.shape, {}, {}, "the body before it is drilled"}};
+    if (std::holds_alternative<Box>(body.shape))
+      centre_box();
+    else
+      known_by(body.shape);
+    part_.procedure = "body with holes", part_.object_name = "drilled_" + part_.steps[0].name;
     part_.otherwise.reset();
-    cut_.objects = {body.object_name};
-    visit_expressions(body.shape, [&](const Expr& e, Domain domain) {
-      const Known number{e, domain == Domain::coordinate};
-      if ((domain == Domain::length || number.place) && !e.is_number()) known_.push_back(number);
-    });
+    cut_.objects = {part_.steps[0].name};
+    values_ = values_of(part_);
+    Model alone;
+    alone.parameters = part_.parameters, alone.objects = part_.steps, alone.as_scanned = false;
+    distance_.emplace(alone);
   }
 
   /// False if a hole cannot be told by this body.
@@ -87,21 +94,46 @@ class Drilling {
   }
 
  private:
-  Candidate body_, part_;
+  Candidate part_;
+  double tolerance_, alike_, end_;
   Values values_;
-  ModelDistance distance_;
-  double tolerance_;
+  std::optional<ModelDistance> distance_;
   Difference cut_;
-  /// A number of the body, and whether it is a coordinate.
-  struct Known {
-    Expr value;
-    bool place;
-  };
-  std::vector<Known> known_;
+  std::vector<Expr> edges_, middles_;  // coordinates that the body's own numbers give
+
+  const Shape& body() const { return part_.steps[0].shape; }
+
+  /// The origin in the middle of its base; a low one is a plate.
+  void centre_box() {
+    constexpr double low = 0.5;  // of the width
+    Object& step = part_.steps[0];
+    Box& box = std::get<Box>(step.shape);
+    const Values values = values_of(part_);
+    const double x = evaluate(box.size_x, values), y = evaluate(box.size_y, values), z = evaluate(box.size_z, values);
+    if (z < low * std::min(x, y) && box.size_z.is_parameter()) {
+      for (Parameter& p : part_.parameters)
+        if (p.name == box.size_z.parameter) p.name = "thickness", p.note = "thickness of the plate";
+      box.size_z = Expr::of("thickness"), step.name = "plate";
+    }
+    step.frame.x = -(box.size_x / Expr(2)), step.frame.y = -(box.size_y / Expr(2));
+    part_.scan_from_part.translation += part_.scan_from_part.rotation * Vec3(x / 2, y / 2, 0);
+    for (const Expr& half : {box.size_x / Expr(2), box.size_y / Expr(2)})
+      edges_.push_back(half), edges_.push_back(-half);
+    edges_.push_back(box.size_z), middles_.push_back(box.size_z / Expr(2));
+  }
+
+  void known_by(const Shape& shape) {
+    visit_expressions(shape, [&](const Expr& e, Domain domain) {
+      if (e.is_number() || (domain != Domain::length && domain != Domain::coordinate)) return;
+      edges_.push_back(e), edges_.push_back(-e);
+      if (domain == Domain::coordinate) middles_.push_back(e);
+      middles_.push_back(e / Expr(2)), middles_.push_back(-(e / Expr(2)));
+    });
+  }
 
   /// A body that may be turned about its axis is turned until the first hole beside the axis lies on x.
   void face_first(const std::vector<DrilledHole>& holes) {
-    if (!turned_about_z(body_.shape)) return;
+    if (!turned_about_z(body())) return;
     const Pose part_from_scan = part_.scan_from_part.inverse();
     for (const DrilledHole& hole : holes) {
       const Vec3 out = part_from_scan.rotation * hole.out, mouth = part_from_scan * hole.mouth;
@@ -125,7 +157,7 @@ class Drilling {
     const bool plain = hole.form.through && !(hole.form.head_diameter > 0) && !(hole.form.sink_diameter > 0);
     const double mouth = p.sense * p.place[p.axis];
     const Vec3 middle = p.place - 0.5 * hole.form.depth * along;
-    if (!(distance_(middle).distance < 0)) return std::nullopt;
+    if (!((*distance_)(middle).distance < 0)) return std::nullopt;
     // Where the body ends, in the middle of the hole and around it.
     const double radius = 0.5 * std::max({hole.form.diameter, hole.form.head_diameter, hole.form.sink_diameter});
     const Vec3 x = along.unitOrthogonal(), y = along.cross(x);
@@ -133,7 +165,7 @@ class Drilling {
     for (int k = 0; k <= 8; ++k) {
       const double turn = k * pi / 4;
       const Vec3 start = middle + (k < 8 ? radius : 0) * (std::cos(turn) * x + std::sin(turn) * y);
-      if (!(distance_(start).distance < 0)) continue;
+      if (!((*distance_)(start).distance < 0)) continue;
       const double at = p.sense * start[p.axis];
       p.mouth = std::max(p.mouth, at + way_out(start, along)), p.end = std::min(p.end, at - way_out(start, -along));
     }
@@ -149,7 +181,7 @@ class Drilling {
   double way_out(const Vec3& from, const Vec3& along) const {
     double way = 0;
     for (int step = 0; step < 200; ++step) {
-      const double d = distance_(from + way * along).distance;
+      const double d = (*distance_)(from + way * along).distance;
       if (d > -1e-6 * tolerance_) break;
       way -= d;
     }
@@ -157,14 +189,15 @@ class Drilling {
   }
 
   bool same(double a, double b, const DrilledHole& h, const DrilledHole& k) const {
-    return about_equal(a, sigmas / 4 * h.sigma, b, sigmas / 4 * k.sigma, fine * tolerance_);
+    return about_equal(a, sigmas / 4 * h.sigma, b, sigmas / 4 * k.sigma, alike_);
   }
 
   /// Of equal sizes, along one axis, through the same faces.
   bool alike(const Placed& a, const Placed& b) const {
     const HoleOf<double>&f = a.hole->form, &g = b.hole->form;
     if (a.axis != b.axis || a.sense != b.sense || f.through != g.through) return false;
-    if (std::abs(a.mouth - b.mouth) > tolerance_ || std::abs(a.end - b.end) > tolerance_) return false;
+    const bool ends = std::abs(a.end - b.end) <= tolerance_ || !a.hole->floor_seen || !b.hole->floor_seen;
+    if (std::abs(a.mouth - b.mouth) > tolerance_ || !ends) return false;
     const auto equal = [&](double x, double y) { return same(x, y, *a.hole, *b.hole); };
     return equal(f.diameter, g.diameter) && (f.head_diameter > 0) == (g.head_diameter > 0) &&
            (f.sink_diameter > 0) == (g.sink_diameter > 0) && std::abs(f.head_diameter - g.head_diameter) < tolerance_ &&
@@ -189,27 +222,21 @@ class Drilling {
     return Expr::of(p.name);
   }
 
-  /// A coordinate by the body's own numbers, if they have it: an edge, or the middle of something.
-  std::optional<Expr> by_body(double at, double within, bool middles) const {
+  /// A coordinate by the body's own numbers, if they have it.
+  std::optional<Expr> by_body(double at, double within, const std::vector<Expr>& known) const {
     if (std::abs(at) <= within) return Expr(0);
-    for (const Known& k : known_)
-      for (const double share : {1.0, 0.5, -0.5, -1.0}) {
-        const bool half = std::abs(share) < 1;
-        if (half ? !middles : middles && !k.place) continue;
-        if (std::abs(share * evaluate(k.value, values_) - at) > within) continue;
-        const Expr part = half ? k.value / Expr(2) : k.value;
-        return share < 0 ? -part : part;
-      }
-    return std::nullopt;
+    const auto found =
+        std::ranges::find_if(known, [&](const Expr& e) { return std::abs(evaluate(e, values_) - at) <= within; });
+    return found == known.end() ? std::nullopt : std::optional(*found);
   }
 
   Expr edge(double at, const std::string& name) {
-    if (const auto known = by_body(at, tolerance_, false)) return *known;
+    if (const auto known = by_body(at, tolerance_, edges_)) return *known;
     return parameter(name, at, "where it opens");
   }
 
-  Expr coordinate(double at, const DrilledHole& hole, const std::string& name, const std::string& note) {
-    if (const auto known = by_body(at, std::max(sigmas * hole.sigma, fine * tolerance_), true)) return *known;
+  Expr coordinate(double at, double sigma, const std::string& name, const std::string& note) {
+    if (const auto known = by_body(at, std::max(sigmas * sigma, alike_), middles_)) return *known;
     return parameter(name, at, note);
   }
 
@@ -250,12 +277,19 @@ class Drilling {
     const HoleOf<double>& form = group.front().hole->form;
     const Placed& first = group.front();
     std::string role = form.head_diameter > 0 || form.sink_diameter > 0 ? "screw_hole" : "hole";
-    const bool on_axis = group.size() == 1 && turned_about_z(body_.shape) && first.axis == 2 &&
-                         first.place.head<2>().norm() < tolerance_;
+    const bool on_axis =
+        group.size() == 1 && turned_about_z(body()) && first.axis == 2 && first.place.head<2>().norm() < tolerance_;
     if (on_axis) role = "bore";
     role = unused(role);
     double mouth_at = 0, end_at = 0;
-    for (const Placed& p : group) mouth_at += p.mouth / double(group.size()), end_at += p.end / double(group.size());
+    // Of floors that were not seen the deepest is the best guess.
+    std::vector<double> floors, guesses;
+    for (const Placed& p : group) {
+      mouth_at += p.mouth / double(group.size());
+      (p.hole->floor_seen ? floors : guesses).push_back(p.end);
+    }
+    if (floors.empty()) floors = {*std::ranges::min_element(guesses)};
+    for (const double end : floors) end_at += end / double(floors.size());
     const Expr mouth = edge(first.sense * mouth_at, role + "_face");
     Expr depth;
     if (form.through) {
@@ -263,6 +297,8 @@ class Drilling {
       depth = first.sense > 0 ? mouth - end : end - mouth;
     } else {
       depth = parameter(role + "_depth", mouth_at - end_at, "depth of the " + said(role, group));
+      if (std::ranges::none_of(group, [](const Placed& p) { return p.hole->floor_seen; }))
+        part_.held.push_back({depth.parameter, end_});
     }
     const Hole hole = hole_of(group, role, depth);
     if (circle(group, hole, role, mouth)) return;
@@ -272,7 +308,7 @@ class Drilling {
       std::array<Expr, 2> at;
       for (int k = 0; k < 2; ++k)
         at[static_cast<std::size_t>(k)] =
-            coordinate(p.across(k), *p.hole, name + "_" + letters[static_cast<std::size_t>((p.axis + 1 + k) % 3)],
+            coordinate(p.across(k), p.hole->sigma, name + "_" + letters[static_cast<std::size_t>((p.axis + 1 + k) % 3)],
                        "place of its axis");
       step(name, hole, frame_at(p, at, mouth), "");
       cut_.objects.push_back(name);
@@ -301,7 +337,7 @@ class Drilling {
     double sigma = 0, radius = 0;
     for (const Placed& p : group) middle += p.place / double(n), sigma = std::max(sigma, p.hole->sigma);
     middle[first.axis] = 0;
-    const double within = std::max(sigmas * sigma, fine * tolerance_);
+    const double within = std::max(sigmas * sigma, alike_);
     // The frame of the circle, as the pattern's own turn gives it.
     const Mat3 turn = rotation_from_euler(angles_of(turned_to(first.axis, first.sense)));
     std::vector<std::pair<double, std::size_t>> turns;
@@ -326,9 +362,7 @@ class Drilling {
     std::array<Expr*, 3> at = {&frame.x, &frame.y, &frame.z};
     for (int k = 1; k <= 2; ++k) {
       const auto axis = static_cast<std::size_t>((first.axis + k) % 3);
-      DrilledHole centre = *first.hole;
-      centre.sigma = sigma;
-      *at[axis] = coordinate(middle[int(axis)], centre, "bolt_circle_" + std::string(letters[axis]),
+      *at[axis] = coordinate(middle[int(axis)], sigma, "bolt_circle_" + std::string(letters[axis]),
                              "centre of the bolt circle");
     }
     const Expr diameter = parameter("bolt_circle_d", 2 * radius, "diameter of the bolt circle");
@@ -359,7 +393,7 @@ class Drilling {
     const Placed& first = group.front();
     double sigma = 0;
     for (const Placed& p : group) sigma = std::max(sigma, p.hole->sigma);
-    const double within = std::max(sigmas * sigma, fine * tolerance_);
+    const double within = std::max(sigmas * sigma, alike_);
     std::array<std::vector<double>, 2> lines;  // places of columns and rows
     for (int k = 0; k < 2; ++k) {
       auto& places = lines[static_cast<std::size_t>(k)];
@@ -379,13 +413,11 @@ class Drilling {
       for (std::size_t i = 2; i < places.size(); ++i)
         if (std::abs(places[i] - places[i - 1] - places[1] + places[0]) > 2 * within) return false;
     std::array<Expr, 2> start, pitch;
-    DrilledHole middle = *first.hole;
-    middle.sigma = sigma;
     for (std::size_t k = 0; k < 2; ++k) {
       const auto& places = lines[k];
       const std::string letter = letters[(static_cast<std::size_t>(first.axis) + 1 + k) % 3];
       const double centre = 0.5 * (places.front() + places.back());
-      const Expr at = coordinate(centre, middle, role + "s_" + letter, "middle of the " + said(role, group));
+      const Expr at = coordinate(centre, sigma, role + "s_" + letter, "middle of the " + said(role, group));
       start[k] = at;
       if (places.size() < 2) continue;
       pitch[k] = parameter("pitch_" + letter, (places.back() - places.front()) / double(places.size() - 1),
@@ -411,8 +443,9 @@ class Drilling {
 
 }  // namespace
 
-std::optional<Candidate> with_holes(const Candidate& body, const std::vector<DrilledHole>& holes, double tolerance) {
-  Drilling drilling(body, tolerance);
+std::optional<Candidate> with_holes(const Candidate& body, const std::vector<DrilledHole>& holes,
+                                    const DrillOptions& options) {
+  Drilling drilling(body, options);
   if (!drilling.drill(holes)) return std::nullopt;
   return drilling.done();
 }

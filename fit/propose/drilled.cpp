@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/number.h"
+#include "core/statistics.h"
 #include "fit/evidence/evidence.h"
 #include "fit/propose/drill.h"
 #include "fit/refine/refine.h"
@@ -17,15 +18,48 @@
 namespace partscribe::fit {
 namespace {
 
-DrilledHole drilled(const FoundHole& found) {
+/// What lies beyond the seen end of a hole, before its mouth as one looks in.
+struct Beyond {
+  bool bars = false;            ///< something does: a floor, or the other side of the part
+  std::optional<double> floor;  ///< mm below the mouth
+};
+
+Beyond beyond_end_of(const FoundHole& found, double seen, const FitInput& input) {
+  constexpr double near_axis = 0.7;  // of the radius
+  constexpr double looks_out = 0.7;  // cosine
+  constexpr std::size_t least = 5;   // points of a floor
+  const double reach = near_axis * 0.5 * found.diameter();
+  Beyond beyond;
+  std::vector<double> floor;
+  for (std::size_t i = 0; i < input.cloud.size(); ++i) {
+    const Vec3 d = input.cloud.points[i] - found.mouth;
+    const double depth = -d.dot(found.axis);
+    if (depth < seen - input.tolerance || (d + depth * found.axis).norm() > reach) continue;
+    beyond.bars = true;
+    if (input.oriented && input.cloud.normals[i].dot(found.axis) > looks_out) floor.push_back(depth);
+  }
+  if (floor.size() < least) return beyond;
+  std::ranges::sort(floor);
+  const double nearest = floor[least / 2];  // an outlier or two may lie before it
+  std::erase_if(floor, [&](double depth) { return std::abs(depth - nearest) > 2 * input.tolerance; });
+  if (floor.size() >= least) beyond.floor = median(std::move(floor));
+  return beyond;
+}
+
+DrilledHole drilled(const FoundHole& found, const FitInput& input) {
   DrilledHole hole;
   const auto size = [&](const char* name) {
     const auto at = std::ranges::find(found.feature.dimensions, name, &FeatureSize::name);
     return at == found.feature.dimensions.end() ? 0 : at->value;
   };
   HoleOf<double>& form = hole.form;
-  form.diameter = size("diameter"), form.depth = size("depth"), form.through = !found.closed;
-  form.tip_angle = size("tip angle");
+  form.diameter = size("diameter"), form.depth = size("depth"), form.tip_angle = size("tip angle");
+  form.through = found.far_end == RimState::open;
+  if (found.far_end == RimState::unknown) {
+    const Beyond beyond = beyond_end_of(found, form.depth, input);
+    form.through = !beyond.bars, form.depth = beyond.floor.value_or(form.depth);
+    hole.floor_seen = beyond.floor.has_value();
+  }
   form.head_diameter = size("counterbore diameter"), form.head_depth = size("counterbore depth");
   form.sink_diameter = size("countersink diameter");
   if (form.sink_diameter > 0) form.sink_angle = size("countersink angle");
@@ -41,7 +75,8 @@ std::vector<DrilledHole> holes_in(const FitInput& input, Context& context) {
       input.closed ? faces_of(*input.scan, options, context) : faces_of_cloud(input.cloud, options, context);
   const FeatureScale scale = feature_scale(faces);
   std::vector<DrilledHole> holes;
-  for (const FoundHole& found : holes_of(faces, round_pieces(faces, scale), scale)) holes.push_back(drilled(found));
+  for (const FoundHole& found : holes_of(faces, round_pieces(faces, scale), scale))
+    holes.push_back(drilled(found, input));
   return holes;
 }
 
@@ -94,6 +129,44 @@ FitInput without(const std::vector<DrilledHole>& holes, const FitInput& input, C
   return rest;
 }
 
+bool makes_sense(const Candidate& body) {
+  return drawable(body) && !std::holds_alternative<Complaints>(check(bare_model(body)));
+}
+
+bool same_numbers(const Candidate& a, const Candidate& b, double tolerance) {
+  return a.procedure == b.procedure &&
+         std::ranges::equal(a.parameters, b.parameters, [&](const Parameter& p, const Parameter& q) {
+           return std::abs(p.value - q.value) < 0.1 * tolerance;
+         });
+}
+
+/// Those within the tolerance that cost least, refined; each once.
+std::vector<Candidate> best_bodies(std::vector<Candidate> bodies, const FitInput& rest, Context& context) {
+  constexpr std::size_t most = 3;
+  struct Body {
+    Candidate candidate;
+    double cost;
+  };
+  std::vector<Body> found;
+  for (Candidate& body : bodies) {
+    if (context.cancelled) break;
+    if (!makes_sense(body)) continue;
+    RefineOptions quick;
+    quick.points = 6000, quick.iterations = 25, quick.uncertainty = false;
+    refine(body, rest, quick, context);
+    const auto same = [&](const Body& other) { return same_numbers(body, other.candidate, rest.tolerance); };
+    if (!makes_sense(body) || std::ranges::any_of(found, same)) continue;
+    const CandidateEvidence evidence = evidence_of(body, rest, context);
+    context.say("drilled: " + body.procedure + " off by " + millimetres(evidence.local_max, rest.tolerance));
+    if (evidence.local_max <= rest.tolerance) found.push_back({std::move(body), evidence.total()});
+  }
+  std::ranges::stable_sort(found, {}, &Body::cost);
+  if (found.size() > most) found.erase(found.begin() + most, found.end());
+  std::vector<Candidate> result;
+  for (Body& body : found) result.push_back(std::move(body.candidate));
+  return result;
+}
+
 }  // namespace
 
 std::vector<Candidate> propose_drilled(const FitInput& input, const BodyMaker& bodies, Context& context) {
@@ -103,20 +176,17 @@ std::vector<Candidate> propose_drilled(const FitInput& input, const BodyMaker& b
   const FitInput rest = without(holes, input, context);
   constexpr std::size_t least_points = 50;
   if (rest.cloud.size() < least_points) return candidates;
-  context.say("drilled: " + print_number(double(holes.size())) + " holes, " +
-              print_number(double(rest.cloud.size())) + " points outside of them");
-  for (Candidate& body : bodies(rest)) {
-    if (context.cancelled) break;
-    if (!drawable(body) || std::holds_alternative<Complaints>(check(bare_model(body)))) continue;
-    RefineOptions quick;
-    quick.points = 6000, quick.iterations = 25, quick.uncertainty = false;
-    refine(body, rest, quick, context);
-    if (!drawable(body) || std::holds_alternative<Complaints>(check(bare_model(body)))) continue;
-    const double off = evidence_of(body, rest, context).local_max;
-    auto part = off <= input.tolerance ? with_holes(body, holes, input.tolerance) : std::nullopt;
-    context.say("drilled: " + body.procedure + " off by " + millimetres(off, input.tolerance) +
-                (off > input.tolerance ? "" : part ? ", drilled" : ", a hole does not lie in it"));
-    if (part) candidates.push_back(std::move(*part));
+  context.say("drilled: " + print_number(double(holes.size())) + " holes, " + print_number(double(rest.cloud.size())) +
+              " points outside of them");
+  for (const Candidate& body : best_bodies(bodies(rest), rest, context)) {
+    // Numbers that may be equal are one; the total cost says whether they are.
+    std::size_t parameters = 0;
+    for (const double alike : {0.5 * input.tolerance, 0.0})
+      if (auto part = with_holes(body, holes, {input.tolerance, alike, 2 * input.thin_spacing});
+          part && part->parameters.size() != parameters) {
+        parameters = part->parameters.size();
+        candidates.push_back(std::move(*part));
+      }
   }
   return candidates;
 }

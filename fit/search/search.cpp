@@ -240,6 +240,7 @@ using Proposals = std::vector<Candidate>;
 /// A maker of candidates.
 struct Maker {
   bool last_resort;  ///< its shapes serve as a description only where no procedure of the trade does
+  bool outlines;     ///< it looks for the outline of an extrusion
   std::function<Proposals(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)> propose;
 };
 
@@ -249,14 +250,14 @@ const std::vector<Maker>& makers() {
   using Hypothesis = const SuperellipsoidFit&;
   using Directions = const std::vector<Vec3>&;
   static const std::vector<Maker> list = {
-      {false, [](In in, Hypothesis h, Directions, Context& c) { return propose_quadrics(in, h, c); }},
-      {false, [](In in, Hypothesis, Directions, Context& c) { return propose_polyhedra(in, c); }},
-      {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_revolves(in, d, c); }},
-      {false, [](In in, Hypothesis, Directions, Context&) { return propose_torus_piece(in); }},
-      {false, [](In in, Hypothesis, Directions d, Context& c) { return propose_extrudes(in, d, c); }},
-      {false, [](In in, Hypothesis, Directions, Context& c) { return propose_fillets(in, c); }},
-      {true, [](In in, Hypothesis h, Directions, Context&) { return propose_superellipsoids(in, h); }},
-      {true, [](In in, Hypothesis, Directions d, Context& c) { return propose_rings(in, d, c); }},
+      {false, false, [](In in, Hypothesis h, Directions, Context& c) { return propose_quadrics(in, h, c); }},
+      {false, false, [](In in, Hypothesis, Directions, Context& c) { return propose_polyhedra(in, c); }},
+      {false, false, [](In in, Hypothesis, Directions d, Context& c) { return propose_revolves(in, d, c); }},
+      {false, false, [](In in, Hypothesis, Directions, Context&) { return propose_torus_piece(in); }},
+      {false, true, [](In in, Hypothesis, Directions d, Context& c) { return propose_extrudes(in, d, c); }},
+      {false, true, [](In in, Hypothesis, Directions, Context& c) { return propose_fillets(in, c); }},
+      {true, false, [](In in, Hypothesis h, Directions, Context&) { return propose_superellipsoids(in, h); }},
+      {true, false, [](In in, Hypothesis, Directions d, Context& c) { return propose_rings(in, d, c); }},
   };
   return list;
 }
@@ -314,21 +315,25 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
   const auto proposals = [&](const Maker& maker, const FitInput& data) {
     return maker.propose(data, search.hypothesis, directions, context);
   };
-  for (const auto& maker : makers())
-    if (maker.last_resort == last_resort)
-      for (auto& candidate : proposals(maker, input))
+  const auto bodies = [&](const FitInput& data) {
+    Proposals all;
+    for (const auto& maker : makers())
+      if (!maker.last_resort)
+        for (auto& candidate : proposals(maker, data)) all.push_back(std::move(candidate));
+    return all;
+  };
+  bool tried = false, drilled = false;
+  for (const auto& maker : makers()) {
+    if (maker.last_resort != last_resort) continue;
+    // Outlines cost more than all else. Where no body so far will do, one may that has holes drilled into it.
+    if (maker.outlines && !tried && std::ranges::none_of(search.judged, &Judged::meets)) {
+      tried = true;
+      for (auto& candidate : propose_drilled(input, bodies, context))
         if (!context.cancelled) consider(std::move(candidate));
-  // Where no single body will do, one may with holes in it.
-  const bool meets = std::ranges::any_of(search.judged, &Judged::meets);
-  if (!meets && !last_resort && !context.cancelled) {
-    const auto bodies = [&](const FitInput& data) {
-      Proposals all;
-      for (const auto& maker : makers())
-        if (!maker.last_resort)
-          for (auto& candidate : proposals(maker, data)) all.push_back(std::move(candidate));
-      return all;
-    };
-    for (auto& candidate : propose_drilled(input, bodies, context))
+      drilled = std::ranges::any_of(search.judged, &Judged::meets);
+    }
+    if (drilled && maker.outlines) continue;
+    for (auto& candidate : proposals(maker, input))
       if (!context.cancelled) consider(std::move(candidate));
   }
   if (context.cancelled) return;

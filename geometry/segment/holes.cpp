@@ -93,14 +93,14 @@ class Hole {
     for (std::size_t i = first_; i <= last_; ++i) use(*segments_[i].piece);
     bool bored = false, sunk = false;
     const bool closed = low.state == RimState::closed || high.state == RimState::closed;
-    int mouth = high.state == RimState::closed ? -1 : 1;
+    int mouth = high.state != RimState::open && low.state == RimState::open ? -1 : 1;
     for (const int side : {-1, 1}) {
       const bool before = bored || sunk;
       widen(side, side > 0 ? high : low, sizes, bored, sunk);
       if (!before && (bored || sunk)) mouth = side;
     }
     hole.mouth = core_->point + (mouth > 0 ? high : low).place * core_->axis;
-    hole.axis = mouth * core_->axis, hole.closed = closed;
+    hole.axis = mouth * core_->axis, hole.far_end = (mouth > 0 ? low : high).state;
     const bool open = low.state == RimState::open && high.state == RimState::open;
     hole.feature.kind = bored    ? "counterbored hole"
                         : sunk   ? "countersunk hole"

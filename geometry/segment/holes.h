@@ -13,7 +13,7 @@ struct FoundHole {
   Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  ///< out of the mouth
   double sigma_point = 0, sigma_axis = 0;           ///< mm across the axis; rad
   Vec3 mouth = Vec3::Zero();                        ///< where its axis leaves the part, at the wide or open end
-  bool closed = false;                              ///< it has a bottom
+  RimState far_end = RimState::unknown;             ///< closed: it has a bottom
 
   double diameter() const { return feature.dimensions.front().value; }
   double sigma_diameter() const { return feature.dimensions.front().sigma; }
