@@ -64,20 +64,24 @@ bool drawable(const Candidate& c) {
 }
 
 double description_length(const Candidate& candidate, std::size_t points) {
-  std::size_t pieces = 1, numbers = candidate.parameters.size();
-  auto count_sketch = [&](const Sketch& sketch) {
+  std::size_t pieces = 0, numbers = candidate.parameters.size();
+  const auto count_sketch = [&](const Sketch& sketch) {
     for (const auto& loop : sketch.loops)
       for (const auto& e : loop.elements) {
         ++pieces;
         if (const auto* n = std::get_if<SketchNurbs>(&e)) numbers += 2 * n->control.size() + n->knots.size();
       }
   };
-  if (const auto* s = std::get_if<Revolve>(&candidate.shape)) count_sketch(s->sketch);
-  if (const auto* s = std::get_if<Extrude>(&candidate.shape)) count_sketch(s->sketch);
-  if (const auto* s = std::get_if<HalfSpaces>(&candidate.shape))
-    pieces += s->planes.size(), numbers += 2 * s->planes.size();
-  if (const auto* s = std::get_if<TriSurface>(&candidate.shape))
-    pieces += s->triangles.size(), numbers += 3 * s->vertices.size();
+  const auto count = [&](const Shape& shape) {
+    ++pieces;
+    if (const auto* s = std::get_if<Revolve>(&shape)) count_sketch(s->sketch);
+    if (const auto* s = std::get_if<Extrude>(&shape)) count_sketch(s->sketch);
+    if (const auto* s = std::get_if<HalfSpaces>(&shape)) pieces += s->planes.size(), numbers += 2 * s->planes.size();
+    if (const auto* s = std::get_if<TriSurface>(&shape))
+      pieces += s->triangles.size(), numbers += 3 * s->vertices.size();
+  };
+  for (const Object& step : candidate.steps) count(step.shape);
+  count(candidate.shape);
   numbers += static_cast<std::size_t>(candidate.extra_numbers);
   const double per_number = 0.5 * std::log(double(std::max<std::size_t>(points, 3)));
   return 4.0 * double(pieces) + per_number * double(numbers);

@@ -30,6 +30,11 @@ struct Placed {
   double across(int k) const { return place[(axis + 1 + k) % 3]; }
 };
 
+/// A plain hole through everything has no upper side.
+bool plain(const DrilledHole& hole) {
+  return hole.form.through && !(hole.form.head_diameter > 0) && !(hole.form.sink_diameter > 0);
+}
+
 /// The turn that points z along an axis of the body.
 Frame turned_to(int axis, double sense) {
   Frame frame;
@@ -47,14 +52,14 @@ bool turned_about_z(const Shape& shape) {
 
 class Drilling {
  public:
-  Drilling(const Candidate& body, const DrillOptions& options)
+  Drilling(const Candidate& body, const std::vector<DrilledHole>& holes, const DrillOptions& options)
       : part_(body),
         tolerance_(options.tolerance),
         alike_(std::max(options.alike, fine * tolerance_)),
         end_(options.end) {
     part_.steps = {{body.object_name, body.shape, {}, {}, "the body before it is drilled"}};
     if (std::holds_alternative<Box>(body.shape))
-      centre_box();
+      centre_box(holes);
     else
       known_by(body.shape);
     part_.procedure = "body with holes", part_.object_name = "drilled_" + part_.steps[0].name;
@@ -103,23 +108,63 @@ class Drilling {
 
   const Shape& body() const { return part_.steps[0].shape; }
 
-  /// The origin in the middle of its base; a low one is a plate.
-  void centre_box() {
+  /// z is the axis that most holes run along, towards where they open; of several the shortest side. The origin stands
+  /// in the middle of the base, and a low box is a plate.
+  void centre_box(const std::vector<DrilledHole>& holes) {
     constexpr double low = 0.5;  // of the width
     Object& step = part_.steps[0];
     Box& box = std::get<Box>(step.shape);
+    Pose& pose = part_.scan_from_part;
     const Values values = values_of(part_);
-    const double x = evaluate(box.size_x, values), y = evaluate(box.size_y, values), z = evaluate(box.size_z, values);
-    if (z < low * std::min(x, y) && box.size_z.is_parameter()) {
-      for (Parameter& p : part_.parameters)
-        if (p.name == box.size_z.parameter) p.name = "thickness", p.note = "thickness of the plate";
-      box.size_z = Expr::of("thickness"), step.name = "plate";
+    const std::array<Expr, 3> sides = {box.size_x, box.size_y, box.size_z};
+    Vec3 size, along = Vec3::Zero(), open = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) size[k] = evaluate(sides[static_cast<std::size_t>(k)], values);
+    for (const DrilledHole& hole : holes) {
+      const Vec3 out = pose.rotation.transpose() * hole.out;
+      int k = 0;
+      out.cwiseAbs().maxCoeff(&k);
+      along[k] += 1, open[k] += plain(hole) ? 0 : out[k];
     }
+    std::array<int, 3> axes = {0, 1, 2};  // old ones, as x, y, z
+    std::ranges::sort(axes, [&](int a, int b) { return size[a] > size[b]; });
+    std::ranges::stable_sort(axes, [&](int a, int b) { return along[a] < along[b]; });
+    if (size[axes[0]] < size[axes[1]]) std::swap(axes[0], axes[1]);
+    const auto side = [&](int k) { return sides[static_cast<std::size_t>(axes[static_cast<std::size_t>(k)])]; };
+    const Vec3 middle = pose * (size / 2), x = pose.rotation.col(axes[0]),
+               z = (open[axes[2]] < 0 ? -1 : 1) * pose.rotation.col(axes[2]);
+    pose.rotation << x, z.cross(x), z;
+    pose.translation = middle - size[axes[2]] / 2 * z;
+    box = {side(0), side(1), side(2)};
+    const bool plate = size[axes[2]] < low * size[axes[1]];
+    if (plate) step.name = "plate";
+    name_sides(box, {"length", "width", plate ? "thickness" : "height"});
     step.frame.x = -(box.size_x / Expr(2)), step.frame.y = -(box.size_y / Expr(2));
-    part_.scan_from_part.translation += part_.scan_from_part.rotation * Vec3(x / 2, y / 2, 0);
     for (const Expr& half : {box.size_x / Expr(2), box.size_y / Expr(2)})
       edges_.push_back(half), edges_.push_back(-half);
     edges_.push_back(box.size_z), middles_.push_back(box.size_z / Expr(2));
+  }
+
+  /// In this order, before all other numbers. Sides that share a number keep their names.
+  void name_sides(Box& box, const std::array<std::string, 3>& names) {
+    std::vector<Parameter> named;
+    for (Expr* side : {&box.size_x, &box.size_y, &box.size_z}) {
+      const auto p = std::ranges::find(part_.parameters, side->parameter, &Parameter::name);
+      if (!side->is_parameter() || p == part_.parameters.end()) return;
+      const bool again = std::ranges::any_of(named, [&](const Parameter& n) { return n.name == p->name; });
+      if (again) return;
+      named.push_back(*p);
+    }
+    if (part_.parameters.size() != named.size()) return;
+    for (HeldParameter& held : part_.held)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (held.name == named[k].name) {
+          held.name = names[k];
+          break;
+        }
+    for (std::size_t k = 0; k < 3; ++k)
+      named[k].name = names[k], named[k].note = names[k] + " of the " + part_.steps[0].name;
+    box = {Expr::of(names[0]), Expr::of(names[1]), Expr::of(names[2])};
+    part_.parameters = std::move(named);
   }
 
   void known_by(const Shape& shape) {
@@ -153,8 +198,6 @@ class Drilling {
     p.sense = out[p.axis] > 0 ? 1 : -1;
     const Vec3 along = p.sense * Vec3::Unit(p.axis);
     if ((out - along).norm() * hole.form.depth > tolerance_) return std::nullopt;
-    // A plain hole through everything has no upper side.
-    const bool plain = hole.form.through && !(hole.form.head_diameter > 0) && !(hole.form.sink_diameter > 0);
     const double mouth = p.sense * p.place[p.axis];
     const Vec3 middle = p.place - 0.5 * hole.form.depth * along;
     if (!((*distance_)(middle).distance < 0)) return std::nullopt;
@@ -170,7 +213,7 @@ class Drilling {
       p.mouth = std::max(p.mouth, at + way_out(start, along)), p.end = std::min(p.end, at - way_out(start, -along));
     }
     if (hole.form.through) {
-      if (plain && p.sense < 0) p.sense = 1, std::swap(p.mouth, p.end), p.mouth = -p.mouth, p.end = -p.end;
+      if (plain(hole) && p.sense < 0) p.sense = 1, std::swap(p.mouth, p.end), p.mouth = -p.mouth, p.end = -p.end;
     } else {
       p.end = mouth - hole.form.depth;
     }
@@ -277,8 +320,7 @@ class Drilling {
     const HoleOf<double>& form = group.front().hole->form;
     const Placed& first = group.front();
     std::string role = form.head_diameter > 0 || form.sink_diameter > 0 ? "screw_hole" : "hole";
-    const bool on_axis =
-        group.size() == 1 && turned_about_z(body()) && first.axis == 2 && first.place.head<2>().norm() < tolerance_;
+    const bool on_axis = group.size() == 1 && first.axis == 2 && first.place.head<2>().norm() < tolerance_;
     if (on_axis) role = "bore";
     role = unused(role);
     double mouth_at = 0, end_at = 0;
@@ -445,7 +487,7 @@ class Drilling {
 
 std::optional<Candidate> with_holes(const Candidate& body, const std::vector<DrilledHole>& holes,
                                     const DrillOptions& options) {
-  Drilling drilling(body, options);
+  Drilling drilling(body, holes, options);
   if (!drilling.drill(holes)) return std::nullopt;
   return drilling.done();
 }

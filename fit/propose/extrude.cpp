@@ -618,7 +618,7 @@ std::vector<Candidate> each_once(std::vector<Candidate> all) {
 }  // namespace
 
 std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector<Vec3>& start_directions,
-                                        Context& context) {
+                                        bool clear_only, Context& context) {
   std::vector<Candidate> candidates;
   if (input.cloud.normals.size() != input.cloud.size() || input.cloud.size() < 50) return candidates;
   std::vector<Section> sections;
@@ -644,7 +644,7 @@ std::vector<Candidate> propose_extrudes(const FitInput& input, const std::vector
     return makes_sense(c) && evidence_of(c, input, context).local_max < 3 * input.tolerance;
   };
   const bool any_near = std::any_of(candidates.begin(), candidates.end(), near);
-  if (any_near && input.outlier_share == 0) return candidates;
+  if (clear_only || (any_near && input.outlier_share == 0)) return candidates;
   // Some walls were not seen, or outliers lie beside them.
   for (const Section& s : sections) {
     const double band = std::max(2.5 * s.noise, 0.3 * input.tolerance);

@@ -163,6 +163,9 @@ bool stated_as_radius(const Parameter& p) {
          mentions(p, "dome") || mentions(p, "end_radius");
 }
 
+/// "hole_d", "hole_2_d".
+bool is_diameter(const Parameter& p) { return p.name.ends_with("_d"); }
+
 /// Of a positive length or angle.
 std::vector<Hit> hits_near(const Parameter& p, double x, const Habit& habit) {
   std::vector<Hit> hits;
@@ -177,11 +180,13 @@ std::vector<Hit> hits_near(const Parameter& p, double x, const Habit& habit) {
     return hits;
   }
   auto lengths = habit.metric ? metric_length : inch_length;
+  const bool hole = mentions(p, "hole") || mentions(p, "bore");
   if (!mentions(p, "radius")) {
-    lengths(hits, x, 1, habit, "");
+    const bool bored = hole && is_diameter(p);
+    lengths(hits, x, bored ? 1 - drilled : 1, habit, "");
+    if (bored) hole_tables(hits, habit.metric, x);
     return hits;
   }
-  const bool hole = mentions(p, "hole") || mentions(p, "bore");
   const double as_radius = stated_as_radius(p) ? 0.7 : hole ? 0.1 : 0.3;
   const double by_length = hole ? 1 - drilled : 1;
   lengths(hits, x, by_length * as_radius, habit, "");

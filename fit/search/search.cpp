@@ -237,29 +237,53 @@ std::string why_not(const Judged& winner, const Judged& rival, const FitInput& i
 
 using Proposals = std::vector<Candidate>;
 
+/// What the makers look at, and what was found so far.
+struct Sought {
+  const FitInput& input;
+  const SuperellipsoidFit& hypothesis;
+  const std::vector<Vec3>& directions;
+  bool body = false;     ///< within tolerance
+  bool drilled = false;  ///< one with holes in it
+};
+
 /// A maker of candidates.
 struct Maker {
   bool last_resort;  ///< its shapes serve as a description only where no procedure of the trade does
-  bool outlines;     ///< it looks for the outline of an extrusion
-  std::function<Proposals(const FitInput&, const SuperellipsoidFit&, const std::vector<Vec3>&, Context&)> propose;
+  std::function<Proposals(const Sought&, Context&)> propose;
 };
 
-/// In the order in which their results are listed.
+Proposals drilled_bodies(const Sought& s, Context& context);
+
+/// In the order in which their results are listed. Outlines cost more than all else: where a body with holes was found
+/// only clear ones are looked for.
 const std::vector<Maker>& makers() {
-  using In = const FitInput&;
-  using Hypothesis = const SuperellipsoidFit&;
-  using Directions = const std::vector<Vec3>&;
+  using S = const Sought&;
   static const std::vector<Maker> list = {
-      {false, false, [](In in, Hypothesis h, Directions, Context& c) { return propose_quadrics(in, h, c); }},
-      {false, false, [](In in, Hypothesis, Directions, Context& c) { return propose_polyhedra(in, c); }},
-      {false, false, [](In in, Hypothesis, Directions d, Context& c) { return propose_revolves(in, d, c); }},
-      {false, false, [](In in, Hypothesis, Directions, Context&) { return propose_torus_piece(in); }},
-      {false, true, [](In in, Hypothesis, Directions d, Context& c) { return propose_extrudes(in, d, c); }},
-      {false, true, [](In in, Hypothesis, Directions, Context& c) { return propose_fillets(in, c); }},
-      {true, false, [](In in, Hypothesis h, Directions, Context&) { return propose_superellipsoids(in, h); }},
-      {true, false, [](In in, Hypothesis, Directions d, Context& c) { return propose_rings(in, d, c); }},
+      {false, [](S s, Context& c) { return propose_quadrics(s.input, s.hypothesis, c); }},
+      {false, [](S s, Context& c) { return propose_polyhedra(s.input, c); }},
+      {false, [](S s, Context& c) { return propose_revolves(s.input, s.directions, c); }},
+      {false, [](S s, Context&) { return propose_torus_piece(s.input); }},
+      {false, [](S s, Context& c) { return s.body ? Proposals() : drilled_bodies(s, c); }},
+      {false, [](S s, Context& c) { return propose_extrudes(s.input, s.directions, s.drilled, c); }},
+      {false, [](S s, Context& c) { return s.drilled ? Proposals() : propose_fillets(s.input, c); }},
+      {true, [](S s, Context&) { return propose_superellipsoids(s.input, s.hypothesis); }},
+      {true, [](S s, Context& c) { return propose_rings(s.input, s.directions, c); }},
   };
   return list;
+}
+
+/// Of the bodies that all other makers find beside the holes.
+Proposals drilled_bodies(const Sought& s, Context& context) {
+  const auto bodies = [&](const FitInput& rest) {
+    Sought undrilled{rest, s.hypothesis, s.directions};
+    undrilled.body = true;
+    Proposals all;
+    for (const auto& maker : makers())
+      if (!maker.last_resort)
+        for (auto& candidate : maker.propose(undrilled, context)) all.push_back(std::move(candidate));
+    return all;
+  };
+  return propose_drilled(s.input, bodies, context);
 }
 
 /// A ring that is better described as a torus or a turned part.
@@ -312,29 +336,13 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
                 ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
     if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
   };
-  const auto proposals = [&](const Maker& maker, const FitInput& data) {
-    return maker.propose(data, search.hypothesis, directions, context);
-  };
-  const auto bodies = [&](const FitInput& data) {
-    Proposals all;
-    for (const auto& maker : makers())
-      if (!maker.last_resort)
-        for (auto& candidate : proposals(maker, data)) all.push_back(std::move(candidate));
-    return all;
-  };
-  bool tried = false, drilled = false;
+  Sought sought{input, search.hypothesis, directions};
   for (const auto& maker : makers()) {
     if (maker.last_resort != last_resort) continue;
-    // Outlines cost more than all else. Where no body so far will do, one may that has holes drilled into it.
-    if (maker.outlines && !tried && std::ranges::none_of(search.judged, &Judged::meets)) {
-      tried = true;
-      for (auto& candidate : propose_drilled(input, bodies, context))
-        if (!context.cancelled) consider(std::move(candidate));
-      drilled = std::ranges::any_of(search.judged, &Judged::meets);
-    }
-    if (drilled && maker.outlines) continue;
-    for (auto& candidate : proposals(maker, input))
+    for (auto& candidate : maker.propose(sought, context))
       if (!context.cancelled) consider(std::move(candidate));
+    for (const Judged& j : search.judged)
+      if (j.meets) (j.candidate.steps.empty() ? sought.body : sought.drilled) = true;
   }
   if (context.cancelled) return;
   // Those that meet the tolerance by length of description, then the others by deviation.

@@ -34,7 +34,7 @@ TEST_CASE("extrude: outliers beside the walls do not move the ends of the sweep"
     input->cloud.normals.push_back(n);
   }
   input->outlier_share = 0.02;
-  const auto candidates = propose_extrudes(*input, {Vec3::UnitZ()}, context);
+  const auto candidates = propose_extrudes(*input, {Vec3::UnitZ()}, false, context);
   CHECK(std::any_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
     return std::any_of(c.parameters.begin(), c.parameters.end(),
                        [](const Parameter& p) { return p.name == "height" && std::abs(p.value - 12) < 0.1; });
