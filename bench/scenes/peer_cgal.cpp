@@ -28,8 +28,8 @@ Points with_normals(const Question& question, Answer& answer) {
     points.emplace_back(Kernel::Point_3(p.x(), p.y(), p.z()), Kernel::Vector_3(),
                         static_cast<std::uint32_t>(points.size()));
   const double before = processor_seconds();
-  CGAL::pca_estimate_normals<CGAL::Sequential_tag>(
-      points, 18, CGAL::parameters::point_map(PointMap()).normal_map(NormalMap()));
+  CGAL::pca_estimate_normals<CGAL::Sequential_tag>(points, 18,
+                                                   CGAL::parameters::point_map(PointMap()).normal_map(NormalMap()));
   answer.normals = processor_seconds() - before;
   return points;
 }
@@ -110,7 +110,7 @@ Contestant growing(const Setting& setting) {
     Sorting sorting(points, neighbours);
     sorting.sort();
     sd::Region_growing<Points, Neighbours, Region, typename Sorting::Seed_map> grower(points, neighbours, region,
-                                                                                       sorting.seed_map());
+                                                                                      sorting.seed_map());
     std::vector<std::vector<std::size_t>> regions;
     grower.detect(std::back_inserter(regions));
     answer.seconds = processor_seconds() - before;
@@ -133,7 +133,7 @@ Contestant growing(const Setting& setting) {
 }  // namespace
 
 std::vector<Contestant> cgal() {
-  return {ransac({3, 20, 150}), ransac({4, 25, 150}), ransac({3, 20, 300}),
+  return {ransac({3, 20, 150}), ransac({4, 25, 150}),  ransac({3, 20, 300}),
           ransac({5, 15, 200}), growing({3, 20, 150}), growing({5, 25, 150})};
 }
 

@@ -23,9 +23,18 @@ double seconds_of_children() {
 /// Processor seconds that CloudCompare takes with these arguments.
 double run(const Path& folder, const std::vector<std::string>& arguments, Context& context) {
   // The platform is asked for by a variable, and programs are started with hardly any.
-  std::vector<std::string> all = {"/usr/bin/env", "QT_QPA_PLATFORM=offscreen", "HOME=" + folder.string(),
-                                  "CloudCompare", "-SILENT", "-AUTO_SAVE", "OFF", "-NO_TIMESTAMP",
-                                  "-C_EXPORT_FMT", "PLY", "-PLY_EXPORT_FMT", "BINARY_LE"};
+  std::vector<std::string> all = {"/usr/bin/env",
+                                  "QT_QPA_PLATFORM=offscreen",
+                                  "HOME=" + folder.string(),
+                                  "CloudCompare",
+                                  "-SILENT",
+                                  "-AUTO_SAVE",
+                                  "OFF",
+                                  "-NO_TIMESTAMP",
+                                  "-C_EXPORT_FMT",
+                                  "PLY",
+                                  "-PLY_EXPORT_FMT",
+                                  "BINARY_LE"};
   all.insert(all.end(), arguments.begin(), arguments.end());
   const double before = seconds_of_children();
   (void)run_process(all, {}, context, folder);
@@ -37,10 +46,10 @@ Place place(const Vec3& p) { return {float(p.x()), float(p.y()), float(p.z())}; 
 
 std::optional<FaceKind> kind_of(const std::string& file) {
   for (const auto& [word, kind] : std::vector<std::pair<std::string, FaceKind>>{{"_PLANE_", FaceKind::plane},
-                                                                               {"_CYLINDER_", FaceKind::cylinder},
-                                                                               {"_CONE_", FaceKind::cone},
-                                                                               {"_SPHERE_", FaceKind::sphere},
-                                                                               {"_TORUS_", FaceKind::torus}})
+                                                                                {"_CYLINDER_", FaceKind::cylinder},
+                                                                                {"_CONE_", FaceKind::cone},
+                                                                                {"_SPHERE_", FaceKind::sphere},
+                                                                                {"_TORUS_", FaceKind::torus}})
     if (file.find(word) != std::string::npos) return kind;
   return std::nullopt;
 }
@@ -73,12 +82,11 @@ std::optional<Answer> ask(const Setting& setting, const Question& question, Cont
     arguments.insert(arguments.end(), {"-OCTREE_NORMALS", print_number(3 * question.spacing)});
     answer.normals = run(folder, arguments, context) - opening;
   }
-  arguments.insert(arguments.end(),
-                   {"-RANSAC", "EPSILON_ABSOLUTE", print_number(setting.epsilon * question.sigma),
-                    "BITMAP_EPSILON_ABSOLUTE", print_number(4 * question.spacing), "SUPPORT_POINTS",
-                    std::to_string(setting.least), "MAX_NORMAL_DEV", print_number(setting.normal), "PROBABILITY", "0.01",
-                    "ENABLE_PRIMITIVE", "PLANE", "SPHERE", "CYLINDER", "CONE", "TORUS", "OUT_CLOUD_DIR",
-                    (folder / "shapes").string()});
+  arguments.insert(arguments.end(), {"-RANSAC", "EPSILON_ABSOLUTE", print_number(setting.epsilon * question.sigma),
+                                     "BITMAP_EPSILON_ABSOLUTE", print_number(4 * question.spacing), "SUPPORT_POINTS",
+                                     std::to_string(setting.least), "MAX_NORMAL_DEV", print_number(setting.normal),
+                                     "PROBABILITY", "0.01", "ENABLE_PRIMITIVE", "PLANE", "SPHERE", "CYLINDER", "CONE",
+                                     "TORUS", "OUT_CLOUD_DIR", (folder / "shapes").string()});
   answer.seconds = run(folder, arguments, context) - opening - answer.normals;
   std::vector<Path> files;
   for (const auto& file : std::filesystem::directory_iterator(folder / "shapes")) files.push_back(file.path());
@@ -101,7 +109,8 @@ std::optional<Answer> ask(const Setting& setting, const Question& question, Cont
 
 std::vector<Contestant> cloudcompare() {
   std::vector<Contestant> all;
-  for (const Setting& setting : {Setting{1, 25, 150, false}, {1, 25, 150, true}, {1.5, 25, 150, true}, {1, 20, 250, true}})
+  for (const Setting& setting :
+       {Setting{1, 25, 150, false}, {1, 25, 150, true}, {1.5, 25, 150, true}, {1, 20, 250, true}})
     all.push_back({"CloudCompare qRANSAC_SD",
                    "within " + print_number(3 * setting.epsilon) + " sigmas and " + print_number(setting.normal) +
                        " degrees, " + std::to_string(setting.least) + " points, normals by " +

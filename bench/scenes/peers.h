@@ -31,14 +31,14 @@ struct Answer {
 
 struct Contestant {
   std::string name, setting;
-  int runs = 1;  ///< more of those that draw by chance
+  int runs = 1;                                                            ///< more of those that draw by chance
   std::function<std::optional<Answer>(const Question&, Context&)> answer;  ///< nothing: not installed
 };
 
 double processor_seconds();
 
 Contestant ours();
-std::vector<Contestant> cgal();         ///< Efficient RANSAC and region growing, some settings of each
-std::vector<Contestant> cloudcompare(); ///< by its command line
+std::vector<Contestant> cgal();          ///< Efficient RANSAC and region growing, some settings of each
+std::vector<Contestant> cloudcompare();  ///< by its command line
 
 }  // namespace bench

@@ -27,13 +27,17 @@ const char* usage =
     "  --growth     scans of the flange from 100,000 points up to MOST (5,000,000): seconds of ours\n";
 
 const char* legend =
-    "Three parts with 44 planes, cylinders, cones, spheres and tori, each scanned from 20 sides to about 60,000 points\n"
+    "Three parts with 44 planes, cylinders, cones, spheres and tori, each scanned from 20 sides to about 60,000 "
+    "points\n"
     "(orthographic, along the ray), merged without rays; set a: noise 0.02 mm, 0.5 % outliers, mixed pixels one in\n"
     "ten steps; set b: 0.08 mm, 2 %, one in ten.\n"
-    "  found: the points of one shape are those of a primitive, over half of both together (IoU > 0.5); kind: of these\n"
+    "  found: the points of one shape are those of a primitive, over half of both together (IoU > 0.5); kind: of "
+    "these\n"
     "  with the right kind; false: shapes that are nothing of the kind; IoU: mean of those found; place: distance\n"
-    "  between the surfaces, of the right kind: median of their medians, mm, and over what the best unbiased fit of all\n"
-    "  true points leaves; axis: median, degrees; size: median, % of the radius or tube; seconds: of processor time\n\n";
+    "  between the surfaces, of the right kind: median of their medians, mm, and over what the best unbiased fit of "
+    "all\n"
+    "  true points leaves; axis: median, degrees; size: median, % of the radius or tube; seconds: of processor "
+    "time\n\n";
 
 struct NoiseSet {
   const char* name;
@@ -102,7 +106,8 @@ void judge_surface(const Scene& scene, std::uint32_t face, const Primitive& foun
   score.place.push_back(place);
   if (best) score.over_bound.push_back(place / std::max(median(std::move(ideal)), 1e-6));
   if (truth.kind != PrimitiveKind::sphere)
-    score.axis.push_back(degrees(std::atan2(truth.axis.cross(found.axis).norm(), std::abs(truth.axis.dot(found.axis)))));
+    score.axis.push_back(
+        degrees(std::atan2(truth.axis.cross(found.axis).norm(), std::abs(truth.axis.dot(found.axis)))));
   if (truth.kind == PrimitiveKind::cylinder || truth.kind == PrimitiveKind::sphere)
     score.size.push_back(100 * std::abs(found.radius / truth.radius - 1));
   if (truth.kind == PrimitiveKind::torus) score.size.push_back(100 * std::abs(found.tube / truth.tube - 1));
@@ -253,10 +258,10 @@ int main(int count, char** arguments) {
           return std::fprintf(stderr, "%s\n", done.error().message.c_str()), 1;
       }
       if (verbose)
-        std::printf("    %s %s: %zu faces, %zu points, %.3f mm apart, %.1f %% on none\n", noise.name, part.name.c_str(),
-                    part.truth.faces.size(), scene.truth.size(), scene.question.spacing,
-                    100.0 * double(std::count(scene.truth.begin(), scene.truth.end(), no_face)) /
-                        double(scene.truth.size()));
+        std::printf(
+            "    %s %s: %zu faces, %zu points, %.3f mm apart, %.1f %% on none\n", noise.name, part.name.c_str(),
+            part.truth.faces.size(), scene.truth.size(), scene.question.spacing,
+            100.0 * double(std::count(scene.truth.begin(), scene.truth.end(), no_face)) / double(scene.truth.size()));
     }
     if (!folder.empty()) continue;
     for (const Contestant& contestant : contestants) {
