@@ -133,8 +133,8 @@ Contestant growing(const Setting& setting) {
 }  // namespace
 
 std::vector<Contestant> cgal() {
-  return {ransac({3, 20, 150}), ransac({4, 25, 150}),  ransac({3, 20, 300}),
-          ransac({5, 15, 200}), growing({3, 20, 150}), growing({5, 25, 150})};
+  return {ransac({3, 20, 150}), ransac({4, 25, 100}), ransac({5, 25, 200}), growing({3, 20, 150}),
+          growing({5, 25, 150})};
 }
 
 }  // namespace bench

@@ -110,7 +110,7 @@ std::optional<Answer> ask(const Setting& setting, const Question& question, Cont
 std::vector<Contestant> cloudcompare() {
   std::vector<Contestant> all;
   for (const Setting& setting :
-       {Setting{1, 25, 150, false}, {1, 25, 150, true}, {1.5, 25, 150, true}, {1, 20, 250, true}})
+       {Setting{1.5, 25, 200, false}, {2, 25, 100, false}, {2, 15, 100, false}, {2, 25, 100, true}})
     all.push_back({"CloudCompare qRANSAC_SD",
                    "within " + print_number(3 * setting.epsilon) + " sigmas and " + print_number(setting.normal) +
                        " degrees, " + std::to_string(setting.least) + " points, normals by " +
