@@ -101,13 +101,12 @@ std::vector<Vec3> all_around(int count) {
 /// al. 2014]. From the wall of a deep hole hardly a line does, but from inside the part none. A surface right before a
 /// point closes that side: beyond a thin wall all is open. What meets it in a corner does not.
 std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, const KdTree& tree,
-                              double spacing, int threads) {
+                              double spacing, std::size_t turns, int threads) {
   constexpr double least_cosine = 0.3;
-  constexpr std::size_t turns = 4;                 // a point sends out every fourth line, its neighbours the others
-  constexpr double away = 2, over = 0.4;           // of the cells' edge: beyond the own ones; above the own surface
-  constexpr double facing = 0.7;                   // cosine between the normals of a thin wall's two sides
-  constexpr float chance = 0.5;                    // lines that find a way out by chance
-  constexpr double left_out = 0.005, more = 0.05;  // of the points; of the box of the others, on either side
+  constexpr double away = 2, over = 0.4;               // of the cells' edge: beyond the own ones; above the own surface
+  constexpr double facing = 0.7;                       // cosine between the normals of a thin wall's two sides
+  const float chance = 2 / static_cast<float>(turns);  // lines that find a way out by chance
+  constexpr double left_out = 0.005, more = 0.05;      // of the points; of the box of the others, on either side
   // points that are looked at for what stands before one: some 54 of an even surface are as near
   constexpr std::size_t around = 64;
   Box3 box = bulk_box(points, left_out);
@@ -156,7 +155,7 @@ std::uint32_t outermost(const std::vector<Vec3>& points, const std::vector<std::
 
 }  // namespace
 
-std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) {
+std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context, int turns) {
   std::vector<std::uint32_t> source;
   for (const std::uint32_t i : thinned(cloud.points, cloud.rejected, 0))
     if (cloud.normals[i].squaredNorm() > 0.25) source.push_back(i);
@@ -191,7 +190,8 @@ std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) 
     return x.a != y.a ? x.a < y.a : x.b < y.b;
   });
   std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(n / 2), reach.end());
-  const auto open_side = open_sides(points, normals, tree, reach[n / 2], context.threads);
+  const auto open_side =
+      open_sides(points, normals, tree, reach[n / 2], static_cast<std::size_t>(turns), context.threads);
   // Kruskal. A piece has one sense, and knows whether its normals are on the open side. Where two that know it meet at
   // an edge each keeps its own; else the smaller is turned as the link between them says.
   constexpr double edge_cost = 0.1, known = 0.1, sure = 0.2;  // of a link; means over the points of a piece

@@ -135,7 +135,7 @@ void turn_outward(const std::vector<std::uint8_t>& left_out, double spacing, Poi
   for (const auto i : thinned(cloud.points, left_out, spacing))
     samples.points.push_back(cloud.points[i]), samples.normals.push_back(cloud.normals[i]);
   samples.sigma.assign(samples.size(), 0), samples.rejected.assign(samples.size(), 0);
-  orient_normals(samples, 12, context);
+  orient_normals(samples, 12, context, 4);
   const KdTree tree(samples.points);
   parallel_for(cloud.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
