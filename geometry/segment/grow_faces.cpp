@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t most_fitted = 1500;  // samples that a fit is made of while growing
 constexpr int most_rounds = 14;
 constexpr std::size_t least_members = 12;
-constexpr double enough_border = 0.85;  // of a plane's border that ends at creases or gaps: nothing else is tried
+constexpr double enough_border = 0.85;  // of a border that ends at creases or gaps: nothing else is tried
 constexpr double crease = 0.4;          // rad
 constexpr std::size_t plain_kinds = 2;  // planes and cylinders, tried before the others
 
