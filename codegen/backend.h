@@ -1,6 +1,7 @@
 /// What a backend is to the rest of the program: one record, made in the backend's own folder.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,9 +14,13 @@
 
 namespace partscribe::codegen {
 
+struct SharedBrep;  // codegen/exchange/brep.h
+
 struct EmitOptions {
   Path templates;             ///< a folder of packs that replaces the built-in ones; empty: built in
   std::string stem = "part";  ///< of the file names
+  /// Given: calls for one and the same model build its boundary once for all.
+  std::shared_ptr<SharedBrep> brep;
 };
 
 /// How the text of a script is told apart, for the report that colours it.

@@ -121,6 +121,10 @@ Result<Truth> read_truth(const Path& step, double deflection) {
   reader.TransferRoots();
   const TopoDS_Shape shape = reader.OneShape();
   if (shape.IsNull()) return bad_input(step.string() + ": holds no shape");
+  return truth_of(shape, deflection);
+}
+
+Truth truth_of(const TopoDS_Shape& shape, double deflection) {
   if (!(deflection > 0)) {
     Bnd_Box box;
     BRepBndLib::AddOptimal(shape, box, Standard_False, Standard_False);

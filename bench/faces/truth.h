@@ -10,6 +10,8 @@
 #include "geometry/mesh/triangle_mesh.h"
 #include "geometry/segment/faces.h"
 
+class TopoDS_Shape;
+
 namespace bench {
 
 using namespace partscribe::core;
@@ -34,5 +36,8 @@ struct Truth {
 
 /// `deflection`: mm, what chords may leave between them and the surfaces; 0: 1/2000 of the diagonal.
 Result<Truth> read_truth(const Path& step, double deflection);
+
+/// The same of a shape.
+Truth truth_of(const TopoDS_Shape& shape, double deflection);
 
 }  // namespace bench

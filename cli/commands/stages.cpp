@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "codegen/emit.h"
+#include "codegen/exchange/brep.h"
 #include "core/json_text.h"
 #include "core/number.h"
 #include "fit/build.h"
@@ -83,6 +84,7 @@ Result<Emitted> emit_all(const CheckedModel& model, const std::vector<std::strin
   EmitOptions options;
   options.templates = templates;
   options.stem = stem;
+  options.brep = std::make_shared<SharedBrep>();
   Emitted emitted;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     session.context.report(chosen[i], double(i) / double(chosen.size()));

@@ -289,4 +289,11 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
   }
 }
 
+Result<Brep> brep_of(const CheckedModel& model, const EmitOptions& options, Context& context) {
+  if (!options.brep) return build_brep(model, context);
+  auto& built = options.brep->built;
+  if (!built) built = build_brep(model, context);
+  return *built;
+}
+
 }  // namespace partscribe::codegen

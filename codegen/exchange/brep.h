@@ -3,9 +3,11 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "codegen/backend.h"
 #include "core/context.h"
 #include "core/result.h"
 #include "model/check.h"
@@ -31,5 +33,13 @@ struct Brep {
 /// Placed by `scan_from_part` when `model.as_scanned`. Checked: valid, closed where it is a solid, and of a volume
 /// that agrees with its own tessellation. Errors name the object that could not be built.
 Result<Brep> build_brep(const CheckedModel& model, Context& context);
+
+/// The boundary that several backends write.
+struct SharedBrep {
+  std::optional<Result<Brep>> built;
+};
+
+/// The one that the options hold, built if it is not there yet; else a new one.
+Result<Brep> brep_of(const CheckedModel& model, const EmitOptions& options, Context& context);
 
 }  // namespace partscribe::codegen

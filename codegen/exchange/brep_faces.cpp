@@ -20,6 +20,8 @@
 #include <Poly_Triangulation.hxx>
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix_Shape.hxx>
+#include <ShapeFix_Shell.hxx>
+#include <ShapeFix_Solid.hxx>
 #include <Standard_Failure.hxx>
 #include <TColgp_HArray1OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
@@ -326,6 +328,9 @@ class FacedBuilder {
     for (const auto& [root, shell] : closed) list.push_back(shell);
     ShapeFix_Shape fix(solids_of(list));
     fix.SetPrecision(1e-6), fix.SetMaxTolerance(tolerance_);
+    // Faces are turned as the triangles are; to look at that again takes time by the square of their number.
+    fix.FixSolidTool()->FixShellTool()->FixOrientationMode() = 0, fix.FixSolidTool()->FixShellOrientationMode() = 0;
+    fix.FixShellTool()->FixOrientationMode() = 0;
     fix.Perform();
     const TopoDS_Shape fixed = fix.Shape();
     // Readers draw faces by triangles: what they cannot draw is as bad as what is not there.

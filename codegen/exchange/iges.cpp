@@ -95,7 +95,7 @@ void set_header(IGESControl_Writer& writer, const Model& model, const std::strin
 
 Result<Artifact> emit_iges(const CheckedModel& checked, const EmitOptions& options, Context& context) {
   const Model& model = *checked;
-  auto brep = build_brep(checked, context);
+  const auto brep = brep_of(checked, options, context);
   if (!brep.ok()) return brep.error();
   try {
     Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_Printer));

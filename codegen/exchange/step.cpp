@@ -51,7 +51,7 @@ Handle(TDocStd_Document) document_of(const Model& model, const Brep& brep) {
 
 Result<Artifact> emit_step(const CheckedModel& checked, const EmitOptions& options, Context& context) {
   const Model& model = *checked;
-  auto brep = build_brep(checked, context);
+  const auto brep = brep_of(checked, options, context);
   if (!brep.ok()) return brep.error();
   try {
     Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_Printer));

@@ -54,7 +54,7 @@ class Decimator {
     const std::size_t n = mesh.vertices.size(), m = mesh.triangles.size();
     points_ = mesh.vertices;
     triangles_ = mesh.triangles;
-    alive_.assign(m, 1);
+    alive_.assign(m, 1), seen_.assign(m, 0);
     fans_.resize(n);
     quadrics_.resize(n);
     stamps_.assign(n, 0);
@@ -288,18 +288,21 @@ class Decimator {
   /// near each other only; what it misses elsewhere are folds that no normal has shown.
   bool crosses(std::uint32_t a, std::uint32_t b) {
     nearby_.clear();
+    bool near_a_sample = false;
+    ++look_;
+    for (const std::uint32_t t : ring_) seen_[t] = look_;
+    const auto add = [&](std::uint32_t t) {
+      if (seen_[t] != look_) seen_[t] = look_, nearby_.push_back(t);
+    };
     for (const std::uint32_t t : ring_)
       for (const std::uint32_t s : samples_of_[t])
         if (s < across_.size())
-          for (const std::uint32_t other : across_[s]) nearby_.push_back(owners_[other]);
-    if (nearby_.empty()) return false;
+          for (const std::uint32_t other : across_[s]) near_a_sample = true, add(owners_[other]);
+    if (!near_a_sample) return false;
     for (const std::uint32_t t : ring_)
       for (const std::uint32_t v : triangles_[t])
-        if (v != a && v != b) nearby_.insert(nearby_.end(), fans_[v].begin(), fans_[v].end());
-    std::sort(nearby_.begin(), nearby_.end());
-    nearby_.erase(std::unique(nearby_.begin(), nearby_.end()), nearby_.end());
-    const auto in_ring = [&](std::uint32_t t) { return std::find(ring_.begin(), ring_.end(), t) != ring_.end(); };
-    std::erase_if(nearby_, in_ring);
+        if (v != a && v != b)
+          for (const std::uint32_t other : fans_[v]) add(other);
     const auto next_of = [&](const Survivor& survivor) {
       PlacedTriangle next{triangles_[survivor.triangle], survivor.corners};
       std::replace(next.vertices.begin(), next.vertices.end(), b, a);
@@ -396,6 +399,8 @@ class Decimator {
   std::vector<std::uint32_t> owners_;  // the triangle that each of the first samples, those at vertices, belongs to
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> stamps_;
+  std::vector<std::uint32_t> seen_;  // of each triangle: when it was last put into nearby_ or the ring
+  std::uint32_t look_ = 0;
   std::priority_queue<Candidate> queue_;
   std::vector<std::uint32_t> around_a_, around_b_, common_, ring_, nearby_;
   std::vector<Survivor> survivors_;

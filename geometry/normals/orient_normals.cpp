@@ -7,7 +7,6 @@
 
 #include "core/disjoint_sets.h"
 #include "core/number.h"
-#include "core/parallel.h"
 #include "geometry/points/bulk_box.h"
 #include "geometry/points/kd_tree.h"
 #include "geometry/points/thin.h"
@@ -23,38 +22,69 @@ class Cells {
   Cells(const std::vector<Vec3>& points, const Box3& box, double edge) : edge_(edge) {
     low_ = box.low - Vec3::Constant(edge);
     for (int k = 0; k < 3; ++k) n_[k] = static_cast<int>(box.size()[k] / edge) + 3;
-    held_.assign(static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) * static_cast<std::size_t>(n_[2]),
-                 0);
+    std::vector<std::uint8_t> held(
+        static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) * static_cast<std::size_t>(n_[2]), 0);
     for (const Vec3& p : points)
-      if (const auto cell = cell_of(p)) held_[*cell] += held_[*cell] < few;
+      if (const auto cell = cell_of(in_cells(p))) held[*cell] += held[*cell] < few;
+    measure_room(held);
   }
 
   double edge() const { return edge_; }
 
-  /// Does nothing stand in the way out from `p`?
+  /// Where `p` is, counted in cells; and so a direction.
+  Vec3 in_cells(const Vec3& p) const { return (p - low_) / edge_; }
+
+  /// Does nothing stand in the way out from `p` (in cells)?
   bool escapes(Vec3 p, const Vec3& direction) const {
     constexpr double step = 0.75;
-    for (std::optional<std::size_t> cell; (cell = cell_of(p)); p += step * edge_ * direction)
-      if (held_[*cell] == few) return false;
+    for (std::optional<std::size_t> cell; (cell = cell_of(p));) {
+      const int room = room_[*cell];
+      if (room == 0) return false;
+      p += (room < 3 ? step : step * std::floor((room - 1) / step)) * direction;  // what lies between is empty
+    }
     return true;
   }
 
  private:
-  std::optional<std::size_t> cell_of(const Vec3& p) const {
-    std::size_t cell = 0;
-    for (int k = 2; k >= 0; --k) {
-      const double at = (p[k] - low_[k]) / edge_;
-      if (!(at >= 0 && at < n_[k])) return std::nullopt;
-      cell = cell * static_cast<std::size_t>(n_[k]) + static_cast<std::size_t>(at);
-    }
-    return cell;
+  /// Fills `room_`: forth and back through the grid, from the cells before.
+  void measure_room(const std::vector<std::uint8_t>& held) {
+    room_.resize(held.size());
+    for (std::size_t cell = 0; cell < held.size(); ++cell) room_[cell] = held[cell] == few ? 0 : most_room;
+    const auto pass = [&](int sense) {
+      for (int z = sense > 0 ? 0 : n_[2] - 1; z >= 0 && z < n_[2]; z += sense)
+        for (int y = sense > 0 ? 0 : n_[1] - 1; y >= 0 && y < n_[1]; y += sense)
+          for (int x = sense > 0 ? 0 : n_[0] - 1; x >= 0 && x < n_[0]; x += sense) {
+            std::uint8_t& room = room_[index_of(x, y, z)];
+            const auto look = [&](int i, int j, int k) {
+              if (i >= 0 && i < n_[0] && j >= 0 && j < n_[1] && k >= 0 && k < n_[2])
+                room = std::min<std::uint8_t>(room, room_[index_of(i, j, k)] + 1);
+            };
+            for (int dy = -1; dy <= 1; ++dy)
+              for (int dx = -1; dx <= 1; ++dx) look(x + dx, y + dy, z - sense);
+            for (int dx = -1; dx <= 1; ++dx) look(x + dx, y - sense, z);
+            look(x - sense, y, z);
+          }
+    };
+    pass(1), pass(-1);
   }
 
-  static constexpr std::uint8_t few = 2;
+  std::size_t index_of(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(n_[1]) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(n_[0]) +
+           static_cast<std::size_t>(x);
+  }
+
+  std::optional<std::size_t> cell_of(const Vec3& p) const {
+    if (!(p.x() >= 0 && p.y() >= 0 && p.z() >= 0 && p.x() < n_[0] && p.y() < n_[1] && p.z() < n_[2]))
+      return std::nullopt;
+    return index_of(static_cast<int>(p.x()), static_cast<int>(p.y()), static_cast<int>(p.z()));
+  }
+
+  static constexpr std::uint8_t few = 2, most_room = 250;
   double edge_;
   Vec3 low_;
   int n_[3];
-  std::vector<std::uint8_t> held_;
+  std::vector<std::uint8_t> room_;  // cells to the nearest that is full, along x, y or z, whatever is most
 };
 
 /// Directions evenly all around.
@@ -71,12 +101,12 @@ std::vector<Vec3> all_around(int count) {
 /// al. 2014]. From the wall of a deep hole hardly a line does, but from inside the part none. A surface right before a
 /// point closes that side: beyond a thin wall all is open. What meets it in a corner does not.
 std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, const KdTree& tree,
-                              double spacing, int threads) {
+                              double spacing, std::size_t turns, int threads) {
   constexpr double least_cosine = 0.3;
-  constexpr double away = 2, over = 0.4;           // of the cells' edge: beyond the own ones; above the own surface
-  constexpr double facing = 0.7;                   // cosine between the normals of a thin wall's two sides
-  constexpr int chance = 2;                        // lines that find a way out by chance
-  constexpr double left_out = 0.005, more = 0.05;  // of the points; of the box of the others, on either side
+  constexpr double away = 2, over = 0.4;               // of the cells' edge: beyond the own ones; above the own surface
+  constexpr double facing = 0.7;                       // cosine between the normals of a thin wall's two sides
+  const float chance = 2 / static_cast<float>(turns);  // lines that find a way out by chance
+  constexpr double left_out = 0.005, more = 0.05;      // of the points; of the box of the others, on either side
   // points that are looked at for what stands before one: some 54 of an even surface are as near
   constexpr std::size_t around = 64;
   Box3 box = bulk_box(points, left_out);
@@ -85,27 +115,25 @@ std::vector<float> open_sides(const std::vector<Vec3>& points, const std::vector
   const Cells cells(points, box, std::max({1.5 * spacing, box.diagonal() / 400, std::numeric_limits<double>::min()}));
   const auto directions = all_around(128);
   std::vector<float> result(points.size(), 0);
-  parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 n = normals[i].normalized();
-      bool closed[2] = {false, false};
-      tree.nearest(points[i], around, near);
-      for (const Neighbour& m : near) {
-        if (m.sq_distance > away * away * cells.edge() * cells.edge()) break;
-        const double height = n.dot(points[m.index] - points[i]);
-        if (std::abs(height) > over * cells.edge() && 2 * height * height > m.sq_distance &&
-            std::abs(n.dot(normals[m.index])) > facing)
-          closed[height < 0] = true;
-      }
-      int open[2] = {0, 0};
-      for (const Vec3& d : directions) {
-        const double along = d.dot(n);
-        if (std::abs(along) < least_cosine || closed[along < 0]) continue;
-        open[along < 0] += cells.escapes(points[i] + (along < 0 ? -away : away) * cells.edge() * n, d);
-      }
-      result[i] = static_cast<float>(open[0] - open[1]) / static_cast<float>(open[0] + open[1] + chance);
+  tree.nearest_of_each(around, threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
+    const Vec3 n = normals[i].normalized();
+    bool closed[2] = {false, false};
+    for (const Neighbour& m : near) {
+      if (m.sq_distance > away * away * cells.edge() * cells.edge()) break;
+      const double height = n.dot(points[m.index] - points[i]);
+      if (std::abs(height) > over * cells.edge() && 2 * height * height > m.sq_distance &&
+          std::abs(n.dot(normals[m.index])) > facing)
+        closed[height < 0] = true;
     }
+    const Vec3 here = cells.in_cells(points[i]), outside = here + away * n, inside = here - away * n;
+    int open[2] = {0, 0};
+    for (std::size_t k = i % turns; k < directions.size(); k += turns) {
+      const Vec3& d = directions[k];
+      const double along = d.dot(n);
+      if (std::abs(along) < least_cosine || closed[along < 0]) continue;
+      open[along < 0] += cells.escapes(along < 0 ? inside : outside, d);
+    }
+    result[i] = static_cast<float>(open[0] - open[1]) / (static_cast<float>(open[0] + open[1]) + chance);
   });
   return result;
 }
@@ -127,7 +155,7 @@ std::uint32_t outermost(const std::vector<Vec3>& points, const std::vector<std::
 
 }  // namespace
 
-std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) {
+std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context, int turns) {
   std::vector<std::uint32_t> source;
   for (const std::uint32_t i : thinned(cloud.points, cloud.rejected, 0))
     if (cloud.normals[i].squaredNorm() > 0.25) source.push_back(i);
@@ -139,19 +167,18 @@ std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) 
   const auto k = static_cast<std::size_t>(std::max(neighbours, 3));
   std::vector<std::uint32_t> near_of(n * k, ~0u);
   std::vector<double> reach(n, 0);
-  parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
-    for (std::size_t i = begin; i < end; ++i) {
-      tree.nearest(points[i], k, near);
-      for (std::size_t m = 0; m < near.size(); ++m) near_of[i * k + m] = near[m].index;
-      reach[i] = std::sqrt(near[std::min<std::size_t>(near.size() - 1, 6)].sq_distance);
-    }
+  tree.nearest_of_each(k, context.threads, [&](std::uint32_t i, std::span<const Neighbour> near) {
+    for (std::size_t m = 0; m < near.size(); ++m) near_of[i * k + m] = near[m].index;
+    reach[i] = std::sqrt(near[std::min<std::size_t>(near.size() - 1, 6)].sq_distance);
   });
   std::vector<Link> links;
   for (std::uint32_t i = 0; i < n; ++i)
     for (std::size_t m = 0; m < k; ++m) {
       const std::uint32_t j = near_of[i * k + m];
       if (j == ~0u || j == i) continue;
+      const auto back = near_of.begin() + static_cast<std::ptrdiff_t>(j * k);
+      if (j < i && std::find(back, back + static_cast<std::ptrdiff_t>(k), i) != back + static_cast<std::ptrdiff_t>(k))
+        continue;  // it is there already
       const Vec3 d = points[j] - points[i];
       const double length = d.norm();
       // Normals that agree, and a step that stays in both tangent planes: across a thin wall the step is steep.
@@ -163,7 +190,8 @@ std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context) 
     return x.a != y.a ? x.a < y.a : x.b < y.b;
   });
   std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(n / 2), reach.end());
-  const auto open_side = open_sides(points, normals, tree, reach[n / 2], context.threads);
+  const auto open_side =
+      open_sides(points, normals, tree, reach[n / 2], static_cast<std::size_t>(turns), context.threads);
   // Kruskal. A piece has one sense, and knows whether its normals are on the open side. Where two that know it meet at
   // an edge each keeps its own; else the smaller is turned as the link between them says.
   constexpr double edge_cost = 0.1, known = 0.1, sure = 0.2;  // of a link; means over the points of a piece

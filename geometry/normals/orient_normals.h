@@ -11,8 +11,11 @@ namespace partscribe::geometry {
 /// past all points [Takayama et al. 2014]; if neither side is more open, its outermost points decide. Where two faces
 /// meet at an edge and each is open enough to determine its own outside, neither is flipped to agree with the other.
 ///
+/// Of 128 lines each point sends out one in `turns`, its neighbours the others: whole faces need no more, walls of deep
+/// slots may.
+///
 /// Rejected points and zero normals stay as they are. Does not depend on the order of the points. Returns the number of
 /// connected pieces.
-std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context);
+std::size_t orient_normals(PointCloud& cloud, int neighbours, Context& context, int turns = 1);
 
 }  // namespace partscribe::geometry

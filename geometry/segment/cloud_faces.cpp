@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "core/ensure.h"
 #include "core/number.h"
@@ -26,6 +27,7 @@ constexpr std::size_t wanted_samples = 40000;
 constexpr int most_passes = 3;
 constexpr std::size_t least_points = 50, least_members = 12;
 constexpr double seed_cell = 3;          // pitches: one seed is tried in each cube of this edge
+constexpr std::size_t places_asked = 8;  // about each point
 constexpr double assigned_distance = 4;  // sigmas
 constexpr double assigned_turn = 1.0;    // rad; near edges normals are means of both sides
 
@@ -41,6 +43,7 @@ struct Work {
   double pitch = 0;                       // of the first pass
   std::vector<std::uint32_t> label;       // of each point of the cloud
   std::vector<std::uint8_t> inner;        // of each point: all samples around it belong to one face
+  std::vector<double> reach;              // of each point, mm^2: as far as places were asked
 };
 
 /// Samples by how flat their surroundings are, one of each small cube.
@@ -92,20 +95,21 @@ void find_faces(const FaceSamples& samples, Work& work, Context& context) {
   work.faces.insert(work.faces.end(), std::make_move_iterator(faces.begin()), std::make_move_iterator(faces.end()));
 }
 
-/// Gives every point that is not left out to the face near it that explains it best.
-void assign_points(const std::vector<std::uint8_t>& left_out, Work& work) {
-  work.label.assign(work.cloud.size(), no_face);
-  work.inner.assign(work.cloud.size(), 0);
-  if (work.places.empty()) return;
-  const KdTree tree(work.places);
+/// Gives every point that is not left out to the face near it that explains it best. Places before `fresh` were there
+/// when it was called last.
+void assign_points(const std::vector<std::uint8_t>& left_out, std::size_t fresh, Work& work) {
+  if (work.places.size() == fresh) return;
+  const KdTree tree(work.places), fresh_tree(std::span(work.places).subspan(fresh));
   parallel_for(work.cloud.size(), work.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
     for (std::size_t i = begin; i < end; ++i) {
       if (left_out[i]) continue;
       const Vec3& p = work.cloud.points[i];
+      if (fresh > 0 && fresh_tree.nearest_one(p).sq_distance > work.reach[i]) continue;  // all is as it was
       const double sigma = std::max(work.least_sigma, static_cast<double>(work.cloud.sigma[i]));
-      tree.nearest(p, 8, near);
+      tree.nearest(p, places_asked, near);
       double best = 1e300;
+      work.label[i] = no_face, work.reach[i] = near.size() < places_asked ? 1e300 : near.back().sq_distance;
       work.inner[i] = !near.empty() && std::all_of(near.begin(), near.end(), [&](const Neighbour& n) {
         return work.place_face[n.index] == work.place_face[near[0].index];
       });
@@ -124,14 +128,14 @@ void assign_points(const std::vector<std::uint8_t>& left_out, Work& work) {
   });
 }
 
-/// Turns normals outward where no rays tell the side: those of even samples as orient_normals does, all others as the
-/// samples beside them.
-void turn_outward(const std::vector<std::uint8_t>& left_out, PointCloud& cloud, Context& context) {
+/// Turns normals outward where no rays tell the side: those of samples `spacing` mm apart as orient_normals does, all
+/// others as the samples beside them.
+void turn_outward(const std::vector<std::uint8_t>& left_out, double spacing, PointCloud& cloud, Context& context) {
   PointCloud samples;
-  for (const auto i : thinned(cloud.points, left_out, spacing_for_count(cloud.points, left_out, wanted_samples)))
+  for (const auto i : thinned(cloud.points, left_out, spacing))
     samples.points.push_back(cloud.points[i]), samples.normals.push_back(cloud.normals[i]);
   samples.sigma.assign(samples.size(), 0), samples.rejected.assign(samples.size(), 0);
-  orient_normals(samples, 12, context);
+  orient_normals(samples, 12, context, 4);
   const KdTree tree(samples.points);
   parallel_for(cloud.size(), context.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbour> near;
@@ -162,11 +166,12 @@ Faces faces_of_cloud(const PointCloud& given, const FaceOptions& options, Contex
     if (!left_out[i]) sigmas.push_back(given.sigma[i]);
   }
   if (sigmas.size() < least_points) return result;
+  double spacing = spacing_for_count(given.points, left_out, wanted_samples);
   PointCloud turned;
   const bool rays = given.rays.size() == given.size();
   if (!rays) {
     turned = given;
-    turn_outward(left_out, turned, context);
+    turn_outward(left_out, spacing, turned, context);
   }
   const PointCloud& cloud = rays ? given : turned;
   result.noise = median_in_place(sigmas);
@@ -174,15 +179,18 @@ Faces faces_of_cloud(const PointCloud& given, const FaceOptions& options, Contex
   Work work{cloud};
   work.least_sigma = std::max({1e-6 * size, 0.02 * options.tolerance, 0.5 * result.noise});
   work.threads = context.threads;
-  work.label.assign(cloud.size(), no_face);
+  work.label.assign(cloud.size(), no_face), work.inner.assign(cloud.size(), 0), work.reach.assign(cloud.size(), 0);
   std::vector<std::uint8_t> done = left_out;  // or given to a face
   FaceSamples first;
   for (int pass = 0; pass < most_passes; ++pass) {
-    const FaceSamples samples = face_samples(cloud, done, work.least_sigma, wanted_samples, context.threads);
+    if (pass > 0) spacing = spacing_for_count(cloud.points, done, wanted_samples);
+    const FaceSamples samples = face_samples(cloud, done, work.least_sigma, spacing, context.threads);
     if (pass == 0) work.pitch = samples.pitch, first = samples;
     if (samples.size() < 100) break;
+    const std::size_t known = work.places.size();
     find_faces(samples, work, context);
-    assign_points(left_out, work);
+    if (work.places.size() == known) break;  // and so it would be again
+    assign_points(left_out, known, work);
     for (std::size_t i = 0; i < cloud.size(); ++i) done[i] = left_out[i] || work.label[i] != no_face;
     const auto left = static_cast<std::size_t>(std::count(done.begin(), done.end(), 0));
     if (samples.source.size() * 10 > 9 * static_cast<std::size_t>(sigmas.size()) || left < 100) break;

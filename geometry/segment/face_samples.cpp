@@ -18,14 +18,13 @@ constexpr double spacing_by_noise = 4;  // sigmas
 }  // namespace
 
 FaceSamples face_samples(const PointCloud& cloud, const std::vector<std::uint8_t>& left_out, double least_sigma,
-                         std::size_t wanted, int threads) {
+                         double spacing, int threads) {
   FaceSamples samples;
   std::vector<double> sigmas;
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (!left_out[i]) sigmas.push_back(cloud.sigma[i]);
   // Closer together than their noise is thick, samples are neighbours across the surface as often as along it.
-  const double spacing =
-      std::max(spacing_for_count(cloud.points, left_out, wanted), spacing_by_noise * median_in_place(sigmas));
+  spacing = std::max(spacing, spacing_by_noise * median_in_place(sigmas));
   samples.source = thinned(cloud.points, left_out, spacing);
   for (const auto i : samples.source) {
     samples.points.push_back(cloud.points[i]);

@@ -24,8 +24,9 @@ struct FaceSamples {
   }
 };
 
-/// From about `wanted` points of those with `left_out` 0, spread evenly. `least_sigma`: mm, a floor of the noise.
+/// From points with `left_out` 0, spread evenly: one for every cube of edge `spacing` (mm), or of more where the noise
+/// is as thick. `least_sigma`: mm, a floor of the noise.
 FaceSamples face_samples(const PointCloud& cloud, const std::vector<std::uint8_t>& left_out, double least_sigma,
-                         std::size_t wanted, int threads);
+                         double spacing, int threads);
 
 }  // namespace partscribe::geometry

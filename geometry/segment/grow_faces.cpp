@@ -14,8 +14,9 @@ namespace {
 constexpr std::size_t most_fitted = 1500;  // samples that a fit is made of while growing
 constexpr int most_rounds = 14;
 constexpr std::size_t least_members = 12;
-constexpr double enough_border = 0.85;  // of a plane's border that ends at creases or gaps: nothing else is tried
+constexpr double enough_border = 0.85;  // of a border that ends at creases or gaps: nothing else is tried
 constexpr double crease = 0.4;          // rad
+constexpr std::size_t plain_kinds = 2;  // planes and cylinders, tried before the others
 
 /// Where growth begins: so many samples within so wide an angle of the seed's normal.
 struct SeedSize {
@@ -150,7 +151,11 @@ double gain_of(const FaceSamples& samples, const Primitive& surface, const std::
     const double u = residual_of(samples, i, surface);
     sum += std::max(0.0, 4 - 0.5 * u * u) / 2;
   }
-  return sum - 25 - numbers_of(surface.kind) * (10 + 0.005 * static_cast<double>(members.size()));
+  return sum - cost_of(surface.kind, members.size());
+}
+
+double cost_of(PrimitiveKind kind, std::size_t members) {
+  return 25 + numbers_of(kind) * (10 + 0.005 * static_cast<double>(members));
 }
 
 std::optional<Primitive> fit_samples(const FaceSamples& samples, PrimitiveKind kind,
@@ -176,16 +181,25 @@ std::optional<GrownFace> grow_face(const FaceSamples& samples, std::uint32_t see
       plane && plane->gain > 0 && plane->members.size() > starts[1].size() && growth.is_bounded(*plane))
     return plane;
   std::array<std::optional<GrownFace>, face_kinds.size() * seed_sizes.size()> found;
-  parallel_for(
-      found.size(), threads,
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          found[i] = growth.grown(face_kinds[i / starts.size()], starts[i % starts.size()]);
-      },
-      1);
-  std::optional<GrownFace> best;
-  for (const auto& face : found)
-    if (face && face->gain > 0 && (!best || face->gain > best->gain)) best = face;
+  const auto try_kinds = [&](std::size_t first, std::size_t last) {
+    parallel_for((last - first) * starts.size(), threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t i = begin + first * starts.size(); i < end + first * starts.size(); ++i)
+                     found[i] = growth.grown(face_kinds[i / starts.size()], starts[i % starts.size()]);
+                 },
+                 1);
+  };
+  const auto best_found = [&] {
+    std::optional<GrownFace> best;
+    for (const auto& face : found)
+      if (face && face->gain > 0 && (!best || face->gain > best->gain)) best = face;
+    return best;
+  };
+  try_kinds(0, plain_kinds);
+  auto best = best_found();
+  if (best && best->members.size() > starts[1].size() && growth.is_bounded(*best)) return best;
+  try_kinds(plain_kinds, face_kinds.size());
+  best = best_found();
   if (!best) return best;
   // A surface that explains much because it follows two faces badly gives way to one of these, if that one and the rest
   // of the other save more together.

@@ -30,9 +30,11 @@ inline constexpr double widest_turn = 0.35;     ///< rad between the normals of 
 double residual_of(const FaceSamples& samples, std::uint32_t sample, const Primitive& surface);
 double turn_of(const FaceSamples& samples, std::uint32_t sample, const Primitive& surface, double sense);
 
-/// What the members save, less what the surface costs: each sample that is explained saves up to 2 nats; a surface
-/// costs 25 and 10 for each of its numbers, and as much for each as a systematic error of a tenth of the noise could
-/// feign.
+/// What a surface costs (nats): 25 and 10 for each of its numbers, and as much for each as a systematic error of a
+/// tenth of the noise could feign.
+double cost_of(PrimitiveKind kind, std::size_t members);
+
+/// What the members save, less what the surface costs: each sample that is explained saves up to 2 nats.
 double gain_of(const FaceSamples& samples, const Primitive& surface, const std::vector<std::uint32_t>& members);
 
 /// Each point with its own sigma (mm); those that lie far off count less (Welsch, 2.5 sigmas).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,18 +19,36 @@ constexpr std::size_t least_links = 4;
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// The best single surface for these samples.
+/// The best single surface for these samples, of the kinds that cost at most `most` nats.
 std::optional<GrownFace> best_surface(const FaceSamples& samples, const std::vector<std::uint32_t>& members,
-                                      std::vector<Primitive> starts) {
+                                      std::vector<Primitive> starts, double most = 1e300) {
   std::optional<GrownFace> best;
   const auto judge = [&](const std::optional<Primitive>& surface) {
     if (!surface) return;
     GrownFace face{*surface, sense_of(samples, *surface, members), members, gain_of(samples, *surface, members)};
     if (!best || face.gain > best->gain) best = std::move(face);
   };
-  for (const auto kind : face_kinds) judge(fit_samples(samples, kind, members, std::nullopt));
+  for (const auto kind : face_kinds)
+    if (cost_of(kind, members.size()) <= most) judge(fit_samples(samples, kind, members, std::nullopt));
   for (const auto& start : starts) judge(fit_samples(samples, start.kind, members, start));
   return best;
+}
+
+/// What another surface could save at most (nats), as far as members tell: residuals of neighbours agree where the
+/// surface is not theirs, and by chance.
+double still_to_save(const FaceSamples& samples, const GrownFace& face) {
+  std::vector<double> residual(samples.size(), 0);
+  for (const auto i : face.members)
+    residual[i] = std::clamp(residual_of(samples, i, face.surface), -widest_distance, widest_distance);
+  double sum = 0;
+  for (const auto i : face.members) {
+    double near = 0;
+    std::size_t count = 0;
+    for (const auto j : samples.around(i))
+      if (residual[j] != 0) near += residual[j], ++count;
+    if (count > 0) sum += residual[i] * near / static_cast<double>(count);
+  }
+  return 0.25 * (sum + 3 * std::sqrt(static_cast<double>(face.members.size()) / 3));
 }
 
 /// Neighbours whose surfaces meet smoothly, by the angle between them.
@@ -71,7 +90,9 @@ bool merge_faces(const FaceSamples& samples, std::vector<GrownFace>& faces, std:
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
           faces[f].gain = gain_of(samples, faces[f].surface, faces[f].members);
-          if (auto other = best_surface(samples, faces[f].members, {}); other && other->gain > faces[f].gain)
+          const double most =
+              cost_of(faces[f].surface.kind, faces[f].members.size()) + still_to_save(samples, faces[f]);
+          if (auto other = best_surface(samples, faces[f].members, {}, most); other && other->gain > faces[f].gain)
             faces[f] = std::move(*other);
         }
       },

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/ensure.h"
 #include "core/number.h"
@@ -321,7 +322,9 @@ struct Noise {
 /// (the concentration steps of least trimmed squares).
 Minimum trimmed(const ScaledPoints& points, const PrimitiveChart& start, PrimitiveKind kind, int rounds) {
   ScaledPoints kept = points;
+  constexpr double settled = 0.999;  // of the cost of the round before: another one hardly tells more
   Minimum at{recentered(start), {}, false};
+  double cost = std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
     const std::vector<double> away = distances_to(points, fit_of(kind, at, 0, {}).primitive);
     std::vector<double> sorted = away;
@@ -331,7 +334,8 @@ Minimum trimmed(const ScaledPoints& points, const PrimitiveChart& start, Primiti
     for (std::size_t i = 0; i < points.size(); ++i)
       kept.weight[i] = away[i] <= *cut ? (points.weight.empty() ? 1 : points.weight[i]) : 0;
     at = minimized(kept, at.chart, 0, 4, 1e-4, 1e-3);
-    if (!std::isfinite(at.sums.cost)) break;
+    if (!std::isfinite(at.sums.cost) || at.sums.cost > settled * cost) break;
+    cost = at.sums.cost;
   }
   return at;
 }
@@ -447,15 +451,18 @@ std::optional<PrimitiveFit> fit_flat(PrimitiveKind kind, const std::vector<Vec3>
   PrimitiveFit fit = flat_fit(kind, *flat, count, known, 0);
   if (options.robust <= 0) return fit;
 
-  // Trimmed first, then Welsch weights with a scale that follows the points.
+  // Trimmed first, until that hardly moves it, then Welsch weights with a scale that follows the points.
+  constexpr int most_trimmings = 8, most_scales = 6;
+  constexpr double calm = 0.01;  // of the rms
+  int trimmings = 0, weighted = 0;
+  bool trimming = true;
   if (options.start && options.start->kind == kind) fit.primitive = *options.start;
   std::vector<double> away(points.size()), w(points.size());
   double scale = known, reach = 0;
   for (int round = 0; round < 60; ++round) {
     for (std::size_t i = 0; i < points.size(); ++i)
       away[i] = std::abs(distance(fit.primitive, points[i])) * (weights.data() ? std::sqrt(weights.values[i]) : 1);
-    const bool trimming = round < 8;
-    if (!trimming && round < 14 && known <= 0) scale = median_sigma(away, !plane);
+    if (!trimming && known <= 0 && weighted < most_scales) scale = median_sigma(away, !plane);
     reach = options.robust * scale;
     double cut = 0;
     if (trimming) {
@@ -476,9 +483,12 @@ std::optional<PrimitiveFit> fit_flat(PrimitiveKind kind, const std::vector<Vec3>
     const PrimitiveFit next = flat_fit(kind, *flat, sum, known, options.robust);
     const double change = (next.primitive.point - fit.primitive.point).dot(next.primitive.axis) +
                           (next.primitive.axis - fit.primitive.axis).norm() * std::sqrt(flat->spread[2]);
-    const bool settled = round >= 14 && std::abs(change) <= 1e-9 * fit.rms;
+    const bool settled = weighted >= (known > 0 ? 1 : most_scales) && std::abs(change) <= 1e-9 * fit.rms;
+    const bool moved = std::abs(change) > calm * next.rms;
     fit = next;
     if (settled) return fit;
+    weighted += !trimming;
+    trimming = trimming && ++trimmings < most_trimmings && (moved || trimmings < 2);
   }
   fit.converged = false;
   return fit;

@@ -9,6 +9,7 @@
 
 #include "codegen/describe.h"
 #include "codegen/emit.h"
+#include "codegen/exchange/brep.h"
 #include "core/number.h"
 #include "geometry/mesh/mesh_distance.h"
 #include "model/distance/distance.h"
@@ -510,6 +511,22 @@ TEST_CASE("backends: a difference that leaves nothing is refused with the object
     auto result = emit(checked_model(model), backend, {}, context);
     REQUIRE_FALSE(result.ok());
     CHECK(contains(result.error().message, "object 'rest': expected a body, found nothing left of it"));
+  }
+}
+
+TEST_CASE("backends: a boundary that was written once is the same when it is written again") {
+  for (const Model& model : golden_models()) {
+    const CheckedModel checked = checked_model(model);
+    EmitOptions shared;
+    shared.brep = std::make_shared<SharedBrep>();
+    Context context;
+    for (const auto& backend : {"iges", "step"}) {
+      const auto artifact = emit(checked, backend, shared, context);
+      INFO(model.name << " " << backend);
+      REQUIRE(artifact.ok());
+      CHECK(artifact->files[0].bytes == emitted(model, backend).files[0].bytes);
+    }
+    CHECK(shared.brep->built.has_value());
   }
 }
 

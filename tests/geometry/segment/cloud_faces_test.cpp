@@ -87,6 +87,19 @@ TEST_CASE("cloud faces: a cone between a cylinder and a plane is one cone") {
   CHECK_FALSE(cones[0].hollow);
 }
 
+TEST_CASE("cloud faces: a cone that a cylinder follows within the noise is a cone, and a cylinder stays one") {
+  for (const double taper : {0.05, 0.0}) {  // mm over the height: about a sigma at either end
+    const Scan scan = prepared(turned({{0, 0}, {8, 0}, {8 + taper, 20}, {0, 20}}, 400), 30000, 0.02);
+    const Faces faces = faces_of(scan.cloud);
+    CHECK(faces.faces.size() == 3);
+    CHECK(of_kind(faces, FaceKind::plane).size() == 2);
+    CHECK(of_kind(faces, FaceKind::cylinder).size() == (taper > 0 ? 0 : 1));
+    const auto cones = of_kind(faces, FaceKind::cone);
+    REQUIRE(cones.size() == (taper > 0 ? 1 : 0));
+    for (const auto& cone : cones) CHECK(cone.surface().half_angle == Approx(taper / 20).margin(0.001));
+  }
+}
+
 TEST_CASE("cloud faces: a small hole keeps its points beside large faces") {
   const Scan scan = prepared(holed_plate(60, 8, 1.5, 10, 10), 120000, 0.02);
   const auto holes = of_kind(faces_of(scan.cloud), FaceKind::cylinder);
