@@ -108,8 +108,8 @@ class Drilling {
 
   const Shape& body() const { return part_.steps[0].shape; }
 
-  /// z is the axis that most holes run along, towards where they open; of several the shortest side. The origin stands
-  /// in the middle of the base, and a low box is a plate.
+  /// A low box is a plate and lies flat. Of others z is the axis that most holes run along, of several the shortest
+  /// side. Holes open upwards. The origin stands in the middle of the base.
   void centre_box(const std::vector<DrilledHole>& holes) {
     constexpr double low = 0.5;  // of the width
     Object& step = part_.steps[0];
@@ -127,7 +127,8 @@ class Drilling {
     }
     std::array<int, 3> axes = {0, 1, 2};  // old ones, as x, y, z
     std::ranges::sort(axes, [&](int a, int b) { return size[a] > size[b]; });
-    std::ranges::stable_sort(axes, [&](int a, int b) { return along[a] < along[b]; });
+    const bool plate = size[axes[2]] < low * size[axes[1]];
+    if (!plate) std::ranges::stable_sort(axes, [&](int a, int b) { return along[a] < along[b]; });
     if (size[axes[0]] < size[axes[1]]) std::swap(axes[0], axes[1]);
     const auto side = [&](int k) { return sides[static_cast<std::size_t>(axes[static_cast<std::size_t>(k)])]; };
     const Vec3 middle = pose * (size / 2), x = pose.rotation.col(axes[0]),
@@ -135,7 +136,6 @@ class Drilling {
     pose.rotation << x, z.cross(x), z;
     pose.translation = middle - size[axes[2]] / 2 * z;
     box = {side(0), side(1), side(2)};
-    const bool plate = size[axes[2]] < low * size[axes[1]];
     if (plate) step.name = "plate";
     name_sides(box, {"length", "width", plate ? "thickness" : "height"});
     step.frame.x = -(box.size_x / Expr(2)), step.frame.y = -(box.size_y / Expr(2));

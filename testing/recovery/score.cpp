@@ -129,7 +129,7 @@ bool same_kind(const std::string& truth, const EvaluatedShape& found) {
   if (truth == "wedge") return straight_outline(found, 3, 4);
   if (truth == "fillet") return fillet_outline(found);
   // A plate with holes: the surface says whether it is the same.
-  if (truth == "extrude") return std::holds_alternative<Difference>(found);
+  if (truth == "extrude") return std::holds_alternative<DifferenceOf<double>>(found);
   return false;
 }
 

@@ -32,6 +32,8 @@ TEST_CASE("drilled: a scan of a plate with a bore and four counterbored holes gi
   Context context;
   const auto model = build_model(scan, options, context);
   REQUIRE(model);
+  for (const Rival& r : (*model)->rivals) UNSCOPED_INFO(r.procedure + ": " + r.reason);
+  for (const Parameter& p : (*model)->parameters) UNSCOPED_INFO(p.name);
   CHECK_FALSE((*model)->fallback);
   CHECK((*model)->parameters.size() == 9);
   for (const auto& [name, size] : {std::pair{"length", 120.0},
