@@ -292,7 +292,8 @@ class Drilling {
     };
     const HoleOf<double>& form = group.front().hole->form;
     Hole hole;
-    hole.diameter = parameter(role + "_d", mean(&HoleOf<double>::diameter), "diameter of the " + said(role, group));
+    hole.diameter =
+        parameter(role + "_d", mean(&HoleOf<double>::diameter), "diameter of the " + said(role, group.size()));
     hole.depth = depth, hole.through = form.through;
     if (form.tip_angle > 0)
       hole.tip_angle =
@@ -310,10 +311,11 @@ class Drilling {
     return hole;
   }
 
-  static std::string said(const std::string& role, const std::vector<Placed>& group) {
-    std::string text = role;
+  /// A name in words.
+  static std::string said(const std::string& name, std::size_t count) {
+    std::string text = name;
     std::ranges::replace(text, '_', ' ');
-    return text + (group.size() > 1 ? "s" : "");
+    return text + (count > 1 ? "s" : "");
   }
 
   void cut(std::vector<Placed> group) {
@@ -338,7 +340,7 @@ class Drilling {
       const Expr end = edge(first.sense * end_at, role + "_end");
       depth = first.sense > 0 ? mouth - end : end - mouth;
     } else {
-      depth = parameter(role + "_depth", mouth_at - end_at, "depth of the " + said(role, group));
+      depth = parameter(role + "_depth", mouth_at - end_at, "depth of the " + said(role, group.size()));
       if (std::ranges::none_of(group, [](const Placed& p) { return p.hole->floor_seen; }))
         part_.held.push_back({depth.parameter, end_});
     }
@@ -352,7 +354,7 @@ class Drilling {
         at[static_cast<std::size_t>(k)] =
             coordinate(p.across(k), p.hole->sigma, name + "_" + letters[static_cast<std::size_t>((p.axis + 1 + k) % 3)],
                        "place of its axis");
-      step(name, hole, frame_at(p, at, mouth), "");
+      step(name, hole, frame_at(p, at, mouth), "the " + said(name, 1));
       cut_.objects.push_back(name);
     }
   }
@@ -408,7 +410,7 @@ class Drilling {
                              "centre of the bolt circle");
     }
     const Expr diameter = parameter("bolt_circle_d", 2 * radius, "diameter of the bolt circle");
-    const Expr count = parameter(role + "s", double(n), "number of " + said(role, group), Quantity::count);
+    const Expr count = parameter(role + "s", double(n), "number of " + said(role, group.size()), Quantity::count);
     Frame of_hole;
     of_hole.x = diameter / Expr(2);
     if (std::abs(start) * radius > within) {
@@ -420,7 +422,7 @@ class Drilling {
       of_hole.y = of_hole.x * Expr::call(Expr::Kind::sin, {angle});
       of_hole.x = of_hole.x * Expr::call(Expr::Kind::cos, {angle});
     }
-    step(role, hole, of_hole, "");
+    step(role, hole, of_hole, "one " + said(role, 1));
     const std::string pattern = unused("bolt_holes");
     step(pattern, CircularPattern{role, count, Expr(2 * pi) / count}, frame, "all of them");
     cut_.objects.push_back(pattern);
@@ -459,15 +461,16 @@ class Drilling {
       const auto& places = lines[k];
       const std::string letter = letters[(static_cast<std::size_t>(first.axis) + 1 + k) % 3];
       const double centre = 0.5 * (places.front() + places.back());
-      const Expr at = coordinate(centre, sigma, role + "s_" + letter, "middle of the " + said(role, group));
+      const Expr at = coordinate(centre, sigma, role + "s_" + letter, "middle of the " + said(role, group.size()));
       start[k] = at;
       if (places.size() < 2) continue;
       pitch[k] = parameter("pitch_" + letter, (places.back() - places.front()) / double(places.size() - 1),
                            "from hole to hole along " + letter);
-      start[k] = at - pitch[k] * Expr(double(places.size() - 1) / 2);
+      const Expr steps = double(places.size() - 1);
+      start[k] = at - (places.size() == 2 ? pitch[k] : steps * pitch[k]) / Expr(2);
     }
     std::string name = role;
-    step(name, hole, frame_at(first, start, mouth), "");
+    step(name, hole, frame_at(first, start, mouth), "one " + said(role, 1));
     for (std::size_t k = 0; k < 2; ++k) {
       if (lines[k].size() < 2) continue;
       const auto axis = (static_cast<std::size_t>(first.axis) + 1 + k) % 3;
