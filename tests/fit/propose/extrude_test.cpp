@@ -21,7 +21,7 @@ TEST_CASE("extrude: outliers beside the walls do not move the ends of the sweep"
   plate.objects.push_back({"part", Extrude{{{outline}}, Expr(12)}, {}, {}, {}});
   plate.as_scanned = false;
   Context context;
-  Scan scan = sampled(plate, {.points = 4000, .noise = 0.05, .reach = 70, .seen_from = {}, .seed = 5});
+  Scan scan = sampled(plate, {.points = 4000, .noise = 0.05, .reach = 70, .seen_from = Vec3::Zero(), .seed = 5});
   auto input = prepare(scan, 0.3, context);
   REQUIRE(input);
   // Every thirtieth point of a wall has a fellow far above or below.
