@@ -231,19 +231,15 @@ class Drilling {
     return way;
   }
 
-  bool same(double a, double b, const DrilledHole& h, const DrilledHole& k) const {
-    return about_equal(a, sigmas / 4 * h.sigma, b, sigmas / 4 * k.sigma, alike_);
-  }
-
   /// Of equal sizes, along one axis, through the same faces.
   bool alike(const Placed& a, const Placed& b) const {
     const HoleOf<double>&f = a.hole->form, &g = b.hole->form;
     if (a.axis != b.axis || a.sense != b.sense || f.through != g.through) return false;
     const bool ends = std::abs(a.end - b.end) <= tolerance_ || !a.hole->floor_seen || !b.hole->floor_seen;
     if (std::abs(a.mouth - b.mouth) > tolerance_ || !ends) return false;
-    const auto equal = [&](double x, double y) { return same(x, y, *a.hole, *b.hole); };
-    return equal(f.diameter, g.diameter) && (f.head_diameter > 0) == (g.head_diameter > 0) &&
-           (f.sink_diameter > 0) == (g.sink_diameter > 0) && std::abs(f.head_diameter - g.head_diameter) < tolerance_ &&
+    return about_equal(f.diameter, a.hole->sigma, g.diameter, b.hole->sigma, alike_) &&
+           (f.head_diameter > 0) == (g.head_diameter > 0) && (f.sink_diameter > 0) == (g.sink_diameter > 0) &&
+           std::abs(f.head_diameter - g.head_diameter) < tolerance_ &&
            std::abs(f.sink_diameter - g.sink_diameter) < tolerance_;
   }
 
@@ -265,6 +261,9 @@ class Drilling {
     return Expr::of(p.name);
   }
 
+  /// mm: within which two places are the same.
+  double within_of(double sigma) const { return std::max(sigmas * sigma, alike_); }
+
   /// A coordinate by the body's own numbers, if they have it.
   std::optional<Expr> by_body(double at, double within, const std::vector<Expr>& known) const {
     if (std::abs(at) <= within) return Expr(0);
@@ -279,7 +278,7 @@ class Drilling {
   }
 
   Expr coordinate(double at, double sigma, const std::string& name, const std::string& note) {
-    if (const auto known = by_body(at, std::max(sigmas * sigma, alike_), middles_)) return *known;
+    if (const auto known = by_body(at, within_of(sigma), middles_)) return *known;
     return parameter(name, at, note);
   }
 
@@ -345,8 +344,11 @@ class Drilling {
         part_.held.push_back({depth.parameter, end_});
     }
     const Hole hole = hole_of(group, role, depth);
-    if (circle(group, hole, role, mouth)) return;
-    if (grid(group, hole, role, mouth)) return;
+    // A square of four may be either: what the body is itself.
+    const bool turned = turned_about_z(body());
+    if ((turned && circle(group, hole, role, mouth)) || grid(group, hole, role, mouth) ||
+        (!turned && circle(group, hole, role, mouth)))
+      return;
     for (const Placed& p : group) {
       const std::string name = unused(role);
       std::array<Expr, 2> at;
@@ -381,7 +383,7 @@ class Drilling {
     double sigma = 0, radius = 0;
     for (const Placed& p : group) middle += p.place / double(n), sigma = std::max(sigma, p.hole->sigma);
     middle[first.axis] = 0;
-    const double within = std::max(sigmas * sigma, alike_);
+    const double within = within_of(sigma);
     // The frame of the circle, as the pattern's own turn gives it.
     const Mat3 turn = rotation_from_euler(angles_of(turned_to(first.axis, first.sense)));
     std::vector<std::pair<double, std::size_t>> turns;
@@ -402,12 +404,12 @@ class Drilling {
     }
     // A turn by whole steps changes nothing: the least one.
     start -= std::round(start * double(n) / (2 * pi)) * 2 * pi / double(n);
-    Frame frame = frame_at(first, {Expr(0), Expr(0)}, mouth);
-    std::array<Expr*, 3> at = {&frame.x, &frame.y, &frame.z};
-    for (int k = 1; k <= 2; ++k) {
-      const auto axis = static_cast<std::size_t>((first.axis + k) % 3);
-      *at[axis] = coordinate(middle[int(axis)], sigma, "bolt_circle_" + std::string(letters[axis]),
-                             "centre of the bolt circle");
+    std::array<Expr, 2> centre;
+    for (int k = 0; k < 2; ++k) {
+      const int axis = (first.axis + 1 + k) % 3;
+      centre[static_cast<std::size_t>(k)] =
+          coordinate(middle[axis], sigma, std::string("bolt_circle_") + letters[static_cast<std::size_t>(axis)],
+                     "centre of the bolt circle");
     }
     const Expr diameter = parameter("bolt_circle_d", 2 * radius, "diameter of the bolt circle");
     const Expr count = parameter(role + "s", double(n), "number of " + said(role, group.size()), Quantity::count);
@@ -424,7 +426,7 @@ class Drilling {
     }
     step(role, hole, of_hole, "one " + said(role, 1));
     const std::string pattern = unused("bolt_holes");
-    step(pattern, CircularPattern{role, count, Expr(2 * pi) / count}, frame, "all of them");
+    step(pattern, CircularPattern{role, count, Expr(2 * pi) / count}, frame_at(first, centre, mouth), "all of them");
     cut_.objects.push_back(pattern);
     return true;
   }
@@ -437,7 +439,7 @@ class Drilling {
     const Placed& first = group.front();
     double sigma = 0;
     for (const Placed& p : group) sigma = std::max(sigma, p.hole->sigma);
-    const double within = std::max(sigmas * sigma, alike_);
+    const double within = within_of(sigma);
     std::array<std::vector<double>, 2> lines;  // places of columns and rows
     for (int k = 0; k < 2; ++k) {
       auto& places = lines[static_cast<std::size_t>(k)];

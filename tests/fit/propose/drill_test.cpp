@@ -115,6 +115,20 @@ TEST_CASE("drill: equally spaced holes of a disc are a bolt circle, the first of
           Approx(3).margin(1e-6));
 }
 
+TEST_CASE("drill: four holes in a square are rows of a plate and a bolt circle of a disc") {
+  const auto square_in = [](const Candidate& body, const Vec3& middle) {
+    std::vector<DrilledHole> holes;
+    for (const double x : {-15.0, 15.0})
+      for (const double y : {-15.0, 15.0}) holes.push_back(hole_at(body, middle + Vec3(x, y, 0), Vec3::UnitZ(), 5, 10));
+    return with_holes(body, holes, options);
+  };
+  const auto plate = square_in(block(), {40, 25, 12}), round = square_in(disc(), {0, 0, 10});
+  REQUIRE((plate && round));
+  CHECK(value_of(*plate, "pitch_x") == Approx(30));
+  CHECK(value_of(*plate, "pitch_y") == Approx(30));
+  CHECK(value_of(*round, "bolt_circle_d") == Approx(30 * std::sqrt(2)));
+}
+
 TEST_CASE("drill: holes with spacings of their own keep their places") {
   const Candidate body = block();
   const auto part =
