@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "../faces/truth.h"
+#include "bench/faces/truth.h"
 
 namespace bench {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "../faces/truth.h"
+#include "bench/faces/truth.h"
 #include "geometry/points/point_cloud.h"
 
 namespace bench {
