@@ -159,6 +159,19 @@ TEST_CASE("drill: a blind hole keeps its depth where its floor was not seen") {
   CHECK(distance_at(body, *told, {20, 16, 6}) == Approx(-1).margin(1e-9));
 }
 
+TEST_CASE("drill: plain holes along an extrusion are loops of its sketch") {
+  Candidate bar = block();
+  Loop outline;
+  outline.name = "outline";
+  outline.elements = {SketchPoint{0, 0, ""}, SketchPoint{80, 0, ""}, SketchPoint{60, 50, ""}};
+  bar.shape = Extrude{{{outline}}, Expr::of("height")};
+  bar.parameters = {length_parameter("height", 12, "")};
+  const DrilledHole through = hole_at(bar, {50, 20, 12}, Vec3::UnitZ(), 6, 12),
+                    blind = hole_at(bar, {30, 8, 12}, Vec3::UnitZ(), 6, 5, false);
+  CHECK_FALSE(with_holes(bar, {through}, options));
+  CHECK(with_holes(bar, {through, blind}, options));
+}
+
 TEST_CASE("drill: holes aslant and holes beside the body are none of it") {
   const Candidate body = block();
   CHECK_FALSE(with_holes(body, {hole_at(body, {20, 10, 12}, Vec3(0.2, 0, 1).normalized(), 6, 12)}, options));
