@@ -10,6 +10,7 @@
 #include "core/statistics.h"
 #include "fit/refine/refine.h"
 #include "geometry/points/kd_tree.h"
+#include "model/check.h"
 #include "model/distance/distance.h"
 #include "model/sketch.h"
 
@@ -61,6 +62,10 @@ bool drawable(const Candidate& c) {
     if (loop.elements.empty() || outline_of({{loop}}).curves.empty()) return false;
   }
   return true;
+}
+
+bool makes_sense(const Candidate& candidate) {
+  return drawable(candidate) && !std::holds_alternative<Complaints>(check(bare_model(candidate)));
 }
 
 double description_length(const Candidate& candidate, std::size_t points) {

@@ -61,6 +61,9 @@ std::string millimetres(double deviation, double tolerance);
 /// False for a sketch with a loop that has shrunk to a point, or with numbers that are none: it has no distances.
 bool drawable(const Candidate& candidate);
 
+/// Drawable, and a model that check() takes.
+bool makes_sense(const Candidate& candidate);
+
 /// Nats for a shape: a constant per sketch element or face, half the logarithm of the number of points per number.
 double description_length(const Candidate& candidate, std::size_t points);
 

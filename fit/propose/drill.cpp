@@ -394,7 +394,7 @@ class Drilling {
     middle[first.axis] = 0;
     const double within = within_of(sigma);
     // The frame of the circle, as the pattern's own turn gives it.
-    const Mat3 turn = rotation_from_euler(angles_of(turned_to(first.axis, first.sense)));
+    const Mat3 turn = evaluate(turned_to(first.axis, first.sense), {}).rotation;
     std::vector<std::pair<double, std::size_t>> turns;
     std::vector<double> radii;
     for (std::size_t i = 0; i < n; ++i) {
@@ -439,8 +439,6 @@ class Drilling {
     cut_.objects.push_back(pattern);
     return true;
   }
-
-  static Vec3 angles_of(const Frame& frame) { return {frame.rx.number, frame.ry.number, frame.rz.number}; }
 
   /// Rows and columns along the body's axes, every place taken.
   bool grid(const std::vector<Placed>& group, const Hole& hole, const std::string& role, const Expr& mouth) {

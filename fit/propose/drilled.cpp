@@ -12,7 +12,6 @@
 #include "fit/refine/refine.h"
 #include "geometry/points/keep_points.h"
 #include "geometry/segment/holes.h"
-#include "model/check.h"
 #include "model/distance/distance.h"
 
 namespace partscribe::fit {
@@ -116,21 +115,10 @@ FitInput without(const std::vector<DrilledHole>& holes, const FitInput& input, C
   }
   FitInput rest = input;
   keep_points(rest.cloud, keep);
-  const auto keep_of = [&](auto& column) {
-    if (column.size() != keep.size()) return;
-    std::size_t to = 0;
-    for (std::size_t i = 0; i < keep.size(); ++i)
-      if (keep[i]) column[to++] = column[i];
-    column.resize(to);
-  };
-  keep_of(rest.surface_share), keep_of(rest.facet_depth);
+  keep_entries(rest.surface_share, keep), keep_entries(rest.facet_depth, keep);
   rest.bounds = rest.cloud.bounds();
   rest.surroundings = surroundings_of(rest, context);
   return rest;
-}
-
-bool makes_sense(const Candidate& body) {
-  return drawable(body) && !std::holds_alternative<Complaints>(check(bare_model(body)));
 }
 
 bool same_numbers(const Candidate& a, const Candidate& b, double tolerance) {

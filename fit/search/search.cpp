@@ -276,7 +276,7 @@ const std::vector<Maker>& makers() {
 Proposals drilled_bodies(const Sought& s, Context& context) {
   const auto bodies = [&](const FitInput& rest) {
     Sought undrilled{rest, s.hypothesis, s.directions};
-    undrilled.body = true;
+    undrilled.body = true;  // none of them is asked for holes again
     Proposals all;
     for (const auto& maker : makers())
       if (!maker.last_resort)
@@ -315,8 +315,7 @@ bool said_before(const Judged& j, const std::vector<Judged>& judged, double tole
 
 /// mm, from its surface; the largest number for one that makes no sense.
 double distance_to(const Candidate& candidate, const Vec3& p) {
-  if (!drawable(candidate) || std::holds_alternative<Complaints>(check(bare_model(candidate))))
-    return std::numeric_limits<double>::max();
+  if (!makes_sense(candidate)) return std::numeric_limits<double>::max();
   return std::abs(ModelDistance(bare_model(candidate))(candidate.scan_from_part.inverse() * p).distance);
 }
 

@@ -8,6 +8,17 @@
 
 namespace partscribe::geometry {
 
+/// Drops every entry i with keep[i] == 0; the others keep their order. An empty column stays empty, others are as long
+/// as `keep`.
+template <class T>
+void keep_entries(std::vector<T>& column, const std::vector<std::uint8_t>& keep) {
+  if (column.empty()) return;
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) column[to++] = column[i];
+  column.resize(to);
+}
+
 /// Drops every point i with keep[i] == 0 from all columns; `keep` is as long as the cloud. The others keep their order.
 void keep_points(PointCloud& cloud, const std::vector<std::uint8_t>& keep);
 
