@@ -46,6 +46,9 @@ class Guards {
 
   void add(const Expr& expr, Domain domain) {
     if (expr.is_number()) return;
+    // Half of a diameter is positive where the diameter is.
+    const bool part = expr.kind == Expr::Kind::divide && expr.arguments[1].is_number() && expr.arguments[1].number > 0;
+    if (part && (domain == Domain::length || domain == Domain::length_or_zero)) return add(expr.arguments[0], domain);
     const std::string name = text_.plain(expr);
     if (domain == Domain::length) add(name + " > 0", name + " must be positive");
     if (domain == Domain::length_or_zero) add(name + " >= 0", name + " must not be negative");

@@ -18,6 +18,7 @@
 #include "fit/propose/revolve.h"
 #include "fit/propose/ring.h"
 #include "fit/propose/torus_piece.h"
+#include "fit/refine/dimension.h"
 #include "fit/refine/refine.h"
 #include "fit/refine/tidy.h"
 #include "fit/search/rivals.h"
@@ -370,6 +371,16 @@ RefineReport make_exact(Candidate& candidate, const FitInput& input, const Refin
   return refine_with_outliers_near(candidate, input, options, context);
 }
 
+/// Fewer numbers, where that costs no more.
+void relate(Candidate& exact, const FitInput& input, const RefineOptions& options, Context& context) {
+  constexpr double alike = 1;  // nats: what two refinements of the same numbers may differ by
+  auto fewer = related(exact, input.tolerance / 2);
+  if (!fewer) return;
+  make_exact(*fewer, input, options, context);
+  const CandidateEvidence before = evidence_of(exact, input, context), after = evidence_of(*fewer, input, context);
+  if (after.local_max <= input.tolerance && after.total() < before.total() + alike) exact = std::move(*fewer);
+}
+
 /// Adds a note on their origin to lengths that are open or that hardly any point depends on.
 void name_unseen(Candidate& candidate, const std::vector<std::string>& open, const FitInput& input) {
   constexpr double on_any_face = 0.05;  // share of the outliers
@@ -488,6 +499,8 @@ void choose(ProcedureSearch& search, const FitInput& input, const BuildOptions& 
       continue;
     }
     name_unseen(exact, report.unlimited, input);
+    dimension(exact);
+    relate(exact, input, full, context);
     for (const bool nominal : {true, false}) {
       if (nominal && !options.nominal) continue;
       Candidate tidy = exact;

@@ -260,8 +260,9 @@ class Builder {
     if (!cx)
       cx = coordinate(0, a.s.center.x(), role + "_center_" + first,
                       (o_.revolve ? "distance of the centre from the axis" : "x of the centre") + where);
+    const bool around = o_.revolve && touched.empty() && !centred;  // a groove or bulge, around the part
     if (!cy)
-      cy = coordinate(1, a.s.center.y(), role + "_center_" + second,
+      cy = coordinate(1, a.s.center.y(), role + (around ? "_" : "_center_") + second,
                       std::string(o_.revolve ? "height" : "y") + " of the centre" + where);
     a.cx = *cx, a.cy = *cy;
   }
@@ -272,12 +273,13 @@ class Builder {
     const std::string kind = hole ? "hole" : "disc";
     const std::string number = loop.starts_with(kind + " ") ? loop.substr(kind.size() + 1) : "";
     const std::string role = number.empty() || number == "1" ? kind : kind + "_" + number;
+    const std::string which = number.empty() ? "the " + kind : kind + " " + number;
     a.name = "";
-    a.r = radius(a.s.radius, role + "_radius", hole ? "radius of the hole" : "radius of the disc");
+    a.r = radius(a.s.radius, role + "_radius", "radius of " + which);
     a.cx = coordinate(0, a.s.center.x(), o_.revolve ? "ring_radius" : role + "_x",
-                      o_.revolve ? "distance of the centre from the axis" : "x of the " + kind);
-    a.cy = coordinate(1, a.s.center.y(), role + (o_.revolve ? "_z" : "_y"),
-                      (o_.revolve ? "height of the " : "y of the ") + kind);
+                      o_.revolve ? "distance of the centre from the axis" : "x of " + which);
+    a.cy =
+        coordinate(1, a.s.center.y(), role + (o_.revolve ? "_z" : "_y"), (o_.revolve ? "height of " : "y of ") + which);
     a.from = Expr(hole ? 2 * pi : 0.0);
     a.to = Expr(hole ? 0.0 : 2 * pi);
   }

@@ -90,7 +90,7 @@ void space_holes(SketchNumbers& numbers, const std::vector<HoleLoop>& equal, int
   const std::string xy = axis == 0 ? "x" : "y";
   SketchNumbers::Shared spacings;
   const auto spacing = [&](double v) {
-    return numbers.shared(spacings, v, "hole_spacing_" + xy, "spacing of the holes along " + xy);
+    return numbers.shared(spacings, v, "pitch_" + xy, "pitch of the holes along " + xy);
   };
   bool symmetric = true, even = n > 2;
   for (std::size_t k = 0; k < n; ++k) symmetric &= std::abs(at[k] + at[n - 1 - k]) < numbers.same;

@@ -1,6 +1,7 @@
 #include "fit/sketch/sketch_names.h"
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <map>
 
@@ -41,6 +42,18 @@ void rename_roles(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>
       slots[small.second].role = "neck_radius", slots[small.second].note = "radius of the neck";
     }
   }
+  // The one shoulder of a part of two diameters ends the lower of its two cylinders.
+  std::vector<std::size_t> shoulders;
+  for (const auto& level : levels)
+    if (options.revolve && level.axis == 1 && level.set && level.expr.is_parameter() && level.value < top)
+      shoulders.push_back(std::stoul(level.expr.parameter.substr(1)));
+  if (walls.size() == 2 && shoulders.size() == 1 && slots[shoulders[0]].role == "shoulder_z") {
+    const auto lower = walls[0].first->low < walls[1].first->low ? walls[0] : walls[1];
+    const std::string& wall = slots[lower.second].role;  // "head_radius"
+    const std::string name = wall.substr(0, wall.find('_'));
+    slots[shoulders[0]] = name == "head" ? SketchSlot{"head_height", "height of the head"}
+                                         : SketchSlot{name + "_length", "length of the " + name};
+  }
   if (!options.revolve)
     for (int axis = 0; axis < 2; ++axis) {
       const SketchLevel* high = nullptr;
@@ -59,6 +72,17 @@ void rename_roles(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>
 }
 
 }  // namespace
+
+std::string of_several(const std::string& note) {
+  const auto end = note.find(';');
+  std::string one = note.substr(0, end);
+  while (!one.empty() && (std::isdigit(static_cast<unsigned char>(one.back())) || one.back() == ' ')) one.pop_back();
+  const auto word = one.rfind(" of ");
+  if (word == std::string::npos || one.empty() || one.back() == 's') return note;
+  const std::size_t thing = word + 4;
+  if (one.compare(thing, 4, "the ") != 0) one.insert(thing, "the ");
+  return one + "s" + (end == std::string::npos ? "" : note.substr(end));
+}
 
 void name_parameters(BuiltSketch& built, std::vector<SketchSlot> slots, const std::vector<SketchLevel>& levels,
                      const std::vector<std::vector<SketchPiece>>& pieces, const SketchOptions& options) {
@@ -98,6 +122,7 @@ void name_parameters(BuiltSketch& built, std::vector<SketchSlot> slots, const st
     if (level.axis == 1 && level.expr == Expr(0)) return "bottom face";
     std::string name = level.expr.is_parameter() ? names.at(level.expr.parameter) : level.axis == 0 ? "wall" : "face";
     if (name == "total_length") return "top face";
+    if (name == "head_height" || (name.ends_with("_length") && level.axis == 1 && options.revolve)) return "shoulder";
     return without(std::move(name), {"_radius", "_z"});
   };
   for (auto& loop : built.sketch.loops)

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "fit/sketch/sketch_names.h"
+
 namespace partscribe::fit {
 namespace {
 
@@ -34,7 +36,13 @@ double SketchNumbers::value(const Expr& e) const {
 }
 
 Expr SketchNumbers::shared(Shared& list, double v, const std::string& role, const std::string& note) {
-  if (const auto known = found(list, v, same)) return *known;
+  if (const auto known = found(list, v, same)) {
+    if (known->is_parameter()) {
+      SketchSlot& slot = slots[std::stoul(known->parameter.substr(1))];
+      if (slot.note != note) slot.note = of_several(slot.note);
+    }
+    return *known;
+  }
   list.emplace_back(v, parameter(v, Quantity::length, role, note));
   return list.back().second;
 }

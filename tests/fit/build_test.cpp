@@ -61,19 +61,19 @@ void expect_same_surface(const Model& truth, const Model& fitted, double toleran
 
 }  // namespace
 
-TEST_CASE("build: a noisy ball becomes a sphere with the true radius") {
+TEST_CASE("build: a noisy ball becomes a sphere with the true diameter") {
   const Model truth = placed(model_with(Sphere{17.3}), {100, -50, 20}, {0, 0, 0});
   const Model m = built(sampled(truth, {}), 0.1);
   CHECK(kind(m) == "sphere");
-  expect_value(m, 17.3);
+  expect_value(m, 34.6);
   expect_same_surface(truth, m, 0.01);
 }
 
-TEST_CASE("build: a tilted cylinder keeps radius and height") {
+TEST_CASE("build: a tilted cylinder keeps diameter and height") {
   const Model truth = placed(model_with(Cylinder{8, 25}), {5, 6, 7}, {0.4, -0.7, 0});
   const Model m = built(sampled(truth, {}), 0.1);
   CHECK(kind(m) == "cylinder");
-  expect_value(m, 8);
+  expect_value(m, 16);
   expect_value(m, 25);
   expect_same_surface(truth, m, 0.02);
 }
@@ -105,7 +105,7 @@ TEST_CASE("build: a pin is turned, its round hangs on the head's radius") {
   const Model m = built(sampled(truth, s), 0.15);
   CHECK(kind(m) == "revolve");
   CHECK(m.parameters.size() == 5);
-  for (const double v : {20.0, 10.0, 15.0, 9.0, 65.0}) expect_value(m, v);
+  for (const double v : {40.0, 10.0, 15.0, 18.0, 65.0}) expect_value(m, v);
   expect_same_surface(truth, m, 0.05);
 }
 
@@ -115,9 +115,7 @@ TEST_CASE("build: a link is an extrusion with round ends and a hole") {
   s.reach = 55, s.points = 40000, s.noise = 0.02;
   const Model m = built(sampled(truth, s), 0.1);
   CHECK(kind(m) == "extrude");
-  expect_value(m, 12);
-  expect_value(m, 5);
-  expect_value(m, 8);
+  for (const double size : {24.0, 10.0, 8.0}) expect_value(m, size);  // width, hole, thickness
   expect_same_surface(truth, m, 0.05);
 }
 

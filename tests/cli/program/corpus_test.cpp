@@ -72,7 +72,7 @@ TEST_CASE("corpus: the pin is found as a surface of revolution with its sizes, a
     CHECK(std::filesystem::is_regular_file(out / file));
   const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
   CHECK(model.at("objects").back().at("shape").at("kind") == "revolve");
-  for (const double size : {6.0, 10.0}) CHECK(has_value(model, size, 0.02));
+  for (const double size : {12.0, 20.0}) CHECK(has_value(model, size, 0.02));
   const auto verdict = nlohmann::json::parse(bytes_of(out / "verdict.json"));
   CHECK(verdict.at("verdict") == "verified");
   CHECK(verdict.at("artifacts").size() == 4);
@@ -82,7 +82,7 @@ TEST_CASE("corpus: the pin is found as a surface of revolution with its sizes, a
     const auto& rows = verdict.at("artifacts").front().at("objects");
     return std::any_of(rows.begin(), rows.end(), [&](const auto& r) { return r.at("name") == row; });
   };
-  value_of(model, "chamfer"), value_of(model, "shank_radius");
+  value_of(model, "chamfer"), value_of(model, "shank_d");
   for (const char* row : {"chamfer", "shank", "head"}) CHECK(has_row(row));
   CHECK_FALSE(has_row("cone"));
 
@@ -91,7 +91,7 @@ TEST_CASE("corpus: the pin is found as a surface of revolution with its sizes, a
   std::string edited = script;
   std::string name;
   for (const auto& parameter : model.at("parameters"))
-    if (std::abs(parameter.at("value").get<double>() - 10) < 0.02) name = parameter.at("name");
+    if (std::abs(parameter.at("value").get<double>() - 20) < 0.02) name = parameter.at("name");
   const auto at = edited.find("\n" + name + " = ");
   REQUIRE(at != std::string::npos);
   edited.replace(at, edited.find(';', at) - at, "\n" + name + " = " + print_number(value_of(model, name) + 0.3));
@@ -111,7 +111,7 @@ TEST_CASE("corpus: the tie bar is found as an extrusion with two holes, and veri
   CHECK(output.exit_code == 0);
   const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
   CHECK(model.at("objects").back().at("shape").at("kind") == "extrude");
-  for (const double size : {15.0, 8.0, 5.0, 12.0}) CHECK(has_value(model, size, 0.03));
+  for (const double size : {30.0, 16.0, 10.0, 12.0}) CHECK(has_value(model, size, 0.03));
 }
 
 TEST_CASE("corpus: the order of points and the number of threads change no byte") {

@@ -52,8 +52,8 @@ TEST_CASE("shapes: a scanned ellipsoid keeps its three half axes") {
 }
 TEST_CASE("shapes: a scanned block is a box") { expect_found("box", "box", {60, 40, 25.3}); }
 TEST_CASE("shapes: a scanned wedge is a wedge") { expect_found("wedge", "wedge", {}); }
-TEST_CASE("shapes: a scanned rod is a cylinder") { expect_found("cylinder", "cylinder", {12, 80}); }
-TEST_CASE("shapes: a scanned frustum is a cone") { expect_found("cone", "cone", {20, 5, 35}); }
+TEST_CASE("shapes: a scanned rod is a cylinder") { expect_found("cylinder", "cylinder", {24, 80}); }
+TEST_CASE("shapes: a scanned frustum is a cone") { expect_found("cone", "cone", {40, 10, 35}); }
 TEST_CASE("shapes: a scanned ring is a torus") { expect_found("torus", "torus", {}); }
 TEST_CASE("shapes: a scanned superellipsoid is one") { expect_found("superellipsoid", "superellipsoid", {}); }
 TEST_CASE("shapes: a scanned rounded square ring is a supertoroid") {
@@ -61,7 +61,7 @@ TEST_CASE("shapes: a scanned rounded square ring is a supertoroid") {
 }
 TEST_CASE("shapes: a scanned fillet keeps its legs") { expect_found("fillet", "fillet", {14, 10, 50}); }
 TEST_CASE("shapes: a scanned polyhedron is cut from half-spaces") { expect_found("half_spaces", "half_spaces", {}); }
-TEST_CASE("shapes: a scanned pin is turned") { expect_found("pin", "revolve", {15, 9, 10}); }
+TEST_CASE("shapes: a scanned pin is turned") { expect_found("pin", "revolve", {30, 18, 10}); }
 TEST_CASE("shapes: a scanned vase is turned from a free profile") { expect_found("nurbs_vase", "revolve", {}); }
 TEST_CASE("shapes: a scanned tie bar is extruded") { expect_found("tie_bar", "extrude", {}); }
 
@@ -70,14 +70,14 @@ TEST_CASE("shapes: every one of them is found in a fine scan, within a tenth of 
   expect_found("ellipsoid", "ellipsoid", {30, 20, 12}, fine);
   expect_found("box", "box", {60, 40, 25.3}, fine);
   expect_found("wedge", "wedge", {}, fine);
-  expect_found("cylinder", "cylinder", {12, 80}, fine);
-  expect_found("cone", "cone", {20, 5, 35}, fine);
+  expect_found("cylinder", "cylinder", {24, 80}, fine);
+  expect_found("cone", "cone", {40, 10, 35}, fine);
   expect_found("torus", "torus", {}, fine);
   expect_found("superellipsoid", "superellipsoid", {}, fine);
   expect_found("supertoroid", "supertoroid", {30, 8, 5}, fine);
   expect_found("fillet", "fillet", {14, 10, 50}, fine);
   expect_found("half_spaces", "half_spaces", {}, fine);
-  expect_found("pin", "revolve", {15, 9, 10}, fine);
+  expect_found("pin", "revolve", {30, 18, 10}, fine);
   expect_found("nurbs_vase", "revolve", {}, fine);
   expect_found("tie_bar", "extrude", {}, fine);
 }

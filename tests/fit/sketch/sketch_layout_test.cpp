@@ -51,19 +51,17 @@ TEST_CASE("sketch: a plate with holes evenly about its middle has seven sizes, n
     for (const double y : {30, 60}) loops.push_back(circle({x, y}, 3, true, "hole"));
   const BuiltSketch sketch = build_sketch(loops, {.tolerance = 0.1});
   CHECK(sketch.origin == Vec2(50, 45));
-  CHECK(sizes_of(sketch) == Sizes{{"length", 80},
-                                  {"width", 50},
-                                  {"hole_radius", 11},
-                                  {"hole_2_radius", 3},
-                                  {"hole_spacing_x", 60},
-                                  {"hole_spacing_y", 30}});
+  CHECK(
+      sizes_of(sketch) ==
+      Sizes{
+          {"length", 80}, {"width", 50}, {"hole_radius", 11}, {"hole_2_radius", 3}, {"pitch_x", 60}, {"pitch_y", 30}});
 }
 
 TEST_CASE("sketch: an even row of holes has one pitch") {
   std::vector<LoopPieces> loops = {rectangle({0, 0}, {100, 20}, false, "outline")};
   for (const double x : {14, 38, 62, 86}) loops.push_back(circle({x, 10}, 4, true, "hole"));
   const BuiltSketch sketch = build_sketch(loops, {.tolerance = 0.1});
-  CHECK(sizes_of(sketch) == Sizes{{"length", 100}, {"width", 20}, {"hole_radius", 4}, {"hole_spacing_x", 24}});
+  CHECK(sizes_of(sketch) == Sizes{{"length", 100}, {"width", 20}, {"hole_radius", 4}, {"pitch_x", 24}});
 }
 
 TEST_CASE("sketch: holes off the middle are placed from the corner, and from one another") {
@@ -71,10 +69,8 @@ TEST_CASE("sketch: holes off the middle are placed from the corner, and from one
                                            circle({12, 10}, 3, true, "hole 1"), circle({37, 10}, 3, true, "hole 2")},
                                           {.tolerance = 0.1});
   CHECK(sketch.origin == Vec2(0, 0));
-  CHECK(
-      sizes_of(sketch) ==
-      Sizes{
-          {"length", 100}, {"width", 40}, {"hole_radius", 3}, {"hole_x", 12}, {"hole_spacing_x", 25}, {"hole_y", 10}});
+  CHECK(sizes_of(sketch) ==
+        Sizes{{"length", 100}, {"width", 40}, {"hole_radius", 3}, {"hole_x", 12}, {"pitch_x", 25}, {"hole_y", 10}});
 }
 
 TEST_CASE("sketch: a round outline has its origin in its centre, whatever its hole, and a square hole one size") {
@@ -91,7 +87,7 @@ TEST_CASE("sketch: a row of square holes shares its levels and its size") {
   std::vector<LoopPieces> loops = {rectangle({0, 0}, {60, 20}, false, "outline")};
   for (const double x : {10, 40}) loops.push_back(rectangle({x, 5}, {x + 10, 15}, true, "hole"));
   const BuiltSketch sketch = build_sketch(loops, {.tolerance = 0.1});
-  CHECK(sizes_of(sketch) == Sizes{{"length", 60}, {"width", 20}, {"hole_side", 10}, {"hole_spacing_x", 30}});
+  CHECK(sizes_of(sketch) == Sizes{{"length", 60}, {"width", 20}, {"hole_side", 10}, {"pitch_x", 30}});
 }
 
 TEST_CASE("sketch: a plate without holes keeps its corner on the origin") {

@@ -45,7 +45,7 @@ chord_error = 0.01;
 
 assert(corner_r > 0, "corner_r must be positive");
 assert(height > 0, "height must be positive");
-assert(dome_d / 2 > 0, "dome_d / 2 must be positive");
+assert(dome_d > 0, "dome_d must be positive");
 assert(corner_r - wall > 0, "corner_r - wall must be positive");
 assert(height - floor > 0, "height - floor must be positive");
 assert(hole_d > 0, "hole_d must be positive");

@@ -25,8 +25,8 @@ bend = 75;                               // fitted 75.01 +/- 0.02 from 1,200 poi
 // largest distance between a curved surface and the facets that stand for it [mm]
 chord_error = 0.01;
 
-assert(outer_d / 2 > 0, "outer_d / 2 must be positive");
-assert(inner_d / 2 > 0, "inner_d / 2 must be positive");
+assert(outer_d > 0, "outer_d must be positive");
+assert(inner_d > 0, "inner_d must be positive");
 assert(bend > 0 && bend <= 360, "bend must lie in 0 .. 360");
 
 module elbow_profile() difference() {

@@ -47,9 +47,9 @@ bolt_step = 360 / bolts;
 // largest distance between a curved surface and the facets that stand for it [mm]
 chord_error = 0.01;
 
-assert(flange_d / 2 > 0, "flange_d / 2 must be positive");
+assert(flange_d > 0, "flange_d must be positive");
 assert(thickness > 0, "thickness must be positive");
-assert(hub_d / 2 > 0, "hub_d / 2 must be positive");
+assert(hub_d > 0, "hub_d must be positive");
 assert(hub_height > 0, "hub_height must be positive");
 assert(bore_d > 0, "bore_d must be positive");
 assert(thickness + hub_height > 0, "thickness + hub_height must be positive");

@@ -42,7 +42,7 @@ slot_width = as_designed ? 6 : 6.002;     // fitted 6.002 +/- 0.004 from 4,120 p
 chord_error = 0.01;
 
 assert(height > 0, "height must be positive");
-assert(island_d / 2 > 0, "island_d / 2 must be positive");
+assert(island_d > 0, "island_d must be positive");
 assert(depth > 0, "depth must be positive");
 assert(drill_d > 0, "drill_d must be positive");
 assert(slot_length > 0, "slot_length must be positive");
