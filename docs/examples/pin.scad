@@ -13,13 +13,13 @@ as_scanned = true;
 
 /* [Turned body] */
 // radius of the fillet [mm]
-fillet_radius = as_designed ? 1.5 : 1.5002;  // fitted 1.5002 +/- 0.0005 from 1,268 points; nominal 1.5 (diameter, multiples of 1 mm, z = -0.4)
-// height of a flat face [mm]
-shoulder_z = as_designed ? 6 : 5.9997;       // fitted 5.9997 +/- 0.0002 from 3,299 points; nominal 6 (multiples of 1 mm, z = 1.1)
-// radius of the shank [mm]
-shank_radius = 6;                            // fitted 6 +/- 0.0002 from 27,153 points; nominal 6 (diameter, multiples of 1 mm, z = 0.1)
-// radius of the head [mm]
-head_radius = 10;                            // fitted 10 +/- 0.0002 from 6,781 points; nominal 10 (diameter, multiples of 10 mm, z = 0.1)
+fillet_radius = as_designed ? 1.5 : 1.5002;  // fitted 1.5002 +/- 0.0005 from 1,268 points; nominal 1.5 (multiples of 0.5 mm, z = -0.4)
+// height of the head [mm]
+head_height = as_designed ? 6 : 5.9997;      // fitted 5.9997 +/- 0.0002 from 3,299 points; nominal 6 (multiples of 1 mm, z = 1.1)
+// diameter of the shank [mm]
+shank_d = 12;                                // fitted 12 +/- 0.0004 from 27,153 points; nominal 12 (multiples of 1 mm, z = 0.1)
+// diameter of the head [mm]
+head_d = as_designed ? 20 : 19.9999;         // fitted 19.9999 +/- 0.0004 from 6,781 points; nominal 20 (multiples of 10 mm, z = 0.1)
 // width and height of the 45 degree chamfer [mm]
 chamfer = as_designed ? 1 : 1.0001;          // fitted 1.0001 +/- 0.0003 from 862 points; nominal 1 (multiples of 1 mm, z = -0.5)
 // length over all [mm]
@@ -33,18 +33,18 @@ assert(fillet_radius > 0, "fillet_radius must be positive");
 
 module turned_body_profile()
   polygon([
-    [0, 0],                                  // bottom face
-    [head_radius, 0],                        // head
-    [head_radius, shoulder_z],               // shoulder
+    [0, 0],                                 // bottom face
+    [head_d / 2, 0],                        // head
+    [head_d / 2, head_height],              // shoulder
     // fillet, then shank
-    each arc([shank_radius + fillet_radius, shoulder_z + fillet_radius], fillet_radius, -90, -180),
-    [shank_radius, total_length - chamfer],  // chamfer
-    [shank_radius - chamfer, total_length],  // top face
-    [0, total_length]                        // axis
+    each arc([shank_d / 2 + fillet_radius, head_height + fillet_radius], fillet_radius, -90, -180),
+    [shank_d / 2, total_length - chamfer],  // chamfer
+    [shank_d / 2 - chamfer, total_length],  // top face
+    [0, total_length]                       // axis
   ]);
 
 module turned_body() {
-  n = facets(head_radius);
+  n = facets(head_d / 2);
   rotate_extrude($fn = n) scale([straddled(1, n), 1]) turned_body_profile();
 }
 

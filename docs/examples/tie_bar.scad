@@ -12,37 +12,37 @@ as_designed = true;
 as_scanned = true;
 
 /* [Plate] */
-// radius of the round end [mm]
-end_radius = 15;                          // fitted 15 +/- 0.001 from 10,049 points; nominal 15 (diameter, multiples of 10 mm, z = 0.2)
-// x of the centre of the end [mm]
-end_center_x = 80;                        // fitted 80 +/- 0.001 from 2,036 points; nominal 80 (multiples of 10 mm, z = 0)
-// radius of the hole [mm]
-hole_radius = 8;                          // fitted 8 +/- 0.001 from 791 points; nominal 8 (diameter, preferred numbers R20, z = -0.1)
-// radius of the hole [mm]
-hole_2_radius = as_designed ? 5 : 5.001;  // fitted 5.001 +/- 0.002 from 313 points; nominal 5 (diameter, multiples of 10 mm, z = -0.4)
-// length of the extrusion [mm]
-height = 12;                              // fitted 12 +/- 0.001 from 9,813 points; nominal 12 (multiples of 1 mm, z = 0.3)
+// width, twice the radius of the round ends [mm]
+width = 30;                            // fitted 30 +/- 0.002 from 10,049 points; nominal 30 (multiples of 10 mm, z = 0.2)
+// distance between the centres of the ends [mm]
+center_distance = 80;                  // fitted 80 +/- 0.001 from 2,036 points; nominal 80 (multiples of 10 mm, z = 0)
+// diameter of hole 1 [mm]
+hole_d = 16;                           // fitted 16 +/- 0.003 from 791 points; nominal 16 (preferred numbers R20, z = -0.1)
+// diameter of hole 2 [mm]
+hole_2_d = as_designed ? 10 : 10.001;  // fitted 10.001 +/- 0.003 from 313 points; nominal 10 (multiples of 10 mm, z = -0.4)
+// thickness [mm]
+thickness = 12;                        // fitted 12 +/- 0.001 from 9,813 points; nominal 12 (multiples of 1 mm, z = 0.3)
 
 /* [Quality] */
 // largest distance between a curved surface and the facets that stand for it [mm]
 chord_error = 0.015;
 
-assert(end_radius > 0, "end_radius must be positive");
-assert(hole_radius > 0, "hole_radius must be positive");
-assert(hole_2_radius > 0, "hole_2_radius must be positive");
-assert(height > 0, "height must be positive");
+assert(width > 0, "width must be positive");
+assert(hole_d > 0, "hole_d must be positive");
+assert(hole_2_d > 0, "hole_2_d must be positive");
+assert(thickness > 0, "thickness must be positive");
 
 module plate_outline() difference() {
   polygon([
-    each arc([end_center_x, 0], end_radius, -90, 90),  // end, then back
-    each arc([0, 0], end_radius, 90, 270)              // end, then front
+    each arc([center_distance, 0], width / 2, -90, 90),  // end, then back
+    each arc([0, 0], width / 2, 90, 270)                 // end, then front
   ]);  // outline
-  disc(hole_radius);  // hole 1
-  translate([end_center_x, 0]) disc(hole_2_radius);  // hole 2
+  disc(hole_d / 2);  // hole 1
+  translate([center_distance, 0]) disc(hole_2_d / 2);  // hole 2
 }
 
 module plate()
-  linear_extrude(height = height) plate_outline();
+  linear_extrude(height = thickness) plate_outline();
 
 // From the part's own frame to the scan's.
 module scan_from_part() translate([-20, 35, 8]) rotate([-22.9169, 14.3243, 63.0247]) children();

@@ -73,12 +73,6 @@ std::string role_of(const std::string& name) {
   return role;
 }
 
-Sketch* sketch_of(Candidate& candidate) {
-  if (auto* plate = std::get_if<Extrude>(&candidate.shape)) return &plate->sketch;
-  if (auto* turned = std::get_if<Revolve>(&candidate.shape)) return &turned->sketch;
-  return nullptr;
-}
-
 std::vector<SketchArc*> arcs_of(Loop& loop) {
   std::vector<SketchArc*> arcs;
   for (SketchElement& element : loop.elements)
@@ -89,17 +83,15 @@ std::vector<SketchArc*> arcs_of(Loop& loop) {
 /// Full circles of the trade: what a caliper or a plug gauge measures across.
 void by_diameters(Candidate& candidate) {
   static const std::set<std::string, std::less<>> round = {
-      "radius",      "body_radius", "bore_radius", "head_radius",   "shank_radius", "neck_radius",
-      "hole_radius", "disc_radius", "ring_radius", "bottom_radius", "top_radius"};
-  const bool turned = std::holds_alternative<Sphere>(candidate.shape) ||
-                      std::holds_alternative<Cylinder>(candidate.shape) ||
-                      std::holds_alternative<Cone>(candidate.shape) || sketch_of(candidate);
-  if (!turned) return;
+      "radius",      "body_radius", "bore_radius",   "head_radius", "shank_radius", "neck_radius", "hole_radius",
+      "disc_radius", "ring_radius", "bottom_radius", "top_radius",  "major_radius", "minor_radius"};
   std::vector<std::string> names;
   for (const Parameter& p : candidate.parameters)
     if (round.contains(role_of(p.name))) names.push_back(p.name);
   for (const std::string& name : names) {
-    const std::string stem = name.substr(0, name.size() - std::string_view("radius").size());
+    std::string stem = name.substr(0, name.size() - std::string_view("radius").size());
+    if (stem == "major_") stem = "ring_";
+    if (stem == "minor_") stem = "tube_";
     std::string note = parameter_of(candidate, name)->note;
     note = note.substr(0, note.find(';'));
     if (note.starts_with("radius")) note = "diameter" + note.substr(std::string_view("radius").size());

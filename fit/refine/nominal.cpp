@@ -104,21 +104,21 @@ double share_of(double step, double usual, const Habit& habit) {
   return (1 - habitual) * usual + (std::abs(step - habit.step) < 1e-9 ? habitual : 0);
 }
 
-/// Values of the metric series near a length x. `what` precedes the name: "diameter, ".
-void metric_length(std::vector<Hit>& hits, double x, double weight, const Habit& habit, const std::string& what) {
+/// Values of the metric series near a length x.
+void metric_length(std::vector<Hit>& hits, double x, double weight, const Habit& habit) {
   static constexpr struct { double step, weight; } grids[] = {{10, 0.2}, {5, 0.2}, {1, 0.3}, {0.5, 0.12}, {0.1, 0.06}};
   for (const auto& g : grids)
     add_grid(hits, x, g.step, 0.1, weight * share_of(g.step, g.weight, habit),
-             what + "multiples of " + print_number(g.step) + " mm");
+             "multiples of " + print_number(g.step) + " mm");
   if (!(x > 0)) return;
   const double decade = std::pow(10, std::floor(std::log10(x) + 1e-12));
   const auto [k, gap] = nearest_of(
       21, [&](std::size_t i) { return i == 20 ? 10 * decade : preferred[i] * decade; }, x);
   const double value = k == 20 ? 10 * decade : preferred[k] * decade;
-  hits.push_back({snapped(value, 0.001 * decade), gap, 0.05 * (1 - habitual) * weight, what + "preferred numbers R20"});
+  hits.push_back({snapped(value, 0.001 * decade), gap, 0.05 * (1 - habitual) * weight, "preferred numbers R20"});
 }
 
-void inch_length(std::vector<Hit>& hits, double x, double weight, const Habit& habit, const std::string& what) {
+void inch_length(std::vector<Hit>& hits, double x, double weight, const Habit& habit) {
   static constexpr struct {
     int denominator;
     double weight;
@@ -127,14 +127,14 @@ void inch_length(std::vector<Hit>& hits, double x, double weight, const Habit& h
     const double step = inch / f.denominator, count = std::round(x / step);
     if (count > 0)
       hits.push_back({count * step, step, weight * share_of(step, f.weight, habit),
-                      what + fraction(count / f.denominator, f.denominator) + " inch"});
+                      fraction(count / f.denominator, f.denominator) + " inch"});
   }
   static constexpr struct { double step, weight; } decimals[] = {{0.1, 0.08}, {0.05, 0.04}, {0.01, 0.02}};
   for (const auto& d : decimals) {
     const double count = std::round(x / (d.step * inch));
     if (count > 0)
       hits.push_back({count * d.step * inch, d.step * inch, weight * share_of(d.step * inch, d.weight, habit),
-                      what + mm(count * d.step) + " inch"});
+                      mm(count * d.step) + " inch"});
   }
 }
 
@@ -143,28 +143,24 @@ void hole_tables(std::vector<Hit>& hits, bool metric, double diameter) {
     const auto count = std::size(metric_holes);
     const auto [k, gap] = nearest_of(
         count, [](std::size_t i) { return metric_holes[i].mm; }, diameter);
-    hits.push_back({metric_holes[k].mm, gap, drilled, "diameter, " + std::string(metric_holes[k].what)});
+    hits.push_back({metric_holes[k].mm, gap, drilled, metric_holes[k].what});
     return;
   }
   const double thousandths = diameter / inch * 1000;
   const auto [n, number_gap] = nearest_of(
       60, [](std::size_t i) { return number_drills[59 - i]; }, thousandths);
   hits.push_back({number_drills[59 - n] * inch / 1000, number_gap * inch / 1000, 0.6 * drilled,
-                  "diameter, number drill " + std::to_string(60 - n)});
+                  "number drill " + std::to_string(60 - n)});
   const auto [l, letter_gap] = nearest_of(
       26, [](std::size_t i) { return letter_drills[i]; }, thousandths);
   hits.push_back({letter_drills[l] * inch / 1000, letter_gap * inch / 1000, 0.4 * drilled,
-                  std::string("diameter, letter drill ") + char('A' + l)});
+                  std::string("letter drill ") + char('A' + l)});
 }
 
-/// A radius that people state as a radius: of a fillet, a rounding, a sphere's dome.
-bool stated_as_radius(const Parameter& p) {
-  return mentions(p, "round") || mentions(p, "fillet") || mentions(p, "corner") || mentions(p, "blend") ||
-         mentions(p, "dome") || mentions(p, "end_radius");
+/// "hole_d", "hole_2_d": holes are drilled, mostly.
+bool is_hole_diameter(const Parameter& p) {
+  return p.name.ends_with("_d") && (mentions(p, "hole") || mentions(p, "bore"));
 }
-
-/// "hole_d", "hole_2_d".
-bool is_diameter(const Parameter& p) { return p.name.ends_with("_d"); }
 
 /// Of a positive length or angle.
 std::vector<Hit> hits_near(const Parameter& p, double x, const Habit& habit) {
@@ -180,20 +176,9 @@ std::vector<Hit> hits_near(const Parameter& p, double x, const Habit& habit) {
     return hits;
   }
   auto lengths = habit.metric ? metric_length : inch_length;
-  const bool hole = mentions(p, "hole") || mentions(p, "bore");
-  if (!mentions(p, "radius")) {
-    const bool bored = hole && is_diameter(p);
-    lengths(hits, x, bored ? 1 - drilled : 1, habit, "");
-    if (bored) hole_tables(hits, habit.metric, x);
-    return hits;
-  }
-  const double as_radius = stated_as_radius(p) ? 0.7 : hole ? 0.1 : 0.3;
-  const double by_length = hole ? 1 - drilled : 1;
-  lengths(hits, x, by_length * as_radius, habit, "");
-  const std::size_t first = hits.size();
-  lengths(hits, 2 * x, by_length * (1 - as_radius), habit, "diameter, ");
-  if (hole) hole_tables(hits, habit.metric, 2 * x);
-  for (std::size_t k = first; k < hits.size(); ++k) hits[k].value /= 2, hits[k].spacing /= 2;
+  const bool hole = is_hole_diameter(p);
+  lengths(hits, x, hole ? 1 - drilled : 1, habit);
+  if (hole) hole_tables(hits, habit.metric, x);
   return hits;
 }
 
@@ -294,7 +279,7 @@ std::vector<std::optional<NominalEvidence>> nominal_values(const std::vector<Par
         });
         if (found == values.end()) found = values.insert(values.end(), {o.hits[h].value, 0, 0, 0, ""});
         found->probability += probability;
-        const double coarse = o.hits[h].spacing * (o.hits[h].series.starts_with("diameter") ? 2 : 1);
+        const double coarse = o.hits[h].spacing;
         if (coarse > found->coarsest + 1e-9 || (coarse > found->coarsest - 1e-9 && probability > found->strongest))
           found->coarsest = coarse, found->strongest = probability, found->series = o.hits[h].series;
       }

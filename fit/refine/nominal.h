@@ -20,8 +20,8 @@ namespace partscribe::fit {
 /// every series by many sigmas, the one size that happens to hit a fine grid is not.
 ///
 /// A nominal size is taken if its probability is at least 0.9, |z| <= 2.6, and it moves the surface by at most a
-/// quarter of the tolerance (an angle does so at the distance `size`, mm). Radii are also compared as diameters, and
-/// those of holes with drills, clearance holes and tap holes.
+/// quarter of the tolerance (an angle does so at the distance `size`, mm). Diameters of holes are also compared with
+/// those of drills, clearance holes and tap holes.
 std::vector<std::optional<NominalEvidence>> nominal_values(const std::vector<Parameter>& parameters, double tolerance,
                                                            double size);
 

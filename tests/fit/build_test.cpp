@@ -86,8 +86,8 @@ TEST_CASE("build: a frustum is a cone, a torus a torus") {
   const Model torus = placed(model_with(Torus{20, 6}), {1, 2, 3}, {0.3, 0.9, 0});
   const Model fitted_torus = built(sampled(torus, {}), 0.1);
   CHECK(kind(fitted_torus) == "torus");
-  expect_value(fitted_torus, 20);
-  expect_value(fitted_torus, 6);
+  expect_value(fitted_torus, 40);
+  expect_value(fitted_torus, 12);
 }
 
 TEST_CASE("build: a box has three sizes, at any attitude") {

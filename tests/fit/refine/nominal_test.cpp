@@ -31,34 +31,34 @@ bool kept(const std::optional<NominalEvidence>& e, double value) {
 
 TEST_CASE("nominal: the sizes of a metric part are found, each with its probability") {
   const auto found = answers({measured("length", 80.003, 0.004), measured("width", 25.002, 0.004),
-                              measured("height", 7.497, 0.004), measured("hole_radius", 3.301, 0.003)});
+                              measured("height", 7.497, 0.004), measured("hole_d", 6.602, 0.006)});
   CHECK(kept(found[0], 80));
   CHECK(kept(found[1], 25));
   CHECK(kept(found[2], 7.5));
-  REQUIRE(kept(found[3], 3.3));
-  CHECK(found[3]->series == "diameter, clearance of M6, medium");
+  REQUIRE(kept(found[3], 6.6));
+  CHECK(found[3]->series == "clearance of M6, medium");
   for (const auto& e : found) CHECK(e->probability > 0.9);
 }
 
 TEST_CASE("nominal: the sizes of an inch part are fractions, not tenths of a millimetre") {
   const auto found = answers({measured("length", 76.203, 0.004), measured("width", 38.098, 0.004),
-                              measured("height", 9.527, 0.004), measured("bore_radius", 6.351, 0.003)});
+                              measured("height", 9.527, 0.004), measured("bore_d", 12.702, 0.006)});
   CHECK(kept(found[0], 76.2));
   CHECK(kept(found[1], 38.1));
   CHECK(kept(found[2], 9.525));
-  CHECK(kept(found[3], 6.35));
+  CHECK(kept(found[3], 12.7));
   CHECK(found[0]->series == "3 inch");
   CHECK(found[1]->series == "1 1/2 inch");
   CHECK(found[2]->series == "3/8 inch");
-  CHECK(found[3]->series == "diameter, 1/2 inch");
+  CHECK(found[3]->series == "1/2 inch");
 }
 
 TEST_CASE("nominal: a drill of the inch tables is named") {
   const auto found = answers({measured("length", 127.002, 0.004), measured("width", 63.499, 0.004),
-                              measured("height", 19.051, 0.004), measured("hole_radius", 0.201 * 25.4 / 2, 0.001)});
+                              measured("height", 19.051, 0.004), measured("hole_d", 0.201 * 25.4, 0.002)});
   REQUIRE(found[3]);
   CHECK(found[3]->kept);
-  CHECK(found[3]->series == "diameter, number drill 7");
+  CHECK(found[3]->series == "number drill 7");
 }
 
 TEST_CASE("nominal: a place on the other side of the origin is as round, in inches too") {

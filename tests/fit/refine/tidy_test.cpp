@@ -28,7 +28,7 @@ TEST_CASE("nominal: a value on a coarse grid is taken, with its evidence") {
   CHECK(p.fitted == Approx(9.998).margin(1e-4));
   REQUIRE(p.nominal);
   CHECK(p.nominal->kept);
-  CHECK(p.nominal->series == "diameter, multiples of 10 mm");
+  CHECK(p.nominal->series == "multiples of 10 mm");
   CHECK(std::abs(p.nominal->z) < 1);
 }
 
