@@ -89,6 +89,7 @@ class Drilling {
       if (!p) return false;
       placed.push_back(*p);
     }
+    std::vector<std::vector<Placed>> groups;
     while (!placed.empty()) {
       const Placed first = placed.front();
       std::vector<Placed> group;
@@ -97,8 +98,10 @@ class Drilling {
         group.push_back(p);
         return true;
       });
-      cut(std::move(group));
+      groups.push_back(std::move(group));
     }
+    std::ranges::stable_sort(groups, [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    for (const auto& group : groups) cut(group, role_of(group, groups));
     return true;
   }
 
@@ -319,20 +322,36 @@ class Drilling {
     return hole;
   }
 
-  /// A name in words.
-  static std::string said(const std::string& name, std::size_t count) {
-    std::string text = name;
-    std::ranges::replace(text, '_', ' ');
-    return text + (count > 1 ? "s" : "");
+  /// "hole_2" as "holes_2".
+  static std::string several(const std::string& name) {
+    const auto number = name.find_last_not_of("0123456789");
+    if (number + 1 == name.size() || name[number] != '_') return name + "s";
+    return name.substr(0, number) + "s" + name.substr(number);
   }
 
-  void cut(std::vector<Placed> group) {
+  /// A name in words.
+  static std::string said(const std::string& name, std::size_t count) {
+    std::string text = count > 1 ? several(name) : name;
+    std::ranges::replace(text, '_', ' ');
+    return text;
+  }
+
+  /// What a group is for: screws, where it has heads; a bore, if it is one hole, on the axis or wider than all others.
+  std::string role_of(const std::vector<Placed>& group, const std::vector<std::vector<Placed>>& groups) const {
+    const HoleOf<double>& form = group.front().hole->form;
+    if (form.head_diameter > 0 || form.sink_diameter > 0) return "screw_hole";
+    const Placed& first = group.front();
+    const bool on_axis = first.axis == 2 && first.place.head<2>().norm() < tolerance_;
+    const bool widest = groups.size() > 1 && std::ranges::all_of(groups, [&](const auto& other) {
+                          return &other == &group || other.front().hole->form.diameter < form.diameter;
+                        });
+    return group.size() == 1 && (on_axis || widest) ? "bore" : "hole";
+  }
+
+  void cut(const std::vector<Placed>& group, const std::string& wanted) {
     const HoleOf<double>& form = group.front().hole->form;
     const Placed& first = group.front();
-    std::string role = form.head_diameter > 0 || form.sink_diameter > 0 ? "screw_hole" : "hole";
-    const bool on_axis = group.size() == 1 && first.axis == 2 && first.place.head<2>().norm() < tolerance_;
-    if (on_axis) role = "bore";
-    role = unused(role);
+    const std::string role = unused(wanted);
     double mouth_at = 0, end_at = 0;
     // Of floors that were not seen the deepest is the best guess.
     std::vector<double> floors, guesses;
@@ -421,7 +440,7 @@ class Drilling {
                      "centre of the bolt circle");
     }
     const Expr diameter = parameter("bolt_circle_d", 2 * radius, "diameter of the bolt circle");
-    const Expr count = parameter(role + "s", double(n), "number of " + said(role, group.size()), Quantity::count);
+    const Expr count = parameter(several(role), double(n), "number of " + said(role, group.size()), Quantity::count);
     Frame of_hole;
     of_hole.x = diameter / Expr(2);
     if (std::abs(start) * radius > within) {
@@ -470,7 +489,8 @@ class Drilling {
       const auto& places = lines[k];
       const std::string letter = letters[(static_cast<std::size_t>(first.axis) + 1 + k) % 3];
       const double centre = 0.5 * (places.front() + places.back());
-      const Expr at = coordinate(centre, sigma, role + "s_" + letter, "middle of the " + said(role, group.size()));
+      const Expr at =
+          coordinate(centre, sigma, several(role) + "_" + letter, "middle of the " + said(role, group.size()));
       start[k] = at;
       if (places.size() < 2) continue;
       pitch[k] = parameter("pitch_" + letter, (places.back() - places.front()) / double(places.size() - 1),
@@ -487,7 +507,7 @@ class Drilling {
       row.object = name, row.count = Expr(double(lines[k].size()));
       std::array<Expr*, 3> steps = {&row.step_x, &row.step_y, &row.step_z};
       *steps[axis] = pitch[k];
-      name = unused(lines[1 - k].size() > 1 && k == 0 ? role + "_row" : role + "s");
+      name = unused(lines[1 - k].size() > 1 && k == 0 ? role + "_row" : several(role));
       step(name, row, {}, "along " + std::string(letters[axis]));
     }
     cut_.objects.push_back(name);

@@ -1,6 +1,7 @@
 #include "fit/sketch/sketch_names.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <functional>
 #include <map>
@@ -10,9 +11,41 @@
 namespace partscribe::fit {
 namespace {
 
+/// A level that is measured from the far side: `slot` is what is left of `size`.
+struct FromFarSide {
+  std::size_t slot, size;
+};
+
+/// The steps of an outline between its lower edge and `high` are measured from the nearer of the two. The two steps of
+/// an angle are what its legs are thick.
+std::vector<FromFarSide> measure_steps(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>& levels,
+                                       const std::array<const SketchLevel*, 2>& high) {
+  const auto slot_of = [](const SketchLevel& level) { return std::stoul(level.expr.parameter.substr(1)); };
+  std::array<std::vector<const SketchLevel*>, 2> steps;
+  for (const SketchLevel& level : levels) {
+    const auto axis = std::size_t(level.axis);
+    if (level.set && level.expr.is_parameter() && high[axis] && slots[slot_of(level)].role.starts_with("edge_"))
+      steps[axis].push_back(&level);
+  }
+  const bool angle = steps[0].size() == 1 && steps[1].size() == 1;
+  std::vector<FromFarSide> far;
+  for (const std::size_t axis : {0, 1})
+    for (const SketchLevel* level : steps[axis]) {
+      const std::size_t slot = slot_of(*level);
+      const bool from_far = level->value > high[axis]->value / 2;
+      if (from_far) far.push_back({slot, slot_of(*high[axis])});
+      if (angle)
+        slots[slot] = {"leg_thickness", "thickness of the leg"};
+      else if (from_far)
+        slots[slot].note = std::string("from an edge to the ") + (axis == 0 ? "right" : "back");
+    }
+  return far;
+}
+
 /// Roles that depend on all levels together.
-void rename_roles(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>& levels,
-                  const std::vector<std::vector<SketchPiece>>& pieces_of_loops, const SketchOptions& options) {
+std::vector<FromFarSide> rename_roles(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>& levels,
+                                      const std::vector<std::vector<SketchPiece>>& pieces_of_loops,
+                                      const SketchOptions& options) {
   const double same = options.tolerance / 5;
   double top = -1e300;
   std::size_t top_slot = 0;
@@ -54,6 +87,7 @@ void rename_roles(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>
     slots[shoulders[0]] = name == "head" ? SketchSlot{"head_height", "height of the head"}
                                          : SketchSlot{name + "_length", "length of the " + name};
   }
+  std::array<const SketchLevel*, 2> sizes = {};
   if (!options.revolve)
     for (int axis = 0; axis < 2; ++axis) {
       const SketchLevel* high = nullptr;
@@ -65,10 +99,12 @@ void rename_roles(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>
       }
       bool lowest = true;
       for (const auto& level : levels) lowest &= level.axis != axis || level.value > -same;
-      if (datum && lowest && high && high->expr.is_parameter())
-        slots[std::stoul(high->expr.parameter.substr(1))] =
-            axis == 0 ? SketchSlot{"length", "size along x"} : SketchSlot{"width", "size along y"};
+      if (!datum || !lowest || !high || !high->expr.is_parameter()) continue;
+      slots[std::stoul(high->expr.parameter.substr(1))] =
+          axis == 0 ? SketchSlot{"length", "size along x"} : SketchSlot{"width", "size along y"};
+      sizes[std::size_t(axis)] = high;
     }
+  return measure_steps(slots, levels, sizes);
 }
 
 }  // namespace
@@ -86,7 +122,13 @@ std::string of_several(const std::string& note) {
 
 void name_parameters(BuiltSketch& built, std::vector<SketchSlot> slots, const std::vector<SketchLevel>& levels,
                      const std::vector<std::vector<SketchPiece>>& pieces, const SketchOptions& options) {
-  rename_roles(slots, levels, pieces, options);
+  const std::vector<FromFarSide> far = rename_roles(slots, levels, pieces, options);
+  std::map<std::string, std::string> wholes;  // of levels that are measured from the far side
+  for (const auto& [slot, size] : far) {
+    Parameter &p = built.parameters[slot], &whole = built.parameters[size];
+    wholes[p.name] = whole.name;
+    p.value = p.fitted = whole.value - p.value;
+  }
   std::map<std::string, int> count, used;
   for (const auto& slot : slots) ++count[slot.role];
   std::map<std::string, std::string> names;
@@ -106,8 +148,11 @@ void name_parameters(BuiltSketch& built, std::vector<SketchSlot> slots, const st
     built.parameters[i].note = slots[i].note;
   }
   std::function<void(Expr&)> rename = [&](Expr& e) {
-    if (e.is_parameter()) e.parameter = names.at(e.parameter);
     for (auto& a : e.arguments) rename(a);
+    if (!e.is_parameter()) return;
+    const auto whole = wholes.find(e.parameter);
+    e = whole == wholes.end() ? Expr::of(names.at(e.parameter))
+                              : Expr::of(names.at(whole->second)) - Expr::of(names.at(e.parameter));
   };
   const auto without = [](std::string name, std::initializer_list<const char*> suffixes) {
     for (const char* suffix : suffixes)
@@ -123,7 +168,7 @@ void name_parameters(BuiltSketch& built, std::vector<SketchSlot> slots, const st
     std::string name = level.expr.is_parameter() ? names.at(level.expr.parameter) : level.axis == 0 ? "wall" : "face";
     if (name == "total_length") return "top face";
     if (name == "head_height" || (name.ends_with("_length") && level.axis == 1 && options.revolve)) return "shoulder";
-    return without(std::move(name), {"_radius", "_z"});
+    return without(std::move(name), {"_radius", "_z", "_thickness"});
   };
   for (auto& loop : built.sketch.loops)
     for (auto& element : loop.elements) {

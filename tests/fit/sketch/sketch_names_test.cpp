@@ -5,6 +5,7 @@
 
 #include "core/number.h"
 #include "fit/sketch/sketch_builder.h"
+#include "model/sketch.h"
 
 using namespace partscribe::fit;
 
@@ -70,4 +71,21 @@ TEST_CASE("sketch names: a chamfered edge is called as its size, a slope without
   CHECK(edges_of(unequal).count("taper") == 1);
   const auto triangle = build_sketch({outline({{0, 0}, {60, 0}, {30, 40}})}, {.tolerance = 0.1});
   CHECK(edges_of(triangle).count("slope") == 1);
+}
+
+TEST_CASE("sketch names: the legs of an angle have a thickness each, wherever its corner lies") {
+  for (const bool far : {false, true}) {
+    std::vector<Vec2> corners = {{0, 0}, {90, 0}, {90, 12}, {10, 12}, {10, 40}, {0, 40}};
+    if (far)
+      for (Vec2& c : corners) c = Vec2(90, 40) - c;
+    const auto built = build_sketch({outline(corners)}, {.tolerance = 0.1});
+    CHECK(names_of(built) == std::set<std::string>{"length", "width", "leg_thickness", "leg_2_thickness"});
+    Values values;
+    for (const auto& p : built.parameters) values[p.name] = p.value;
+    CHECK(values["leg_thickness"] + values["leg_2_thickness"] == Approx(22));
+    const auto box =
+        flat_box(outline_of(std::get<ExtrudeOf<double>>(evaluate(Extrude{built.sketch, 1}, values)).sketch));
+    CHECK(box.size().x() == Approx(90));
+    CHECK(box.size().y() == Approx(40));
+  }
 }
