@@ -1,6 +1,8 @@
 #include "fit/uncertainty/open_ends.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -28,32 +30,43 @@ Matrix hardly_fixed(const AllPoints& all, double few, int threads) {
   return eigen.vectors.leftCols(count);
 }
 
-/// The cost along one direction in the unknowns.
+/// Some points of the whole part, each standing for `each` of the scan.
+struct Selection {
+  const std::vector<Vec3>& points;
+  double each;
+  std::vector<double> here;  ///< their distances from the candidate
+};
+
+/// The cost along one direction in the unknowns. Where a number moves few points, all of them are asked; of those that
+/// it meets farther on, and that the part as a whole turns or shifts, the selection speaks.
 class WayThrough {
  public:
-  WayThrough(const Candidate& candidate, const Unknowns& unknowns, const Vector& direction,
-             const std::vector<Vec3>& points, double noise, double points_each, Context& context)
+  WayThrough(const Candidate& candidate, const Unknowns& unknowns, const Vector& direction, const AllPoints& all,
+             const Selection& selection, double noise, Context& context)
       : candidate_(candidate),
         unknowns_(unknowns),
         direction_(direction),
-        points_(points),
+        selection_(selection),
         noise_(noise),
-        points_each_(points_each),
-        context_(context) {}
+        context_(context),
+        away_(selection.points.size(), 1) {
+    ask_those_that_move(all);
+    for (const double d : selection.here) still_ += kernel.loss(d / noise_);
+  }
 
   /// Nats.
-  double cost(double way) const {
+  double cost(double way) {
     const Candidate moved = at(way);
     if (!unknowns_.sensible(moved)) return std::numeric_limits<double>::infinity();
-    double sum = 0;
-    for (const double d : unknowns_.distances(moved, points_, context_.threads).value) sum += kernel.loss(d / noise_);
-    return points_each_ * sum;
+    double& walked = walked_[way > 0 ? 1 : 0];
+    if (std::abs(way) > walked) find_met(moved, std::abs(way), walked == 0), walked = std::abs(way);
+    return own_each_ * loss(moved, own_) + selection_.each * (still_ + loss(moved, met_));
   }
 
   Candidate at(double way) const { return unknowns_.stepped(candidate_, way * direction_); }
 
   /// How far it may go, to one side, before the cost reaches `most`; more than the part's size if it never does.
-  double until(double side, double most) const {
+  double until(double side, double most) {
     constexpr int halvings = 7;
     double free = 0, step = 0.1 * noise_;
     for (; cost(side * step) < most; step *= 2) {
@@ -68,16 +81,50 @@ class WayThrough {
   }
 
  private:
+  static constexpr double hardly = 0.1;  // mm of a distance per mm of the way
   const Candidate& candidate_;
   const Unknowns& unknowns_;
   Vector direction_;
-  const std::vector<Vec3>& points_;
-  double noise_, points_each_;
+  const Selection& selection_;
+  double noise_;
   Context& context_;
+  std::vector<Vec3> own_, met_;            // points that move from the start; those of the selection that do later
+  double own_each_ = 1;                    // points of the scan that one of `own_` stands for
+  std::vector<char> away_;                 // of the selection: neither `own_` nor `met_`
+  double still_ = 0;                       // the cost of these
+  std::array<double, 2> walked_ = {0, 0};  // backwards, forwards
+
+  double loss(const Candidate& there, const std::vector<Vec3>& points) const {
+    double sum = 0;
+    for (const double d : unknowns_.distances(there, points, context_.threads).value) sum += kernel.loss(d / noise_);
+    return sum;
+  }
+
+  void ask_those_that_move(const AllPoints& all) {
+    constexpr std::size_t most = 1000;
+    for (std::size_t k = 0; k < all.nodes.size(); ++k)
+      if (std::abs(all.jacobian.rows.row(static_cast<Eigen::Index>(k)).dot(direction_)) > hardly)
+        for (std::size_t i = all.nodes[k].begin; i < all.nodes[k].end; ++i) own_.push_back(all.points[i]);
+    const std::size_t stride = (own_.size() + most - 1) / most;
+    if (stride < 2) return;
+    own_each_ = double(stride);
+    std::vector<Vec3> some;
+    for (std::size_t i = 0; i < own_.size(); i += stride) some.push_back(own_[i]);
+    own_ = std::move(some);
+  }
+
+  void find_met(const Candidate& there, double way, bool at_once) {
+    const Distances d = unknowns_.distances(there, selection_.points, context_.threads);
+    for (std::size_t i = 0; i < away_.size(); ++i) {
+      if (!away_[i] || std::abs(d.value[i] - selection_.here[i]) <= hardly * way) continue;
+      away_[i] = 0, still_ -= kernel.loss(selection_.here[i] / noise_);
+      if (!at_once) met_.push_back(selection_.points[i]);
+    }
+  }
 };
 
 /// How far along the way the cost is least, and the end there.
-std::pair<double, OpenEnd> end_along(const WayThrough& way, std::size_t parameter, double size) {
+std::pair<double, OpenEnd> end_along(WayThrough& way, std::size_t parameter, double size) {
   constexpr double each = 9;  // nats at most for a point that is left outside
   constexpr int per_point = 2, outward = 30 * per_point, inward = int(hardly_any_points) * per_point;  // steps
   constexpr double lopsided = 3;
@@ -113,7 +160,8 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
   // they may be these.
   const double thrown = among_outliers(input) || (input.scan && !input.scan->mesh.empty()) ? 0 : 0.01;
   const Matrix loose = hardly_fixed(all, thrown, context.threads);
-  const double points_each = double(all.points.size()) / double(points.size());
+  Selection selection{points, double(all.points.size()) / double(points.size()),
+                      unknowns.distances(candidate, points, context.threads).value};
   for (std::size_t k = 0; k < unknowns.free_parameters().size(); ++k) {
     const std::size_t parameter = unknowns.free_parameters()[k];
     const Vector own = loose.row(static_cast<Eigen::Index>(k)).transpose();
@@ -124,10 +172,11 @@ std::vector<OpenEnd> settle_open_ends(Candidate& candidate, const AllPoints& all
     for (int round = 0; round < rounds && (round == 0 || moved != 0);
          ++round) {  // from the end itself its last points are better known
       const Candidate start = candidate;
-      const WayThrough way(start, unknowns, direction, points, noise, points_each, context);
+      WayThrough way(start, unknowns, direction, all, selection, noise, context);
       std::tie(moved, end) = end_along(way, parameter, unknowns.size());
-      if (moved != 0 && !among_outliers(input))
-        candidate = way.at(moved);  // with many outliers it would continue to those
+      if (moved == 0 || among_outliers(input)) continue;  // with many outliers it would continue to those
+      candidate = way.at(moved);
+      selection.here = unknowns.distances(candidate, points, context.threads).value;
     }
     if (end.unlimited) end.sigma = std::max(end.sigma, 0.5 * input.thin_spacing / direction.cwiseAbs().maxCoeff());
     result.push_back(end);
