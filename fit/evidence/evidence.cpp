@@ -155,12 +155,12 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   });
   // Deviations well inside the tolerance are not worth a longer description.
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
-  constexpr double beyond_noise = 2.5;
+  constexpr double of_noise = 0.0827;  // the mean of nats_of a standard normal variable
+  const double each = weight_of_samples(n);
   const auto weigh = [&](double off, double u) {  // u: in sigmas
-    const double nats = 0.5 * std::min(u * u / 2, 12.0);
+    const double nats = each * nats_of(u);
     result.misfit += nats;
-    if (std::abs(u) > beyond_noise) result.far_out += nats;
-    if (std::abs(u) >= 4 && std::abs(off) > input.tolerance) ++result.unexplained;
+    if (std::abs(u) >= 4 && std::abs(off) > input.tolerance) result.far_out += nats;
   };
   double sum = 0, count = 0;
   const bool facets = input.facet_depth.size() == n;
@@ -171,6 +171,7 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     weigh(d[i], u);
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
   }
+  result.roughness = result.misfit / (of_noise * each * double(std::max<std::size_t>(n, 1)));
   // All points of a face that was hardly seen may have been set aside as outliers: of candidates of the same extent the
   // one with a face there is likelier. Not if there are many outliers: some lie near any face.
   if (!among_outliers(input))
@@ -198,10 +199,7 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     result.local_max = -at->first, result.worst = cloud.points[at->second];
   }
   result.rms = count > 0 ? std::sqrt(sum / count) : 0;
-  result.description = description_length(candidate, n);
-  // A wedge is a block and the plane that cuts it; with equal numbers of parameters, outliers would decide between the
-  // two.
-  if (among_outliers(input) && std::holds_alternative<Wedge>(candidate.shape)) result.description += 4;
+  result.description = description_length(candidate, std::min(n, deciding_samples));
   return result;
 }
 

@@ -1,7 +1,7 @@
 /// How well a candidate explains the data, and what its description costs.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,41 +15,29 @@ struct CandidateEvidence {
   double rms = 0;             ///< mm, of residuals within 4 sigmas
   double local_max = 0;       ///< mm, largest local robust mean of the signed distance
   Vec3 worst = Vec3::Zero();  ///< where
-  double misfit = 0;          ///< nats: sum of min(u^2 / 2, 12) / 2 over the points (neighbours are correlated)
-  /// nats: the share of points beyond 2.5 sigmas in the misfit; noise alone puts one in eighty there
-  double far_out = 0;
-  std::size_t unexplained = 0;  ///< points beyond the tolerance and 4 sigmas
-  double description = 0;       ///< nats: what writing the procedure down costs
+  /// nats: minus the logarithm of a Student distribution's density (of two degrees of freedom, over that of no
+  /// deviation), a sixth of it per sample because neighbours are correlated and outliers come in clusters (nats_of).
+  /// More than deciding_samples count as so many.
+  double misfit = 0;
+  double far_out = 0;      ///< nats: the share of points beyond the tolerance and 4 sigmas in the misfit
+  double roughness = 0;    ///< misfit per sample over that of Gaussian noise
+  double description = 0;  ///< nats: what writing the procedure down costs
   double total() const { return misfit + description; }
 };
 
-/// cost of a point that a shape does not explain: the upper bound of its misfit
-constexpr double nats_per_outlier = 6;
+/// Of a deviation of so many sigmas.
+inline double nats_of(double sigmas) { return std::log1p(sigmas * sigmas / 2) / 4; }
 
-constexpr double more_likely = 20;  ///< nats by which a longer description must fit its own points better
+/// Nats between two descriptions of which only the better one may be true: odds of five hundred million in theory, of a
+/// few hundred on scans with curtains and clusters of outliers.
+constexpr double told_apart = 20;
 
-/// The same for another procedure: a body of another kind can fit outliers everywhere on its surface.
-inline double far_more_likely(double outlier_share, std::size_t points) {
-  return more_likely + 0.1 * outlier_share * double(points);
-}
-inline double far_more_likely(const FitInput& input) {
-  return far_more_likely(input.outlier_share, input.cloud.size());
-}
+/// As many samples decide between kinds of parts; more tell the sizes, but share the errors of the scan.
+constexpr std::size_t deciding_samples = 4000;
 
-/// By how many points a shape must explain more than a simpler one: where there are many outliers, any shape explains
-/// some.
-inline double worth_a_shape(const FitInput& input) {
-  const double points = double(input.cloud.size());
-  return std::max(20.0, points / 200) + 0.05 * input.outlier_share * points;
-}
-
-/// Nats by which one candidate may be better than another because of outliers alone: outliers that lie on it and not on
-/// the other, and, if there are many outliers, all points that are farther from the other than noise explains, because
-/// curtains and clusters of outliers begin at the surface.
-inline double gained_by_outliers(const CandidateEvidence& ahead, const CandidateEvidence& other,
-                                 const FitInput& input) {
-  const double left = nats_per_outlier * (double(other.unexplained) - double(ahead.unexplained));
-  return std::max({left, among_outliers(input) ? other.far_out - ahead.far_out : 0, 0.0});
+/// How much each of so many samples counts.
+inline double weight_of_samples(std::size_t samples) {
+  return samples > deciding_samples ? double(deciding_samples) / double(samples) : 1;
 }
 
 /// Up to 25 of the nearest points whose normals agree within 45 degrees and which lie within six times the spacing.

@@ -524,7 +524,9 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
   if (nodes.blur > 0) chain_options.least = 6;
   constexpr double at_noise = 2;  // cells
   const std::vector<Vec2> aside = places_aside(input, axis);
-  const auto least_of_step = static_cast<std::size_t>(worth_a_shape(input));
+  // Where there are many outliers, any step explains some.
+  const double count = double(input.cloud.size());
+  const auto least_of_step = static_cast<std::size_t>(std::max(20.0, count / 200) + 0.05 * input.outlier_share * count);
   const auto chains = chains_of(points, chain_options);
   if (chains.empty()) return {};
   std::vector<std::array<std::size_t, 4>> seen;  // what was proposed already: pieces, arcs, walls, control points

@@ -137,6 +137,14 @@ std::vector<Side> sides_along(const Outline2& outline, bool along_x) {
 
 bool overlap(const Side& a, const Side& b) { return a.from < b.to && b.from < a.to; }
 
+/// What the deviations from the faces of a convex body cost.
+double cost_of(const std::vector<ConvexFace>& faces, const FitInput& input) {
+  const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
+  double sum = 0;
+  for (const Vec3& p : input.cloud.points) sum += nats_of(convex_distance(faces, p) / sigma);
+  return weight_of_samples(input.cloud.size()) * sum;
+}
+
 bool may_be_zero(const Measured& m) { return m.sigma > 0 && m.value < undecided * m.sigma; }
 
 }  // namespace
@@ -160,40 +168,6 @@ std::string simpler_kind(const Candidate& refined) {
   if (const auto* ellipsoid = std::get_if<Ellipsoid>(&refined.shape))
     return may_be_zero(half_axes_apart(refined, *ellipsoid)) ? "sphere" : "";
   return {};
-}
-
-std::string off_where_outliers_are(const CandidateEvidence& winner, const CandidateEvidence& rival,
-                                   const FitInput& input) {
-  const double less = winner.total() - rival.total();
-  const bool makes_sense = rival.description > 0;
-  if (!among_outliers(input) || !makes_sense || !(rival.local_max > input.tolerance) || !(less > 0)) return {};
-  return "the data cannot tell whether what it leaves out are outliers: costs " + print_number(std::round(less)) +
-         " nats less in all";
-}
-
-std::string leaves_out_outliers(const CandidateEvidence& winner, const CandidateEvidence& rival,
-                                const FitInput& input) {
-  // times the outliers that were set aside: 95 % of true shapes leave fewer others unexplained
-  constexpr double most_left_out = 0.2;
-  const double left = double(rival.unexplained) - double(winner.unexplained),
-               outliers = input.outlier_share * double(input.cloud.size());
-  const bool makes_sense = rival.description > 0;
-  if (!among_outliers(input) || !makes_sense || rival.description >= winner.description) return {};
-  if (!(left > 0 && left < most_left_out * outliers)) return {};
-  if (rival.total() - winner.total() - gained_by_outliers(winner, rival, input) >= far_more_likely(input)) return {};
-  return "shorter; the data cannot tell whether the " + print_number(left) + " points that it leaves out are outliers";
-}
-
-std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input) {
-  constexpr double of_noise = 0.25, rough = 2;  // nats per point; times as much
-  const double share = std::max(input.outlier_share, input.outliers_left), more = rival.total() - winner.total();
-  const double times = winner.misfit / (of_noise * std::max(double(input.cloud.size()), 1.0));
-  const bool outliers = share > many_outliers && std::abs(more) < far_more_likely(share, input.cloud.size());
-  const bool roughly = times > rough && std::abs(more) < more_likely * times;
-  if (!outliers && !roughly) return {};
-  const std::string costs = "the data cannot tell: costs " + print_number(std::round(std::abs(more))) +
-                            (more < 0 ? " nats less" : " nats more") + " in all, ";
-  return costs + (outliers ? "as outliers may have it" : "where neither follows them as closely as noise allows");
 }
 
 std::vector<Expr> radii_of(const Shape& shape) {
@@ -274,9 +248,9 @@ std::string open_polyhedron(const Candidate& winner, double cost, const FitInput
   const auto faces = scanned_faces(input, context);
   if (faces.size() < (last_resort ? 2 : 1)) return {};
   if (!last_resort) {
-    const double per_face = 4 + 1.5 * std::log(double(input.cloud.size()));  // as in description_length
-    const double margin = round || std::holds_alternative<Wedge>(winner.shape) ? far_more_likely(input) : 0;
-    const bool cheaper = misfit_of(faces, input) + per_face * double(faces.size()) < cost + margin;
+    const double per_face = 4 + 1.5 * std::log(double(std::min(input.cloud.size(), deciding_samples)));
+    const double margin = round || std::holds_alternative<Wedge>(winner.shape) ? told_apart : 0;
+    const bool cheaper = cost_of(faces, input) + per_face * double(faces.size()) < cost + margin;
     if (round && !cheaper) return {};
     const bool corner =
         faces.size() == 3 && std::abs(faces[0].normal.dot(faces[1].normal.cross(faces[2].normal))) > 0.3;

@@ -18,25 +18,6 @@ std::string told_apart_by(const Candidate& winner, Candidate rival, const FitInp
 /// is zero within two of them. Empty for anything else.
 std::string simpler_kind(const Candidate& refined);
 
-/// A sentence if a rival costs less in all although it was refused for being off by more than the tolerance at some
-/// place, in a scan with many outliers: the place may be a cluster of outliers, and a shape that fits the cluster costs
-/// more everywhere else. Empty otherwise.
-std::string off_where_outliers_are(const CandidateEvidence& winner, const CandidateEvidence& rival,
-                                   const FitInput& input);
-
-/// A sentence if a shorter rival may be the truth because the points that only the winner explains may be outliers:
-/// they are few compared with those that were set aside, and without them the rival is hardly less likely. Empty
-/// otherwise.
-std::string leaves_out_outliers(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
-
-/// A sentence if a rival of another procedure, within the tolerance, costs so nearly the same as the winner that
-/// neither is certain. Empty otherwise. The difference must be
-/// - with many outliers, smaller than far_more_likely: a body of another kind can fit outliers everywhere on its
-///   surface;
-/// - where even the winner's residuals are twice the noise or more, smaller than 20 nats times the ratio of its misfit
-///   to that of noise.
-std::string hardly_told_apart(const CandidateEvidence& winner, const CandidateEvidence& rival, const FitInput& input);
-
 /// All radii of a ball, ellipsoid, cylinder or cone, some of which may be plain numbers; none of any other shape.
 std::vector<Expr> radii_of(const Shape& shape);
 
@@ -66,7 +47,7 @@ std::string bent_sheet(const Candidate& winner, const FitInput& input);
 ///   closed body;
 /// - a box, wedge or extrusion in a scan with many outliers, if there are at most three faces. Three faces around a
 ///   corner end where the body ends, and count only if they alone cost less than the winner, whose `cost` is in nats
-///   (for a wedge: not clearly more, far_more_likely). Three that are all perpendicular to one plane leave both ends of
+///   (for a wedge: not clearly more, told_apart). Three that are all perpendicular to one plane leave both ends of
 ///   the body open;
 /// - a cylinder or cone in a scan with many outliers, if there are at most three faces and they alone cost less than
 ///   the winner or not clearly more.

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "core/number.h"
-#include "fit/evidence/face_ends.h"
 #include "fit/evidence/seen_through.h"
 #include "fit/outliers/readmit.h"
 #include "fit/propose/drilled.h"
@@ -127,113 +126,12 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   return j;
 }
 
-/// Nats by which `a` explains the borders of its flat faces better than `b`. With many outliers, where sparse points
-/// were set aside as well, this is weak evidence; nor does it outweigh a large difference in everything else.
-double ends_told(const Judged& a, const Judged& b, const FitInput& input) {
-  constexpr double at_most = 200;
-  const auto flat = [](const Candidate& c) {
-    return std::holds_alternative<Box>(c.shape) || std::holds_alternative<Wedge>(c.shape) ||
-           std::holds_alternative<Extrude>(c.shape);
-  };
-  if (among_outliers(input) || !flat(a.candidate) || !flat(b.candidate) ||
-      std::abs(b.evidence.total() - a.evidence.total()) > at_most)
-    return 0;
-  return face_ends_told(a.candidate, b.candidate, input);
-}
-
-/// True if `a`, with the longer description, is to be preferred to `b`. It must cost less in total, and one of these
-/// must hold:
-/// - it ends where the points of its flat faces end, and the shorter one does not (ends_told);
-/// - it is clearly closer to the data everywhere. With many outliers a body of another kind may come closer by fitting
-///   noise, so there the shorter one must also be off by more than noise;
-/// - it explains points that the shorter one does not;
-/// - the tolerance is not much wider than the noise, and it is far more likely even without the points that may be
-///   outliers;
-/// - both descriptions are about equally long.
-bool worth_its_length(const Judged& a, const Judged& b, const FitInput& input) {
-  constexpr double clearly = 0.7, more_than_noise = 1.5, few_points = 15, surely = 1.5, a_number = 6;
-  const CandidateEvidence &longer = a.evidence, &shorter = b.evidence;
-  const double told = ends_told(a, b, input), gain = shorter.total() - longer.total() + told;
-  const double explained = double(shorter.unexplained) - double(longer.unexplained);
-  // A body that ends where the points of its faces end needs no shadow. That outliers lie near a superfluous face is no
-  // evidence for it.
-  if (told > 0 && gain - nats_per_outlier * explained > 0 && explained > -few_points) return true;
-  if (!(gain > 0)) return false;
-  const bool same = a.candidate.procedure == b.candidate.procedure;
-  const bool off = same || !among_outliers(input) || shorter.local_max > more_than_noise * input.sampling.sigma;
-  if (longer.description < shorter.description + 0.1 || (off && longer.local_max < clearly * shorter.local_max))
-    return true;
-  if (explained > worth_a_shape(input)) return true;
-  // About equally long.
-  if (same && longer.description < shorter.description + a_number && gain > more_likely) return true;
-  // A hole with a few points on its wall: too few to justify a body of another kind, too many for chance.
-  if (same && explained > few_points && gain > surely * far_more_likely(input)) return true;
-  const bool only_noise = input.sampling.sigma > 0.2 * input.tolerance;
-  const double enough = same ? more_likely : far_more_likely(input);
-  return only_noise && gain - gained_by_outliers(longer, shorter, input) > enough;
-}
-
-/// Each candidate of the list was preferred to the one before it, so the last one is the choice. But the evidence from
-/// the borders of faces is not always transitive: an earlier candidate may be preferred to the last one. Then the last
-/// that no other clearly beats is taken.
-std::size_t best_of(const std::vector<Judged>& judged, const std::vector<std::size_t>& led, const FitInput& input) {
-  std::size_t best = led.back();
-  double least = INFINITY;
-  for (auto at = led.rbegin(); at != led.rend() && least > more_likely; ++at) {
-    double behind = 0;
-    for (const std::size_t other : led)
-      if (other != *at && worth_its_length(judged[other], judged[*at], input) &&
-          !worth_its_length(judged[*at], judged[other], input))
-        behind = std::max(behind, judged[*at].evidence.total() - judged[other].evidence.total() +
-                                      ends_told(judged[other], judged[*at], input));
-    if (behind < least) best = *at, least = behind;
-  }
-  return best;
-}
-
-/// Of the candidates from `first` on, the shortest description that meets the tolerance comes first, unless a longer
-/// one is worth its length. They are sorted by description.
-void put_best_first(std::vector<Judged>& judged, std::size_t first, const FitInput& input) {
-  std::vector<std::size_t> led{first};
-  for (std::size_t i = first + 1; i < judged.size() && judged[i].meets; ++i)
-    if (worth_its_length(judged[i], judged[led.back()], input)) led.push_back(i);
-  const std::size_t best = best_of(judged, led, input);
-  const auto begin = judged.begin();
-  if (best > first)
-    std::rotate(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(best), begin + std::ptrdiff_t(best) + 1);
-}
-
-/// Why a rival that meets the tolerance is not the model.
-std::string why_not(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
-  // nats of misfit; odds of 400 where outliers do not bias both
-  const double told_apart = among_outliers(input) ? more_likely : 6;
-  const std::string by_size = told_apart_by(winner.candidate, rival.candidate, input, context);
-  if (!by_size.empty()) return by_size;
-  const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
-  const std::string longer = print_number(std::round(r.description - w.description)) + " nats more";
-  const bool everywhere = among_outliers(input);
-  if (const std::string open = leaves_out_outliers(w, r, input); !open.empty()) return open;
-  const std::string alike =
-      winner.candidate.procedure == rival.candidate.procedure ? "" : hardly_told_apart(w, r, input);
-  if (r.description < w.description && alike.empty()) {
-    const double more = r.total() - w.total(), ends = ends_told(winner, rival, input);
-    if (more >= 0)
-      return "shorter, but follows the data less closely: costs " + print_number(std::round(more)) +
-             " nats more in all";
-    return "shorter, and costs " + print_number(std::round(-more)) + " nats less in all" +
-           (ends > 0 ? ", but goes on where the points of its faces end: " + print_number(std::round(ends)) +
-                           " nats against it"
-                     : " than the model as printed");
-  }
-  if (std::abs(r.misfit - w.misfit) < told_apart) return "fits as well, takes " + longer + " to describe";
-  if (r.total() < w.total() && r.unexplained < w.unexplained)
-    return "the data cannot tell whether " + print_number(double(w.unexplained - r.unexplained)) +
-           " points that lie on it are outliers";
-  if (!alike.empty()) return alike;
-  if (everywhere && r.total() < w.total())
-    return "the data cannot tell: costs " + print_number(std::round(w.total() - r.total())) +
-           " nats less in all, as outliers may have it";
-  return "describes the part in " + longer;
+/// Those that meet the tolerance come first, the cheapest before all others; then the others by deviation.
+void put_best_first(std::vector<Judged>& judged) {
+  std::stable_sort(judged.begin(), judged.end(), [](const Judged& a, const Judged& b) {
+    if (a.meets != b.meets) return a.meets;
+    return a.meets ? a.evidence.total() < b.evidence.total() : a.evidence.local_max < b.evidence.local_max;
+  });
 }
 
 using Proposals = std::vector<Candidate>;
@@ -345,12 +243,7 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
       if (j.meets) (j.candidate.steps.empty() ? sought.body : sought.drilled) = true;
   }
   if (context.cancelled) return;
-  // Those that meet the tolerance by length of description, then the others by deviation.
-  std::stable_sort(search.judged.begin(), search.judged.end(), [](const Judged& a, const Judged& b) {
-    if (a.meets != b.meets) return a.meets;
-    return a.meets ? a.evidence.description < b.evidence.description : a.evidence.local_max < b.evidence.local_max;
-  });
-  put_best_first(search.judged, 0, input);
+  put_best_first(search.judged);
 }
 
 /// Refined with all points. A length that hardly any point depends on, and that has no limit, keeps the value of the
@@ -396,70 +289,15 @@ void name_unseen(Candidate& candidate, const std::vector<std::string>& open, con
   }
 }
 
-/// Index of the later candidate that describes the same surface with fewer numbers, within the sigmas of a refined
-/// candidate; the list's size if none meets the tolerance or if it is far less likely.
-std::size_t simpler_than(const std::vector<Judged>& judged, std::size_t at, const Candidate& refined,
-                         const FitInput& input) {
+/// Index of a candidate that describes the same surface with fewer numbers, within the sigmas of the best one, refined;
+/// the list's size if none meets the tolerance or if it is clearly less likely.
+std::size_t simpler_than(const std::vector<Judged>& judged, const Candidate& refined) {
   const std::string kind = simpler_kind(refined);
-  for (std::size_t i = at + 1; i < judged.size() && !kind.empty(); ++i)
+  for (std::size_t i = 1; i < judged.size() && !kind.empty(); ++i)
     if (judged[i].meets && kind_of(judged[i].candidate.shape) == kind &&
-        judged[i].evidence.total() - judged[at].evidence.total() < far_more_likely(input))
+        judged[i].evidence.total() - judged.front().evidence.total() < told_apart)
       return i;
   return judged.size();
-}
-
-/// True if the winner itself is far off at some place, and another candidate of the same procedure costs less and was
-/// refused only for a place where outliers may be: then the winner fits outliers, and its numbers are not those of the
-/// part.
-bool bent_by_outliers(const ProcedureSearch& search, std::size_t at, const FitInput& input) {
-  constexpr double far_off = 0.6;
-  const Judged& winner = search.judged[at];
-  if (!(winner.evidence.local_max > far_off * input.tolerance)) return false;
-  return std::any_of(search.judged.begin(), search.judged.end(), [&](const Judged& j) {
-    const bool same = j.candidate.procedure == winner.candidate.procedure;
-    return !j.meets && same && !off_where_outliers_are(winner.evidence, j.evidence, input).empty();
-  });
-}
-
-/// Refuses a candidate that fits the data if the data do not determine its numbers. With many outliers the
-/// candidates that fit far less closely are refused as well.
-void refuse(ProcedureSearch& search, std::size_t at, const std::string& reason, const FitInput& input) {
-  Judged& refused = search.judged[at];
-  refused.meets = false, refused.open = true, refused.reason = reason;
-  const auto next = search.judged.begin() + static_cast<std::ptrdiff_t>(at) + 1;
-  for (auto j = next; j != search.judged.end() && among_outliers(input); ++j)
-    if (j->meets && j->evidence.total() > refused.evidence.total() + far_more_likely(input))
-      j->meets = false, j->reason = "follows the data far less closely than a shape whose numbers they do not fix";
-  std::stable_partition(next, search.judged.end(), [](const Judged& j) { return j.meets; });
-  put_best_first(search.judged, at + 1, input);
-}
-
-/// What became of the best candidate.
-struct Printed {
-  std::size_t winner = 0;
-  Model model;
-  CandidateEvidence evidence;
-  double covered = 0;
-};
-
-/// With many outliers the last steps, which give points beside the surface less weight, may end elsewhere than the
-/// search: at a higher cost than another candidate of the same procedure. Moves that other one next in the list; false
-/// if there is none.
-bool puts_cheaper_next(ProcedureSearch& search, const FitInput& input) {
-  if (!among_outliers(input)) return false;
-  const std::size_t at = search.winner;
-  const auto& judged = search.judged;
-  std::size_t cheapest = judged.size();
-  for (std::size_t i = at + 1; i < judged.size() && judged[i].meets; ++i)
-    if (judged[i].candidate.procedure == judged[at].candidate.procedure &&
-        judged[i].evidence.total() + more_likely < search.evidence.total() &&
-        (cheapest == judged.size() || judged[i].evidence.total() < judged[cheapest].evidence.total()))
-      cheapest = i;
-  if (cheapest == judged.size()) return false;
-  const auto next = search.judged.begin() + static_cast<std::ptrdiff_t>(at) + 1,
-             other = search.judged.begin() + static_cast<std::ptrdiff_t>(cheapest);
-  std::rotate(next, other, other + 1);
-  return true;
 }
 
 /// Why a refined candidate is rejected however well it fits; else empty.
@@ -469,116 +307,92 @@ std::string numbers_unknown(const Candidate& exact, const FitInput& input) {
   return radius.empty() ? unknown_wall(exact) : radius;
 }
 
-/// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance.
+/// How a candidate is refined to the last.
+RefineOptions to_the_last(const Candidate& candidate, const FitInput& input) {
+  RefineOptions options;
+  options.points = is_slow(candidate) ? 2000 : 30000;
+  options.near = among_outliers(input);
+  options.welsch = kernel_for(candidate, narrow_last, input);
+  return options;
+}
+
+/// The exact candidate with numbers fit for print, nominal ones where wanted, as the search's result. False if that
+/// leaves the tolerance.
+bool print(ProcedureSearch& search, const Candidate& exact, bool nominal, const FitInput& input, Context& context) {
+  Candidate tidy = exact;
+  snap_parameters(tidy, {input.tolerance, input.bounds.diagonal(), nominal});
+  // Round numbers shift what depends on them: the rest is refined once more.
+  RefineOptions rest = to_the_last(exact, input);
+  rest.points = 6000, rest.iterations = 8, rest.uncertainty = false;
+  for (const auto& p : tidy.parameters) rest.fixed.push_back(p.name);
+  Candidate settled = tidy;
+  refine(settled, input, rest, context);
+  tidy.scan_from_part = settled.scan_from_part;
+  Model proposal = model_of(tidy, input);
+  if (std::holds_alternative<Complaints>(check(proposal))) return false;
+  tidy.scan_from_part = evaluate(proposal.scan_from_part, values_of(proposal));
+  search.evidence = evidence_of(tidy, input, context);
+  if (search.evidence.local_max > input.tolerance) return false;
+  search.covered = coverage_of(tidy, input, context).covered;
+  search.model = std::move(proposal);
+  return true;
+}
+
+/// Makes the best candidate exact and its numbers fit for print; the next best where that leaves the tolerance or the
+/// data do not determine the numbers.
 void choose(ProcedureSearch& search, const FitInput& input, const BuildOptions& options, Context& context) {
   context.report("refine", 0.6);
-  search.winner = search.judged.size(), search.found = false;
-  std::optional<Printed> dearer;  // unless the next costs more
-  for (std::size_t i = 0; i < search.judged.size() && search.judged[i].meets; ++i) {
-    if (bent_by_outliers(search, i, input)) {
-      search.judged[i].meets = false,
-      search.judged[i].reason = "costs more than another that outliers keep from being within tolerance";
-      break;  // the next would fit them as well
+  search.found = false;
+  auto& judged = search.judged;
+  while (!judged.empty() && judged.front().meets && !context.cancelled) {
+    Candidate exact = judged.front().candidate;
+    RefineReport report = make_exact(exact, input, to_the_last(exact, input), context);
+    if (const std::size_t simpler = simpler_than(judged, exact); simpler < judged.size()) {
+      std::rotate(judged.begin(), judged.begin() + std::ptrdiff_t(simpler),
+                  judged.begin() + std::ptrdiff_t(simpler) + 1);
+      exact = judged.front().candidate;
+      report = make_exact(exact, input, to_the_last(exact, input), context);
     }
-    Candidate exact = search.judged[i].candidate;
-    RefineOptions full;
-    full.points = is_slow(exact) ? 2000 : 30000;
-    full.near = among_outliers(input);
-    full.welsch = kernel_for(exact, narrow_last, input);
-    RefineReport report = make_exact(exact, input, full, context);
-    if (const std::size_t simpler = simpler_than(search.judged, i, exact, input); simpler < search.judged.size()) {
-      const auto first = search.judged.begin() + static_cast<std::ptrdiff_t>(i),
-                 other = search.judged.begin() + static_cast<std::ptrdiff_t>(simpler);
-      std::rotate(first, other, other + 1);
-      exact = search.judged[i].candidate;
-      full.welsch = kernel_for(exact, narrow_last, input);
-      report = make_exact(exact, input, full, context);
+    std::string reason = numbers_unknown(exact, input);
+    judged.front().open = !reason.empty();
+    if (reason.empty()) {
+      name_unseen(exact, report.unlimited, input);
+      dimension(exact);
+      relate(exact, input, to_the_last(exact, input), context);
+      search.found = (options.nominal && print(search, exact, true, input, context)) ||
+                     print(search, exact, false, input, context);
+      if (search.found) return;
+      reason = "left the tolerance when its numbers were rounded for print";
     }
-    if (const std::string unknown = numbers_unknown(exact, input); !unknown.empty()) {
-      refuse(search, i, unknown, input);
-      continue;
-    }
-    name_unseen(exact, report.unlimited, input);
-    dimension(exact);
-    relate(exact, input, full, context);
-    for (const bool nominal : {true, false}) {
-      if (nominal && !options.nominal) continue;
-      Candidate tidy = exact;
-      snap_parameters(tidy, {options.tolerance, input.bounds.diagonal(), nominal});
-      // Round numbers shift what depends on them: the rest is refined once more.
-      Candidate settled = tidy;
-      RefineOptions rest;
-      rest.points = 6000, rest.iterations = 8, rest.uncertainty = false;
-      rest.near = full.near, rest.welsch = full.welsch;
-      for (const auto& p : tidy.parameters) rest.fixed.push_back(p.name);
-      refine(settled, input, rest, context);
-      tidy.scan_from_part = settled.scan_from_part;
-      Model proposal = model_of(tidy, input);
-      if (std::holds_alternative<Complaints>(check(proposal))) continue;
-      Candidate as_printed = tidy;
-      as_printed.scan_from_part = evaluate(proposal.scan_from_part, values_of(proposal));
-      search.evidence = evidence_of(as_printed, input, context);
-      if (search.evidence.local_max > options.tolerance) continue;
-      search.covered = coverage_of(as_printed, input, context).covered;
-      search.model = std::move(proposal);
-      search.found = true;
-      search.winner = i;
-      break;
-    }
-    if (search.found && !dearer && puts_cheaper_next(search, input)) {
-      dearer = Printed{i, std::move(search.model), search.evidence, search.covered};
-      search.found = false;
-      continue;
-    }
-    if (search.found || dearer) break;
-    search.judged[i].meets = false,
-    search.judged[i].reason = "left the tolerance when its numbers were rounded for print";
-    put_best_first(search.judged, i + 1, input);
-  }
-  if (dearer && !(search.found && search.evidence.total() < dearer->evidence.total())) {
-    search.winner = dearer->winner, search.model = std::move(dearer->model), search.evidence = dearer->evidence,
-    search.covered = dearer->covered;
-    search.found = true;
+    judged.front().meets = false, judged.front().reason = reason;
+    put_best_first(judged);
   }
 }
 
 }  // namespace
 
 std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context) {
-  if (rival.reason.empty()) return why_not(winner, rival, input, context);
-  const double margin = among_outliers(input) ? far_more_likely(input) : 0;
-  if (rival.open && rival.evidence.total() < winner.evidence.total() + margin)
-    return "the data cannot tell: " + rival.reason;
-  std::string open = off_where_outliers_are(winner.evidence, rival.evidence, input);
-  if (open.empty()) open = leaves_out_outliers(winner.evidence, rival.evidence, input);
-  return open.empty() ? rival.reason : open + ", but " + rival.reason;
+  const CandidateEvidence &w = winner.evidence, &r = rival.evidence;
+  const std::string by_size =
+      rival.reason.empty() ? told_apart_by(winner.candidate, rival.candidate, input, context) : std::string();
+  if (!by_size.empty()) return by_size;
+  const double more = std::round(r.total() - w.total());
+  const std::string costs =
+      "costs " + print_number(std::abs(more)) + (more < 0 ? " nats less" : " nats more") + " in all";
+  if (winner.candidate.procedure == rival.candidate.procedure && rival.reason.empty()) return costs;
+  // What lies on the winner only may be outliers.
+  const double of_outliers = among_outliers(input) ? std::max(0.0, r.far_out - w.far_out) : 0;
+  const bool makes_sense = r.description > 0, open = makes_sense && more - of_outliers < told_apart;
+  if (rival.reason.empty()) return open ? "the data cannot tell: " + costs : costs;
+  if (rival.open && open) return "the data cannot tell: " + rival.reason;
+  if (among_outliers(input) && open && r.local_max > input.tolerance)
+    return "the data cannot tell whether what it leaves out are outliers: " + costs + ", but " + rival.reason;
+  return rival.reason;
 }
 
-bool is_rough(const ProcedureSearch& search, const FitInput& input) {
-  constexpr std::size_t many_faces = 9, some_faces = 7;
-  constexpr double rough = 0.31, rough_among_outliers = 0.4;  // nats per point; 0.25 where there is only noise
-  // sigma: of the largest local deviation; the truth of three hard plates has 0.8 to 1
-  constexpr double off_among_outliers = 1;
-  const auto deepest = std::max_element(input.facet_depth.begin(), input.facet_depth.end());
-  const double facets = deepest == input.facet_depth.end() ? 0 : 1.5 * double(*deepest);  // these are not the body's
-  if (!search.found) return false;
-  const Shape& shape = search.judged[search.winner].candidate.shape;
-  const auto* body = std::get_if<HalfSpaces>(&shape);
-  const CandidateEvidence& e = search.evidence;
-  const double misfit = (e.misfit - nats_per_outlier * double(e.unexplained)) / double(input.cloud.size());
-  if (body && body->planes.size() >= some_faces && facets == 0 && misfit > rough) return true;
-  const bool flat = body || std::holds_alternative<Box>(shape) || std::holds_alternative<Wedge>(shape);
-  const bool plate = std::holds_alternative<Extrude>(shape);
-  if (among_outliers(input)) {
-    // Flat faces cut the corners off a rounded block within the tolerance, and straight walls pass through a ring's
-    // section.
-    if (flat && misfit > rough_among_outliers) return true;
-    if ((flat || plate) && e.local_max > off_among_outliers * input.sampling.sigma) return true;
-  }
-  if (!(e.local_max > std::max({1.5 * input.sampling.sigma, 0.5 * input.tolerance, facets}))) return false;
-  return body ? body->planes.size() >= many_faces
-              : plate || std::holds_alternative<Torus>(shape) || std::holds_alternative<Revolve>(shape) ||
-                    std::holds_alternative<Ellipsoid>(shape);
+bool is_rough(const ProcedureSearch& search) {
+  constexpr double rough = 1.25;
+  return search.found && search.judged.front().evidence.roughness > rough;
 }
 
 void search_procedure(ProcedureSearch& search, bool last_resort, const FitInput& input, const BuildOptions& options,
@@ -598,12 +412,9 @@ void search_procedure(ProcedureSearch& search, bool last_resort, const FitInput&
 
 void choose_another(ProcedureSearch& search, const std::string& reason, const FitInput& input,
                     const BuildOptions& options, Context& context) {
-  Judged refused = std::move(search.judged[search.winner]);
+  Judged& refused = search.judged.front();
   refused.meets = false, refused.refused = true, refused.reason = reason;
-  search.judged.erase(search.judged.begin() + std::ptrdiff_t(search.winner));
-  search.judged.push_back(std::move(refused));
-  std::stable_partition(search.judged.begin(), search.judged.end(), [](const Judged& j) { return j.meets; });
-  put_best_first(search.judged, 0, input);
+  put_best_first(search.judged);
   choose(search, input, options, context);
 }
 

@@ -30,8 +30,7 @@ struct Judged {
 struct ProcedureSearch {
   SuperellipsoidFit hypothesis;
   std::vector<Judged> judged;  ///< the best first
-  bool found = false;
-  std::size_t winner = 0;  ///< index into judged; their number if none was found
+  bool found = false;          ///< the first of `judged`, as `model`
   Model model;
   CandidateEvidence evidence;  ///< of the winner as it will be printed
   double covered = 0;
@@ -46,9 +45,9 @@ void search_procedure(ProcedureSearch& search, bool last_resort, const FitInput&
 void choose_another(ProcedureSearch& search, const std::string& reason, const FitInput& input,
                     const BuildOptions& options, Context& context);
 
-/// True if the result fits the data only roughly, by many flat faces, by straight walls or by a round form: a body with
-/// rounded corners, or a ring with such, may fit better.
-bool is_rough(const ProcedureSearch& search, const FitInput& input);
+/// True if the winner follows the data less closely than noise allows: a body with rounded corners, or a ring with
+/// such, may fit better.
+bool is_rough(const ProcedureSearch& search);
 
 /// Why a rival is not the model. One that was refused for what was not seen may still be the truth.
 std::string reason_of(const Judged& winner, const Judged& rival, const FitInput& input, Context& context);

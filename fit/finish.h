@@ -1,0 +1,30 @@
+/// What was found in a scan, as a model that says where it comes from, how well it fits and what else it may be.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fit/build.h"
+#include "fit/outliers/set_aside.h"
+#include "fit/search/search.h"
+
+namespace partscribe::fit {
+
+/// A scan, with or without its outliers, and what was found in it.
+struct Attempt {
+  Fitted scan;
+  ProcedureSearch search;
+};
+
+/// A rival that is named in the model.
+Rival rival_of(const Judged& judged, const CandidateEvidence& evidence, const std::string& reason);
+
+/// The attempt's procedure with its provenance, its evidence and its rivals. `refused` are named first.
+Result<CheckedModel> finished(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
+                              const BuildOptions& options, Context& context);
+
+/// The same for a triangulation of the attempt's points.
+Result<CheckedModel> triangulated(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
+                                  const BuildOptions& options, Context& context);
+
+}  // namespace partscribe::fit
