@@ -164,6 +164,24 @@ double beyond_own_sigmas(const Model& model, const Values& values, const std::ve
   return std::sqrt(sum / double(places.size()));
 }
 
+/// Of the numbers of a shape, written in each of these ways: the model's own sigmas, by how much each of its parameters
+/// moves the number.
+std::vector<std::vector<double>> sigmas_of(const Model& model, const Values& values,
+                                           const std::vector<std::vector<double>>& ways) {
+  std::vector<std::vector<double>> sigmas = ways;
+  for (auto& way : sigmas) std::ranges::fill(way, 0.0);
+  for (const Parameter& p : model.parameters) {
+    Values v = values;
+    const double h = std::max(1e-6 * std::abs(p.fitted), 1e-9);
+    v[p.name] += h;
+    const auto moved = ways_to_write(evaluate(model.objects.back().shape, v));
+    for (std::size_t w = 0; w < ways.size() && w < moved.size(); ++w)
+      for (std::size_t k = 0; k < ways[w].size() && k < moved[w].size(); ++k)
+        sigmas[w][k] = std::hypot(sigmas[w][k], (moved[w][k] - ways[w][k]) / h * p.sigma);
+  }
+  return sigmas;
+}
+
 /// What users read for a kind.
 std::string procedure_of(const std::string& kind) {
   return kind == "half_spaces" ? "convex polyhedron"
@@ -239,15 +257,15 @@ Score recovered(const Case& c, Context& context) {
     std::vector<double> wanted;
     for (const auto& p : c.truth.parameters) wanted.push_back(p.value);
     double best = 1e300;
-    for (const auto& way : found) {
+    const auto sigmas = sigmas_of(model, values, found);
+    for (std::size_t w = 0; w < found.size(); ++w) {
+      const auto& way = found[w];
       double most = 0;
       std::vector<Score::Number> of_way;
       std::vector<double> open;
       for (std::size_t k = 0; k < wanted.size(); ++k) {
         const double error = std::abs(way[k] - wanted[k]);
-        double sigma = 0;  // its own: of the parameter with this value
-        for (const auto& p : model.parameters)
-          if (p.fitted == way[k]) sigma = p.sigma;
+        const double sigma = sigmas[w][k];
         if (bounds[k] > 0.1 * c.size) {
           open.push_back(error / std::max(sigma, 1e-9));
           continue;

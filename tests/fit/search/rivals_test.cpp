@@ -58,48 +58,6 @@ TEST_CASE(
   CHECK(with(body, {{28.4, 0}, {28.4, 0}, {28.4, 0}}).empty());
 }
 
-TEST_CASE("rivals: what is off at one place among outliers, but costs less in all, may be the truth") {
-  FitInput input;
-  input.tolerance = 1, input.outlier_share = 0.2;
-  CandidateEvidence winner, rival;
-  winner.misfit = 1000, winner.description = 100, winner.local_max = 0.5;
-  rival.misfit = 900, rival.description = 20, rival.local_max = 4;
-  CHECK(off_where_outliers_are(winner, rival, input).find("180 nats less") != std::string::npos);
-  rival.misfit = 1200;
-  CHECK(off_where_outliers_are(winner, rival, input).empty());
-  rival.misfit = rival.description = 0;  // one that makes no sense was not measured
-  CHECK(off_where_outliers_are(winner, rival, input).empty());
-  rival.misfit = 900, rival.description = 20, input.outlier_share = 0.02;
-  CHECK(off_where_outliers_are(winner, rival, input).empty());
-}
-
-TEST_CASE(
-    "rivals: a body of another kind that costs hardly more, or hardly less, may be the truth among outliers or where "
-    "noise explains neither") {
-  FitInput input;
-  input.tolerance = 1, input.outlier_share = 0.25;
-  input.cloud.points.resize(3000);  // a choice between kinds takes 95 nats
-  CandidateEvidence winner, rival;
-  winner.misfit = 800, winner.description = 30, rival.misfit = 850, rival.description = 40;
-  CHECK(hardly_told_apart(winner, rival, input) ==
-        "the data cannot tell: costs 60 nats more in all, as outliers may have it");
-  rival.misfit = 770;
-  CHECK(hardly_told_apart(winner, rival, input) ==
-        "the data cannot tell: costs 20 nats less in all, as outliers may have it");
-  rival.misfit = 900;
-  CHECK(hardly_told_apart(winner, rival, input).empty());
-  rival.misfit = 850, input.outlier_share = 0;
-  CHECK(hardly_told_apart(winner, rival, input).empty());
-  input.outliers_left = 0.25;  // they are still about
-  CHECK_FALSE(hardly_told_apart(winner, rival, input).empty());
-  input.outliers_left = 0, winner.misfit = 3400,
-  rival.misfit = 3450;  // four times as much as noise: 90 nats are worth 20
-  CHECK(hardly_told_apart(winner, rival, input) ==
-        "the data cannot tell: costs 60 nats more in all, where neither follows them as closely as noise allows");
-  rival.misfit = 3500;
-  CHECK(hardly_told_apart(winner, rival, input).empty());
-}
-
 TEST_CASE("rivals: a round body whose radius may be anything is none") {
   const auto with = [](double radius, double sigma) {
     Candidate c;
@@ -152,44 +110,6 @@ TEST_CASE("rivals: a rod with a fin that may as well be of no thickness is none"
   };
   CHECK(with(0.03) == "a wall of 0.03 +- 0.1 mm may be none");
   CHECK(with(0.3).empty());
-}
-
-TEST_CASE(
-    "rivals: a shorter one that leaves out few points beside the outliers may be the truth, however far they lie from "
-    "it") {
-  FitInput input;
-  input.tolerance = 1, input.outlier_share = 0.25;
-  input.cloud.points.resize(3000);  // 750 outliers were set aside
-  CandidateEvidence winner, rival;
-  winner.misfit = 1400, winner.description = 130, winner.local_max = 0.5, winner.unexplained = 5;
-  rival.misfit = 1650, rival.description = 20, rival.local_max = 25, rival.unexplained = 95;
-  CHECK(leaves_out_outliers(winner, rival, input).find("the 90 points that it leaves out are outliers") !=
-        std::string::npos);
-  const auto empty_with = [&](const auto& change) {
-    CandidateEvidence other = rival;
-    FitInput scan = input;
-    change(other, scan);
-    return leaves_out_outliers(winner, other, scan).empty();
-  };
-  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.misfit = 2200; }));  // it is off elsewhere as well
-  CHECK_FALSE(empty_with(
-      [](CandidateEvidence& r, FitInput&) { r.misfit = 2200, r.far_out = 800; }));  // by points farther off than noise
-  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.unexplained = 160; }));  // too many to be outliers
-  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.unexplained = 5; }));    // it leaves out none
-  CHECK(empty_with([](CandidateEvidence& r, FitInput&) { r.description = 140; }));
-  CHECK(empty_with([](CandidateEvidence&, FitInput& scan) { scan.outlier_share = 0.05; }));
-}
-
-TEST_CASE("evidence: what points beyond noise cost more is no lead among outliers, and one among few") {
-  FitInput input;
-  CandidateEvidence ahead, other;
-  ahead.misfit = 820, ahead.far_out = 200, ahead.unexplained = 10;
-  other.misfit = 1080, other.far_out = 460, other.unexplained = 34;
-  input.outlier_share = 0.05;
-  CHECK(gained_by_outliers(ahead, other, input) == Approx(24 * nats_per_outlier));
-  input.outlier_share = 0.25;
-  CHECK(gained_by_outliers(ahead, other, input) == Approx(260));
-  CHECK(gained_by_outliers(other, ahead, input) == 0);
 }
 
 TEST_CASE("rivals: those that may be the truth are named however many others there are") {

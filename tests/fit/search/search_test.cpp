@@ -1,0 +1,56 @@
+/// What is said of rivals follows from what they cost and from what keeps them from being chosen.
+#include "fit/search/search.h"
+
+#include <catch2/catch.hpp>
+
+using namespace partscribe::fit;
+
+namespace {
+
+Judged costs(const std::string& procedure, double misfit, double description) {
+  Judged j;
+  j.candidate.procedure = procedure, j.candidate.shape = Box{1, 2, 3};
+  j.evidence.misfit = misfit, j.evidence.description = description, j.evidence.local_max = 0.5;
+  j.meets = true;
+  return j;
+}
+
+std::string said(const Judged& winner, const Judged& rival, double outliers = 0) {
+  FitInput input;
+  input.tolerance = 1, input.outlier_share = outliers;
+  Context context;
+  return reason_of(winner, rival, input, context);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "search: a rival of another procedure that costs hardly more may be the truth, one that costs much more not") {
+  const Judged winner = costs("box", 100, 16);
+  CHECK(said(winner, costs("wedge", 105, 20)) == "the data cannot tell: costs 9 nats more in all");
+  CHECK(said(winner, costs("wedge", 150, 20)) == "costs 54 nats more in all");
+  CHECK(said(winner, costs("box", 105, 20)) == "costs 9 nats more in all");  // other numbers, no other procedure
+}
+
+TEST_CASE("search: a rival whose defining face was not seen may be the truth if it costs no more") {
+  const Judged winner = costs("box", 100, 16);
+  Judged rival = costs("fillet", 100, 12);
+  rival.meets = false, rival.open = true, rival.reason = "its concave side was hardly seen";
+  CHECK(said(winner, rival) == "the data cannot tell: its concave side was hardly seen");
+  rival.evidence.misfit = 200;
+  CHECK(said(winner, rival) == "its concave side was hardly seen");
+}
+
+TEST_CASE("search: what is off at one place among outliers, and costs no more in all, may be the truth") {
+  const Judged winner = costs("extrusion", 100, 44);
+  Judged rival = costs("box", 110, 16);
+  rival.meets = false, rival.reason = "deviates by 4 mm", rival.evidence.local_max = 4;
+  CHECK(said(winner, rival, 0.2).find("the data cannot tell whether what it leaves out are outliers") == 0);
+  CHECK(said(winner, rival) == "deviates by 4 mm");
+  rival.evidence.misfit = 200;
+  CHECK(said(winner, rival, 0.2) == "deviates by 4 mm");
+  rival.evidence.far_out = 70;  // by points that may be outliers
+  CHECK(said(winner, rival, 0.2).find("the data cannot tell") == 0);
+  rival.evidence.description = 0;  // one that makes no sense was not measured
+  CHECK(said(winner, rival, 0.2) == "deviates by 4 mm");
+}
