@@ -133,14 +133,10 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   const ModelDistance distance(bare_model(candidate));
   const Pose part_from_scan = candidate.scan_from_part.inverse();
   const std::size_t n = cloud.size();
-  const auto distances_of = [&](const std::vector<Vec3>& points) {
-    std::vector<double> off(points.size());
-    parallel_for(points.size(), context.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) off[i] = distance(part_from_scan * points[i]).distance;
-    });
-    return off;
-  };
-  const std::vector<double> d = distances_of(cloud.points);
+  std::vector<double> d(n);
+  parallel_for(n, context.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) d[i] = distance(part_from_scan * cloud.points[i]).distance;
+  });
   std::vector<double> local(n, 0.0);
   const bool known = input.surroundings && input.surroundings->first.size() == n + 1;
   const auto near_points = known ? input.surroundings : surroundings_of(input, context);
@@ -155,7 +151,7 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
   });
   // Deviations well inside the tolerance are not worth a longer description.
   const double sigma = std::max(input.sampling.sigma, 0.2 * input.tolerance);
-  constexpr double of_noise = 0.0827;  // the mean of nats_of a standard normal variable
+  constexpr double of_noise = 0.0552;  // the mean of nats_of a standard normal variable
   const double each = weight_of_samples(n);
   const auto weigh = [&](double off, double u) {  // u: in sigmas
     const double nats = each * nats_of(u);
@@ -172,10 +168,6 @@ CandidateEvidence evidence_of(const Candidate& candidate, const FitInput& input,
     if (std::abs(u) < 4) sum += d[i] * d[i], count += 1;
   }
   result.roughness = result.misfit / (of_noise * each * double(std::max<std::size_t>(n, 1)));
-  // All points of a face that was hardly seen may have been set aside as outliers: of candidates of the same extent the
-  // one with a face there is likelier. Not if there are many outliers: some lie near any face.
-  if (!among_outliers(input))
-    for (const double off : distances_of(input.set_aside.points)) weigh(off, off / sigma);
   // Where outliers were set aside, some remain: points that lie on no plane with their neighbours are not used to judge
   // a candidate, nor are the worst points, a tenth of the share of the recognised outliers.
   const bool outliers = input.surface_share.size() == n;

@@ -16,7 +16,7 @@ struct CandidateEvidence {
   double local_max = 0;       ///< mm, largest local robust mean of the signed distance
   Vec3 worst = Vec3::Zero();  ///< where
   /// nats: minus the logarithm of a Student distribution's density (of two degrees of freedom, over that of no
-  /// deviation), a sixth of it per sample because neighbours are correlated and outliers come in clusters (nats_of).
+  /// deviation), a ninth of it per sample because neighbours are correlated and outliers come in clusters (nats_of).
   /// More than deciding_samples count as so many.
   double misfit = 0;
   double far_out = 0;      ///< nats: the share of points beyond the tolerance and 4 sigmas in the misfit
@@ -26,7 +26,7 @@ struct CandidateEvidence {
 };
 
 /// Of a deviation of so many sigmas.
-inline double nats_of(double sigmas) { return std::log1p(sigmas * sigmas / 2) / 4; }
+inline double nats_of(double sigmas) { return std::log1p(sigmas * sigmas / 2) / 6; }
 
 /// Nats between two descriptions of which only the better one may be true: odds of five hundred million in theory, of a
 /// few hundred on scans with curtains and clusters of outliers.

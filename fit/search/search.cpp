@@ -270,6 +270,7 @@ void relate(Candidate& exact, const FitInput& input, const RefineOptions& option
   auto fewer = related(exact, input.tolerance / 2);
   if (!fewer) return;
   make_exact(*fewer, input, options, context);
+  if (!makes_sense(*fewer)) return;
   const CandidateEvidence before = evidence_of(exact, input, context), after = evidence_of(*fewer, input, context);
   if (after.local_max <= input.tolerance && after.total() < before.total() + alike) exact = std::move(*fewer);
 }

@@ -132,7 +132,9 @@ std::pair<double, OpenEnd> end_along(WayThrough& way, std::size_t parameter, dou
   const double up = way.until(1, ten_points), down = way.until(-1, ten_points);
   const double out = up > down ? 1 : -1, last = std::min(up, down);
   if (last > size) return {0, {parameter, size / 4, size, true}};
-  if (std::max(up, down) < std::min(size, lopsided * last))
+  // Where a size would become nothing no points say so.
+  const bool by_domain = std::isinf(way.cost(-out * 1.05 * last));
+  if (by_domain || std::max(up, down) < std::min(size, lopsided * last))
     return {0, {parameter, (way.until(1, here + objection) + way.until(-1, here + objection)) / 4, last, false}};
   const double step = last / inward;
   std::vector<double> costs;

@@ -306,26 +306,6 @@ TEST_CASE("wedges: of a slope that was not scanned the border of a cheek says wh
   }
 }
 
-TEST_CASE(
-    "evidence: a face that was set aside whole tells which of two blocks ends there, but not among many outliers") {
-  Context context;
-  FitInput input = scanned(
-      block(60, 35, 22), 0.03, 0, [](const Vec3& n) { return n.x() < 0.5; }, 2);
-  const Pose pose{rotation_of({0.4, -0.7, 0.3}), {40, 10, -30}};
-  Random random(3);
-  for (int i = 0; i < 40; ++i)
-    input.set_aside.points.push_back(pose *
-                                     Vec3(60 + 0.03 * random.normal(), random.uniform(0, 35), random.uniform(0, 22)));
-  const auto cost = [&](double length) {
-    Candidate box;
-    box.shape = Box{length, 35, 22}, box.scan_from_part = pose;
-    return evidence_of(box, input, context).total();
-  };
-  CHECK(cost(62) - cost(60) > 200);
-  input.outlier_share = 0.2;
-  CHECK(std::abs(cost(62) - cost(60)) < 20);
-}
-
 TEST_CASE("half-spaces: among outliers no bevel is made of points beside an edge") {
   Context context;
   FitInput input = scanned(
