@@ -159,8 +159,8 @@ bool turned_arcs(Candidate& candidate) {
       changes.push_back({centre, name, groove ? "diameter at the bottom of the groove" : "diameter of the bulge",
                          groove ? half + arc->radius : half - arc->radius, 2 * (groove ? c - r : c + r)});
     }
+  std::erase_if(changes, [&](const Change& c) { return !(c.value > 0) || parameter_of(candidate, c.name) != nullptr; });
   for (const Change& change : changes) {
-    if (!(change.value > 0) || parameter_of(candidate, change.name)) continue;
     Parameter* p = parameter_of(candidate, change.centre);
     p->name = change.name, p->note = change.note, p->value = p->fitted = change.value;
     put(candidate, change.centre, change.to);
