@@ -116,7 +116,7 @@ class Drilling {
   Values values_;
   std::optional<ModelDistance> distance_;
   Difference cut_;
-  std::vector<Expr> edges_, middles_;  // coordinates that the body's own numbers give
+  std::array<std::vector<Expr>, 3> edges_, middles_;  // coordinates along each axis that the body's own numbers give
 
   const Shape& body() const { return part_.steps[0].shape; }
 
@@ -151,9 +151,9 @@ class Drilling {
     if (plate) step.name = "plate";
     name_sides(box, {"length", "width", plate ? "thickness" : "height"});
     step.frame.x = -(box.size_x / Expr(2)), step.frame.y = -(box.size_y / Expr(2));
-    for (const Expr& half : {box.size_x / Expr(2), box.size_y / Expr(2)})
-      edges_.push_back(half), edges_.push_back(-half);
-    edges_.push_back(box.size_z), middles_.push_back(box.size_z / Expr(2));
+    const std::array<Expr, 2> half = {box.size_x / Expr(2), box.size_y / Expr(2)};
+    for (const std::size_t axis : {0, 1}) edges_[axis] = {half[axis], -half[axis]};
+    edges_[2] = {box.size_z}, middles_[2] = {box.size_z / Expr(2)};
   }
 
   /// In this order, before all other numbers. Sides that share a number keep their names.
@@ -179,13 +179,37 @@ class Drilling {
     part_.parameters = std::move(named);
   }
 
+  /// A sketch's numbers by its two coordinates, of which the first runs across a turned body; a height along z.
   void known_by(const Shape& shape) {
-    visit_expressions(shape, [&](const Expr& e, Domain domain) {
-      if (e.is_number() || (domain != Domain::length && domain != Domain::coordinate)) return;
-      edges_.push_back(e), edges_.push_back(-e);
-      if (domain == Domain::coordinate) middles_.push_back(e);
-      middles_.push_back(e / Expr(2)), middles_.push_back(-(e / Expr(2)));
-    });
+    const auto* plate = std::get_if<Extrude>(&shape);
+    const auto* turned = std::get_if<Revolve>(&shape);
+    if (!plate && !turned) {
+      visit_expressions(shape, [&](const Expr& e, Domain domain) {
+        if (domain == Domain::length) know({0, 1, 2}, e, false);
+      });
+      return;
+    }
+    const auto know_place = [&](const Expr& x, const Expr& y) {
+      if (turned)
+        know({0, 1}, x, true), know({2}, y, true);
+      else
+        know({0}, x, true), know({1}, y, true);
+    };
+    for (const Loop& loop : (plate ? plate->sketch : turned->sketch).loops)
+      for (const SketchElement& element : loop.elements) {
+        if (const auto* point = std::get_if<SketchPoint>(&element)) know_place(point->x, point->y);
+        if (const auto* arc = std::get_if<SketchArc>(&element)) know_place(arc->center_x, arc->center_y);
+      }
+    if (plate) know({2}, plate->height, false);
+  }
+
+  void know(std::initializer_list<std::size_t> axes, const Expr& e, bool as_middle) {
+    if (e.is_number()) return;
+    for (const std::size_t axis : axes) {
+      edges_[axis].push_back(e), edges_[axis].push_back(-e);
+      if (as_middle) middles_[axis].push_back(e);
+      middles_[axis].push_back(e / Expr(2)), middles_[axis].push_back(-(e / Expr(2)));
+    }
   }
 
   /// A body that may be turned about its axis is turned until the first hole beside the axis lies on x.
@@ -284,14 +308,16 @@ class Drilling {
     return found == known.end() ? std::nullopt : std::optional(*found);
   }
 
-  Expr edge(double at, const std::string& name) {
-    if (const auto known = by_body(at, tolerance_, edges_)) return *known;
+  Expr edge(int axis, double at, const std::string& name) {
+    if (const auto known = by_body(at, tolerance_, edges_[std::size_t(axis)])) return *known;
     return parameter(name, at, "where it opens");
   }
 
-  Expr coordinate(double at, double sigma, const std::string& name, const std::string& note) {
-    if (const auto known = by_body(at, within_of(sigma), middles_)) return *known;
-    return parameter(name, at, note);
+  Expr coordinate(int axis, double at, double sigma, const std::string& name, const std::string& note) {
+    if (const auto known = by_body(at, within_of(sigma), middles_[std::size_t(axis)])) return *known;
+    const Expr place = parameter(name, at, note);
+    values_[place.parameter] = at, middles_[std::size_t(axis)].push_back(place);  // later holes may stand there too
+    return place;
   }
 
   /// The step of one hole, its mouth at z = 0.
@@ -361,10 +387,10 @@ class Drilling {
     }
     if (floors.empty()) floors = {*std::ranges::min_element(guesses)};
     for (const double end : floors) end_at += end / double(floors.size());
-    const Expr mouth = edge(first.sense * mouth_at, role + "_face");
+    const Expr mouth = edge(first.axis, first.sense * mouth_at, role + "_face");
     Expr depth;
     if (form.through) {
-      const Expr end = edge(first.sense * end_at, role + "_end");
+      const Expr end = edge(first.axis, first.sense * end_at, role + "_end");
       depth = first.sense > 0 ? mouth - end : end - mouth;
     } else {
       depth = parameter(role + "_depth", mouth_at - end_at, "depth of the " + said(role, group.size()));
@@ -382,8 +408,8 @@ class Drilling {
       std::array<Expr, 2> at;
       for (int k = 0; k < 2; ++k)
         at[static_cast<std::size_t>(k)] =
-            coordinate(p.across(k), p.hole->sigma, name + "_" + letters[static_cast<std::size_t>((p.axis + 1 + k) % 3)],
-                       "place of its axis");
+            coordinate((p.axis + 1 + k) % 3, p.across(k), p.hole->sigma,
+                       name + "_" + letters[static_cast<std::size_t>((p.axis + 1 + k) % 3)], "place of its axis");
       step(name, hole, frame_at(p, at, mouth), "the " + said(name, 1));
       cut_.objects.push_back(name);
     }
@@ -436,7 +462,7 @@ class Drilling {
     for (int k = 0; k < 2; ++k) {
       const int axis = (first.axis + 1 + k) % 3;
       centre[static_cast<std::size_t>(k)] =
-          coordinate(middle[axis], sigma, std::string("bolt_circle_") + letters[static_cast<std::size_t>(axis)],
+          coordinate(axis, middle[axis], sigma, std::string("bolt_circle_") + letters[static_cast<std::size_t>(axis)],
                      "centre of the bolt circle");
     }
     const Expr diameter = parameter("bolt_circle_d", 2 * radius, "diameter of the bolt circle");
@@ -487,10 +513,11 @@ class Drilling {
     std::array<Expr, 2> start, pitch;
     for (std::size_t k = 0; k < 2; ++k) {
       const auto& places = lines[k];
-      const std::string letter = letters[(static_cast<std::size_t>(first.axis) + 1 + k) % 3];
+      const int axis = (first.axis + 1 + int(k)) % 3;
+      const std::string letter = letters[std::size_t(axis)];
       const double centre = 0.5 * (places.front() + places.back());
       const Expr at =
-          coordinate(centre, sigma, several(role) + "_" + letter, "middle of the " + said(role, group.size()));
+          coordinate(axis, centre, sigma, several(role) + "_" + letter, "middle of the " + said(role, group.size()));
       start[k] = at;
       if (places.size() < 2) continue;
       pitch[k] = parameter("pitch_" + letter, (places.back() - places.front()) / double(places.size() - 1),
