@@ -38,8 +38,9 @@ Result<CheckedModel> build_model(Scan& scan, const BuildOptions& options, Contex
     search_procedure(a.search, last_resort, a.scan.input, options, context);
   };
   for (const bool without : {littered, !littered}) {
+    if (done()) break;
     auto next = without ? without_outliers(scan, *input, context) : std::optional(Fitted{*input, rejected});
-    if (!next || done()) continue;
+    if (!next) continue;
     if (!attempts.empty() && !without) next->input.outliers_left = attempts.front().scan.input.outlier_share;
     Attempt& attempt = attempts.emplace_back(Attempt{std::move(*next), {}});
     search(attempt, false);

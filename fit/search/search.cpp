@@ -242,8 +242,6 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
     for (const Judged& j : search.judged)
       if (j.meets) (j.candidate.steps.empty() ? sought.body : sought.drilled) = true;
   }
-  if (context.cancelled) return;
-  put_best_first(search.judged);
 }
 
 /// Refined with all points. A length that hardly any point depends on, and that has no limit, keeps the value of the
@@ -345,7 +343,8 @@ void choose(ProcedureSearch& search, const FitInput& input, const BuildOptions& 
   context.report("refine", 0.6);
   search.found = false;
   auto& judged = search.judged;
-  while (!judged.empty() && judged.front().meets && !context.cancelled) {
+  const auto best_meets = [&] { return put_best_first(judged), !judged.empty() && judged.front().meets; };
+  while (best_meets() && !context.cancelled) {
     Candidate exact = judged.front().candidate;
     RefineReport report = make_exact(exact, input, to_the_last(exact, input), context);
     if (const std::size_t simpler = simpler_than(judged, exact); simpler < judged.size()) {
@@ -366,7 +365,6 @@ void choose(ProcedureSearch& search, const FitInput& input, const BuildOptions& 
       reason = "left the tolerance when its numbers were rounded for print";
     }
     judged.front().meets = false, judged.front().reason = reason;
-    put_best_first(judged);
   }
 }
 
@@ -415,7 +413,6 @@ void choose_another(ProcedureSearch& search, const std::string& reason, const Fi
                     const BuildOptions& options, Context& context) {
   Judged& refused = search.judged.front();
   refused.meets = false, refused.refused = true, refused.reason = reason;
-  put_best_first(search.judged);
   choose(search, input, options, context);
 }
 
