@@ -35,15 +35,6 @@ bool plain(const DrilledHole& hole) {
   return hole.form.through && !(hole.form.head_diameter > 0) && !(hole.form.sink_diameter > 0);
 }
 
-/// Are all of them plain holes along an extrusion? They are loops of its sketch.
-bool in_sketch(const Candidate& body, const std::vector<DrilledHole>& holes) {
-  constexpr double along = 0.99;  // cosine
-  const Vec3 z = body.scan_from_part.rotation.col(2);
-  return std::holds_alternative<Extrude>(body.shape) && std::ranges::all_of(holes, [&](const DrilledHole& hole) {
-           return plain(hole) && std::abs(hole.out.dot(z)) > along;
-         });
-}
-
 /// The turn that points z along an axis of the body.
 Frame turned_to(int axis, double sense) {
   Frame frame;
@@ -544,9 +535,16 @@ class Drilling {
 
 }  // namespace
 
+bool in_sketch(const Candidate& body, const std::vector<DrilledHole>& holes) {
+  constexpr double along = 0.99;  // cosine
+  const Vec3 z = body.scan_from_part.rotation.col(2);
+  return std::holds_alternative<Extrude>(body.shape) && std::ranges::all_of(holes, [&](const DrilledHole& hole) {
+           return plain(hole) && std::abs(hole.out.dot(z)) > along;
+         });
+}
+
 std::optional<Candidate> with_holes(const Candidate& body, const std::vector<DrilledHole>& holes,
                                     const DrillOptions& options) {
-  if (in_sketch(body, holes)) return std::nullopt;
   Drilling drilling(body, holes, options);
   if (!drilling.drill(holes)) return std::nullopt;
   return drilling.done();

@@ -22,8 +22,10 @@ struct DrillOptions {
   double end = 0;    ///< mm: how well the last points of a wall say where it ends
 };
 
-/// Nothing if a hole runs along none of the body's axes or does not begin in the body, or if an extrusion has nothing
-/// but plain holes along it: they are loops of its sketch.
+/// Are all of them plain holes along an extrusion? They are loops of its sketch.
+bool in_sketch(const Candidate& body, const std::vector<DrilledHole>& holes);
+
+/// Nothing if a hole runs along none of the body's axes or does not begin in the body.
 ///
 /// Mouths and ends of holes that open at a face of the body are said by the body's own numbers, so that they move with
 /// it; so are places in the middle of the body and on its axis.

@@ -167,6 +167,7 @@ std::vector<Candidate> propose_drilled(const FitInput& input, const BodyMaker& b
   context.say("drilled: " + print_number(double(holes.size())) + " holes, " + print_number(double(rest.cloud.size())) +
               " points outside of them");
   for (const Candidate& body : best_bodies(bodies(rest), rest, context)) {
+    if (in_sketch(body, holes)) break;  // cheaper than what follows, and found as one extrusion
     // Numbers that may be equal are one; the total cost says whether they are.
     std::size_t parameters = 0;
     for (const double alike : {0.5 * input.tolerance, 0.0})
