@@ -26,6 +26,7 @@
 #include <TColgp_HArray1OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
+#include <TopTools_DataMapOfShapeInteger.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
@@ -36,6 +37,7 @@
 #include <cmath>
 #include <map>
 
+#include "codegen/exchange/as_read.h"
 #include "codegen/exchange/brep_shapes.h"
 #include "codegen/exchange/face_borders.h"
 #include "core/disjoint_sets.h"
@@ -333,16 +335,24 @@ class FacedBuilder {
     fix.FixShellTool()->FixOrientationMode() = 0;
     fix.Perform();
     const TopoDS_Shape fixed = fix.Shape();
-    // Readers draw faces by triangles: what they cannot draw is as bad as what is not there.
-    BRepMesh_IncrementalMesh(fixed, 50 * tolerance_, false, 0.3, false);
-    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
-      const TopoDS_Shape now = fix.Context()->Apply(faces_[f]);
-      const double allowed = wrong_area * area_[f] + 50 * tolerance_ * perimeter_[f];
-      const auto wrong = [&](double area) { return !(std::abs(area - area_[f]) <= allowed); };
-      if (now.IsNull() || !BRepCheck_Analyzer(now).IsValid() || wrong(area_of(now)) || wrong(drawn_area(now)))
+    std::vector<std::uint32_t> order;  // of the faces in the body, by number
+    TopTools_DataMapOfShapeInteger number;
+    for (std::uint32_t f = 0; f < faces_.size(); ++f)
+      if (const TopoDS_Shape now = fix.Context()->Apply(faces_[f]); now.IsNull() || now.ShapeType() != TopAbs_FACE)
         bad.push_back(f);
+      else
+        number.Bind(now, static_cast<int>(f));
+    if (!bad.empty()) return fixed;
+    for (TopExp_Explorer face(fixed, TopAbs_FACE); face.More(); face.Next())
+      order.push_back(static_cast<std::uint32_t>(number.Find(face.Current())));
+    bad = wrong_in(fixed, order);
+    if (!bad.empty()) return fixed;
+    const auto read = as_read(fixed);
+    if (!read) return {};
+    for (const TopoDS_Shape& shape : *read) {
+      const auto wrong = wrong_in(shape, order);
+      bad.insert(bad.end(), wrong.begin(), wrong.end());
     }
-    BRepTools::Clean(fixed);
     return fixed;
   }
 
@@ -357,6 +367,30 @@ class FacedBuilder {
   std::vector<TopoDS_Face> faces_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_;
   std::vector<TopoDS_Vertex> vertices_;
+
+  /// Faces of a shape that are invalid or of another area than their triangles; all round ones if some are missing.
+  std::vector<std::uint32_t> wrong_in(const TopoDS_Shape& shape, const std::vector<std::uint32_t>& order) const {
+    // Readers draw faces by triangles: what they cannot draw is as bad as what is not there.
+    const double chords = 5 * tolerance_;
+    BRepMesh_IncrementalMesh(shape, chords, false, 0.35, false);
+    std::vector<std::uint32_t> wrong;
+    std::size_t k = 0;
+    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next(), ++k) {
+      if (k >= order.size()) continue;
+      const auto f = order[k];
+      const TopoDS_Shape& now = face.Current();
+      const double exact = area_of(now), drawn = drawn_area(now);
+      const bool right = std::abs(exact - area_[f]) <= wrong_area * area_[f] + 50 * tolerance_ * perimeter_[f];
+      const bool drawable = std::abs(drawn - exact) <= 0.2 * wrong_area * exact + chords * perimeter_[f];
+      if (!right || !drawable || !BRepCheck_Analyzer(now).IsValid()) wrong.push_back(f);
+    }
+    BRepTools::Clean(shape);
+    if (k == order.size()) return wrong;
+    wrong.clear();
+    for (const auto f : order)
+      if (!body_.faces[f].flat && body_.faces[f].surface->kind != PrimitiveKind::plane) wrong.push_back(f);
+    return wrong;
+  }
 
   void measure() {
     const std::size_t count = body_.faces.size();

@@ -200,10 +200,11 @@ Result<Candidate> Triangulator::within(double tolerance) {
   if (spans_a_line(input_.cloud.points)) return no_surface;
   const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
   const double max_error = 0.4 * tolerance;
+  const double as_faces = 0.15 * tolerance;  // files that hold the faces and files that hold triangles are to agree
   const TriangleMesh whole = of_mesh ? repaired(tolerance) : TriangleMesh();
   if (of_mesh) {
     const TriangleMesh fine = canonical(snapped_mesh(whole, power_of_ten_below(tolerance / 2000)));
-    if (auto faced = faced_mesh(fine, tolerance, max_error, context_)) return candidate_of(std::move(*faced));
+    if (auto faced = faced_mesh(fine, tolerance, as_faces, context_)) return candidate_of(std::move(*faced));
   }
   const TriangleMesh mesh = of_mesh ? simplified(whole, max_error, context_) : from_points(tolerance);
   if (mesh.empty()) return no_surface;

@@ -168,8 +168,9 @@ TEST_CASE("drill: plain holes along an extrusion are loops of its sketch") {
   bar.parameters = {length_parameter("height", 12, "")};
   const DrilledHole through = hole_at(bar, {50, 20, 12}, Vec3::UnitZ(), 6, 12),
                     blind = hole_at(bar, {30, 8, 12}, Vec3::UnitZ(), 6, 5, false);
-  CHECK_FALSE(with_holes(bar, {through}, options));
-  CHECK(with_holes(bar, {through, blind}, options));
+  CHECK(in_sketch(bar, {through}));
+  CHECK_FALSE(in_sketch(bar, {through, blind}));
+  CHECK_FALSE(in_sketch(block(), {through}));
 }
 
 TEST_CASE("drill: holes aslant and holes beside the body are none of it") {
