@@ -19,7 +19,7 @@ Small solve_small(const Small& a, const Small& b) { return a.ldlt().solve(b); }
 
 template <int n, int columns>
 Matrix<double, n, columns> solve_ldlt(const Matrix<double, n, n>& a, const Matrix<double, n, columns>& b) {
-  if constexpr (n == Dynamic)
+  if constexpr (n == Dynamic || n > 6)
     return a.ldlt().solve(b);
   else
     return solve_small(a, b);
@@ -31,6 +31,7 @@ template Matrix<double, 3, 3> solve_ldlt(const Matrix<double, 3, 3>&, const Matr
 template Matrix<double, 4, 1> solve_ldlt(const Matrix<double, 4, 4>&, const Matrix<double, 4, 1>&);
 template Matrix<double, 5, 1> solve_ldlt(const Matrix<double, 5, 5>&, const Matrix<double, 5, 1>&);
 template Matrix<double, 6, 1> solve_ldlt(const Matrix<double, 6, 6>&, const Matrix<double, 6, 1>&);
+template Matrix<double, 9, 1> solve_ldlt(const Matrix<double, 9, 9>&, const Matrix<double, 9, 1>&);
 template Matrix<double, Dynamic, 1> solve_ldlt(const Matrix<double, Dynamic, Dynamic>&,
                                                const Matrix<double, Dynamic, 1>&);
 template Matrix<double, Dynamic, Dynamic> solve_ldlt(const Matrix<double, Dynamic, Dynamic>&,

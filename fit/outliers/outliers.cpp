@@ -9,7 +9,7 @@
 
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
-#include "core/random.h"
+#include "core/sample_consensus.h"
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
@@ -75,19 +75,19 @@ LocalPlane plane_near(const std::vector<Vec3>& points, const std::vector<Vec3>& 
     if (n.sq_distance > apart * apart) far.push_back(n.index);
   if (far.size() < 4) return plane;
   Random random(0x9e3779b9u + near.size() * 977 + far.front() * 31ull + far.back());
-  std::size_t best = 0;
-  for (int draw = 0; draw < drawn_planes; ++draw) {
-    const Vec3 a = points[far[random.below(far.size())]] - p, b = points[far[random.below(far.size())]] - p;
-    Vec3 n = a.cross(b);
+  const auto through_two = [&](auto offer) {
+    const Vec3 a = points[drawn_from(far, random)] - p, b = points[drawn_from(far, random)] - p, n = a.cross(b);
     const double length = n.norm();
-    if (!(length > 0.4 * a.norm() * b.norm())) continue;
-    n /= length;
-    std::size_t count = 0;
-    for (const auto& m : near)
-      count += std::abs(n.dot(points[m.index] - p)) < band(sigma, std::sqrt(m.sq_distance)) && counts(n, m.index);
-    if (count > best) best = count, plane.normal = n;
-  }
-  if (best == 0) return plane;
+    if (length > 0.4 * a.norm() * b.norm()) offer(n / length);
+  };
+  const auto points_on = [&](const Vec3& n, double) {
+    return double(std::ranges::count_if(near, [&](const Neighbour& m) {
+      return std::abs(n.dot(points[m.index] - p)) < band(sigma, std::sqrt(m.sq_distance)) && counts(n, m.index);
+    }));
+  };
+  const auto best = consensus<Vec3>(drawn_planes, 0, through_two, points_on);
+  if (!best) return plane;
+  plane.normal = best->hypothesis;
   double across = 0;  // spread in the plane's narrower direction
   for (int round = 0; round < 3; ++round) {
     Vec3 mean = Vec3::Zero();

@@ -10,7 +10,7 @@
 
 #include "core/ensure.h"
 #include "core/number.h"
-#include "core/random.h"
+#include "core/sample_consensus.h"
 #include "core/statistics.h"
 
 namespace partscribe::fit {
@@ -473,24 +473,26 @@ std::vector<ConvexFace> with_a_face_more(std::vector<ConvexFace> scanned, const 
   if (open.size() < least_members(points.size())) return {};
   const Vec3 middle = robust_middle(points);
   Random random(11);
-  ConvexFace best;
-  std::ptrdiff_t most = 0;
-  for (int draw = 0; draw < draws; ++draw) {
-    const Vec3 &a = open[random.below(open.size())], &b = open[random.below(open.size())],
-               &c = open[random.below(open.size())];
+  const auto through_three = [&](auto offer) {
+    const Vec3 &a = drawn_from(open, random), &b = drawn_from(open, random), &c = drawn_from(open, random);
     Vec3 n = (b - a).cross(c - a);
-    if (!(n.norm() > 0)) continue;
+    if (!(n.norm() > 0)) return;
     n.normalize();
     if (n.dot(a - middle) < 0) n = -n;
-    const double offset = n.dot(a);
-    // Every point beyond a face counts against it as much as a point on it counts for it.
-    std::ptrdiff_t score = 0;
-    for (const Vec3& p : open) score += std::abs(n.dot(p) - offset) < reach;
-    if (score <= most) continue;
-    for (const Vec3& p : points) score -= n.dot(p) - offset > 2 * reach;
-    if (score > most) most = score, best = {n, offset, static_cast<std::size_t>(score)};
-  }
-  if (most < static_cast<std::ptrdiff_t>(least_members(points.size()))) return {};
+    offer({n, n.dot(a), 0});
+  };
+  // Every point beyond a face counts against it as much as a point on it counts for it.
+  const auto support = [&](const ConvexFace& face, double most) {
+    double score = 0;
+    for (const Vec3& p : open) score += std::abs(face.normal.dot(p) - face.offset) < reach;
+    if (score <= most) return score;
+    for (const Vec3& p : points) score -= face.normal.dot(p) - face.offset > 2 * reach;
+    return score;
+  };
+  const auto drawn = consensus<ConvexFace>(draws, 0, through_three, support);
+  if (!drawn || drawn->support < double(least_members(points.size()))) return {};
+  ConvexFace best = drawn->hypothesis;
+  best.points = static_cast<std::size_t>(drawn->support);
   // By chance, of points scattered through the body: the best of all planes through three of them (Chernoff's bound).
   std::size_t on = 0;
   for (const Vec3& p : open) on += std::abs(best.normal.dot(p) - best.offset) < reach;

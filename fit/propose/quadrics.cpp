@@ -11,8 +11,9 @@
 
 #include "core/number.h"
 #include "core/statistics.h"
+#include "fit/propose/ball.h"
 #include "fit/search/equal_choices.h"
-#include "geometry/decompose.h"
+#include "geometry/least_squares.h"
 #include "geometry/surfaces/quadric_distance.h"
 
 namespace partscribe::fit {
@@ -21,94 +22,10 @@ namespace {
 
 constexpr std::size_t quadric_points = 4000;
 
-struct Ball {
-  Vec3 centre = Vec3::Zero();
-  double radius = 0;
-};
-
 double median_distance(const std::vector<Vec3>& points, const std::function<double(const Vec3&)>& distance) {
   std::vector<double> d;
   for (const Vec3& p : points) d.push_back(std::abs(distance(p)));
   return median(std::move(d));
-}
-
-/// Least squares on |p - c| - r with weights that fall off at `reach` in the end.
-void polish_ball(Ball& ball, const std::vector<Vec3>& points, double reach) {
-  double scale = std::max(
-      reach, 2 * median_distance(points, [&](const Vec3& p) { return (p - ball.centre).norm() - ball.radius; }));
-  for (int round = 0; round < 30; ++round) {
-    Eigen::Matrix4d h = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d b = Eigen::Vector4d::Zero();
-    for (const Vec3& p : points) {
-      const Vec3 q = p - ball.centre;
-      const double length = q.norm(), d = length - ball.radius;
-      if (!(length > 0)) continue;
-      const double w = std::exp(-0.5 * (d / scale) * (d / scale));
-      const Eigen::Vector4d g(-q.x() / length, -q.y() / length, -q.z() / length, -1);
-      h += w * g * g.transpose(), b -= w * d * g;
-    }
-    h.diagonal() *= 1 + 1e-9;
-    h.diagonal().array() += 1e-12;
-    const Eigen::Vector4d step = solve_ldlt(h, b);
-    if (!step.allFinite()) return;
-    ball.centre += step.head<3>();
-    ball.radius += step[3];
-    scale = std::max(reach, 0.7 * scale);
-    if (step.norm() < 1e-10 * std::abs(ball.radius) && scale == reach) break;
-  }
-}
-
-/// Reweighted least squares of |p|^2 - 2 c.p = r^2 - |c|^2: the points alone.
-Ball ball_through(const std::vector<Vec3>& points, const Vec3& origin, double unit) {
-  std::vector<double> weight(points.size(), 1);
-  Ball ball;
-  for (int round = 0; round < 10; ++round) {
-    Eigen::Matrix4d h = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d b = Eigen::Vector4d::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 q = (points[i] - origin) / unit;
-      const Eigen::Vector4d row(2 * q.x(), 2 * q.y(), 2 * q.z(), 1);
-      h += weight[i] * row * row.transpose(), b += weight[i] * q.squaredNorm() * row;
-    }
-    h.diagonal().array() += 1e-9;
-    const Eigen::Vector4d x = solve_ldlt(h, b);
-    const double r = std::sqrt(std::max(1e-6, x[3] + x.head<3>().squaredNorm()));
-    ball = {origin + unit * x.head<3>(), unit * r};
-    std::vector<double> d;
-    for (const Vec3& p : points) d.push_back((p - ball.centre).norm() - ball.radius);
-    const double scale =
-        2 * median_distance(points, [&](const Vec3& p) { return (p - ball.centre).norm() - ball.radius; }) +
-        1e-9 * unit;
-    for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * (d[i] / scale) * (d[i] / scale));
-  }
-  return ball;
-}
-
-/// The place nearest to all normal lines (whatever the sense of the normals), reweighted.
-Ball ball_of_normals(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, const Vec3& origin,
-                     double unit) {
-  std::vector<double> weight(points.size(), 1);
-  Ball ball;
-  for (int round = 0; round < 12; ++round) {
-    Mat3 h = 1e-9 * Mat3::Identity();
-    Vec3 b = Vec3::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!(normals[i].squaredNorm() > 0.5)) continue;
-      const Mat3 across = Mat3::Identity() - normals[i] * normals[i].transpose();
-      h += weight[i] * across, b += weight[i] * (across * (points[i] - origin) / unit);
-    }
-    ball.centre = origin + unit * solve_ldlt(h, b);
-    std::vector<double> miss(points.size()), radius;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 q = points[i] - ball.centre;
-      miss[i] = (q - normals[i] * normals[i].dot(q)).norm();
-      radius.push_back(q.norm());
-    }
-    ball.radius = median(radius);
-    const double scale = 2 * median(miss) + 1e-9 * unit;
-    for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * (miss[i] / scale) * (miss[i] / scale));
-  }
-  return ball;
 }
 
 struct EllipsoidStart {
@@ -136,46 +53,32 @@ EllipsoidStart tidied(const EllipsoidStart& e) {
 /// The quadric through the points by reweighted least squares with trace 3; nothing if it is no ellipsoid.
 std::optional<EllipsoidStart> ellipsoid_through(const std::vector<Vec3>& points, const Vec3& origin, double unit,
                                                 double reach) {
-  using Row = Eigen::Matrix<double, 9, 1>;
-  std::vector<double> weight(points.size(), 1);
-  std::optional<EllipsoidStart> result;
-  double scale = 0;
-  for (int round = 0; round < 12; ++round) {
-    Eigen::Matrix<double, 9, 9> h = Eigen::Matrix<double, 9, 9>::Zero();
-    Row b = Row::Zero();
+  EllipsoidStart e;
+  const auto fit = [&](const std::vector<double>& weights) {
+    NormalSums<9> sums;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 q = (points[i] - origin) / unit;
       const double x = q.x(), y = q.y(), z = q.z();
-      Row row;
+      NormalSums<9>::Row row;
       row << x * x + y * y - 2 * z * z, x * x + z * z - 2 * y * y, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z,
           1;
-      h += weight[i] * row * row.transpose(), b += weight[i] * q.squaredNorm() * row;
+      sums.add(row, q.squaredNorm(), weights[i]);
     }
-    h.diagonal().array() += 1e-10 * h.trace();
-    const Row u = h.ldlt().solve(b);
+    const NormalSums<9>::Row u = sums.solution(1e-10 * sums.h.trace());
     Mat3 m;  // q^T m q - 2 v.q = u8
     m << 1 - u[0] - u[1], -u[2], -u[3], -u[2], 1 - u[0] + 2 * u[1], -u[4], -u[3], -u[4], 1 + 2 * u[0] - u[1];
     const Vec3 v(u[5], u[6], u[7]);
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(m);
-    if (!(eigen.eigenvalues()[0] > 1e-3)) return std::nullopt;
+    if (!(eigen.eigenvalues()[0] > 1e-3)) return false;
     const Vec3 centre = solve_ldlt(m, v);
     const double level = u[8] + centre.dot(v);
-    if (!(level > 0)) return std::nullopt;
-    EllipsoidStart e;
+    if (!(level > 0)) return false;
     e.scan_from_part = {eigen.eigenvectors(), origin + unit * centre};
     for (int k = 0; k < 3; ++k) e.radii[k] = unit * std::sqrt(level / eigen.eigenvalues()[k]);
-    result = e;
-    std::vector<double> d;
-    for (const Vec3& p : points) d.push_back(e.distance(p));
-    const double spread = std::max(reach, 2 * median([&] {
-                                            std::vector<double> a;
-                                            for (double x : d) a.push_back(std::abs(x));
-                                            return a;
-                                          }()));
-    scale = round == 0 ? spread : std::min(spread, std::max(reach, 0.8 * scale));
-    for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * (d[i] / scale) * (d[i] / scale));
-  }
-  return result;
+    return true;
+  };
+  const auto off = [&](std::size_t i) { return e.distance(points[i]); };
+  return reweighted(points.size(), {12, 2, reach, 0.8}, fit, off) ? std::optional(e) : std::nullopt;
 }
 
 Parameter parameter(const std::string& name, Quantity quantity, double value, const std::string& note) {

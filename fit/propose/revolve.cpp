@@ -13,7 +13,7 @@
 #include "fit/propose/turned_primitives.h"
 #include "fit/search/equal_choices.h"
 #include "fit/sketch/sketch_builder.h"
-#include "geometry/decompose.h"
+#include "geometry/least_squares.h"
 #include "geometry/points/nearby_in_plane.h"
 
 namespace partscribe::fit {
@@ -161,8 +161,7 @@ Axis settled_axis(const FitInput& input, Axis axis) {
     }
     std::sort(entries.begin(), entries.end(),
               [](const Entry& a, const Entry& b) { return a.cell != b.cell ? a.cell < b.cell : a.index < b.index; });
-    Matrix4 h = Matrix4::Zero();
-    Vector4 g = Vector4::Zero();
+    NormalSums<4> sums;
     std::vector<double> sizes;
     for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
       while (end < entries.size() && entries[end].cell == entries[begin].cell) ++end;
@@ -184,7 +183,7 @@ Axis settled_axis(const FitInput& input, Axis axis) {
         AxisRow row;
         row.along = (t.place - middle).dot(Vec2(-n.y(), n.x())) / edge;
         row.residual = n.dot(t.place - middle);
-        row.weight = std::exp(-0.5 * row.residual * row.residual / (scale * scale));
+        row.weight = welsch_weight(row.residual, scale);
         const double tilt = n.y() * t.place.x() - n.x() * t.place.y();
         row.by_axis = Vector4(-n.x() * t.away.dot(e1), -n.x() * t.away.dot(e2), tilt * t.away.dot(e1) / size,
                               tilt * t.away.dot(e2) / size);
@@ -193,14 +192,12 @@ Axis settled_axis(const FitInput& input, Axis axis) {
       take_out_profile(rows);
       for (const auto& row : rows) {
         sizes.push_back(std::abs(row.residual));
-        const double w = std::exp(-0.5 * row.residual * row.residual / (scale * scale));
-        h += w * row.by_axis * row.by_axis.transpose(), g += w * row.residual * row.by_axis;
+        sums.add(row.by_axis, -row.residual, welsch_weight(row.residual, scale));
       }
     }
     if (sizes.size() < 50) return axis;
     // What the data leave open stays as it was.
-    h.diagonal().array() += 1e-6 * h.trace();
-    const Vector4 step = -solve_ldlt(h, g);
+    const Vector4 step = sums.solution(1e-6 * sums.h.trace());
     if (!step.allFinite() || step.norm() > 0.1 * size) return axis;
     axis.point += step[0] * e1 + step[1] * e2;
     axis.direction = (axis.direction + (step[2] * e1 + step[3] * e2) / size).normalized();

@@ -16,8 +16,8 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "fit/propose/ball.h"
 #include "fit/propose/superquadric_mixture.h"
-#include "geometry/decompose.h"
 
 namespace partscribe::fit {
 
@@ -219,24 +219,9 @@ Mat3 frame_of(const std::vector<Vec3>& normals) {
 
 /// The ball through the points by least squares, reweighted: finds the far side of a body seen from one side only.
 State ball_start(const std::vector<Vec3>& points) {
+  const Ball ball = ball_through(points, Vec3::Zero(), 1);
   State s;
-  std::vector<double> weight(points.size(), 1);
-  for (int round = 0; round < 12; ++round) {
-    Eigen::Matrix4d h = 1e-9 * Eigen::Matrix4d::Identity();
-    Eigen::Vector4d b = Eigen::Vector4d::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Eigen::Vector4d row(2 * points[i].x(), 2 * points[i].y(), 2 * points[i].z(), 1);
-      h += weight[i] * row * row.transpose(), b += weight[i] * points[i].squaredNorm() * row;
-    }
-    const Eigen::Vector4d x = solve_ldlt(h, b);
-    s.centre = x.head<3>();
-    const double r = std::sqrt(std::max(1e-4, x[3] + s.centre.squaredNorm()));
-    s.a = Vec3::Constant(std::clamp(r, 0.05, 4.0));
-    std::vector<double> d(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) d[i] = std::abs((points[i] - s.centre).norm() - r);
-    const double scale = std::max(1e-6, 2.5 * median(d));
-    for (std::size_t i = 0; i < points.size(); ++i) weight[i] = std::exp(-0.5 * std::pow(d[i] / scale, 2));
-  }
+  s.centre = ball.centre, s.a = Vec3::Constant(std::clamp(ball.radius, 0.05, 4.0));
   return s;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/number.h"
+#include "geometry/least_squares.h"
 #include "geometry/vec.h"
 
 namespace partscribe::fit {
@@ -50,7 +51,7 @@ void improve_mixture(State& s, const std::vector<Vec3>& points, std::size_t coun
   using Normal = Eigen::Matrix<double, unknowns, unknowns>;
   const auto n = static_cast<double>(count);
   std::vector<double> d(count), weight(count);
-  double damping = 1e-3;
+  Damping damping{1e-3, 0.2, 6, 1e-8, 1e6};
   for (std::size_t i = 0; i < count; ++i) d[i] = residual(s, points[i], nullptr);
   double last_cost = 1e300;
   for (int round = 0; round < rounds; ++round) {
@@ -68,38 +69,33 @@ void improve_mixture(State& s, const std::vector<Vec3>& points, std::size_t coun
     s.inliers = sum_w / n;
     if (round == rounds - 1) break;
 
-    Normal h = Normal::Zero();
-    Gradient b = Gradient::Zero();
+    NormalSums<unknowns> sums;
     for (std::size_t i = 0; i < count; ++i) {
       if (weight[i] < 1e-4) continue;
       Gradient g;
       residual(s, points[i], &g);
-      h.template selfadjointView<Eigen::Lower>().rankUpdate(g, weight[i]);
-      b -= weight[i] * d[i] * g;
+      sums.h.template selfadjointView<Eigen::Lower>().rankUpdate(g, weight[i]);
+      sums.g += weight[i] * d[i] * g;
     }
-    h = h.template selfadjointView<Eigen::Lower>();
+    sums.h = sums.h.template selfadjointView<Eigen::Lower>();
     for (int k = 0; k < unknowns; ++k)
-      if (held(s, k, b[k])) h.row(k).setZero(), h.col(k).setZero(), h(k, k) = 1, b[k] = 0;
-    bool better = false;
+      if (held(s, k, -sums.g[k])) sums.h.row(k).setZero(), sums.h.col(k).setZero(), sums.h(k, k) = 1, sums.g[k] = 0;
+    sums.h.diagonal().array() += 1e-6 * sum_w + 1e-12;
     double gain = 0;
-    for (int attempt = 0; attempt < 6 && !better; ++attempt) {
-      Normal damped = h;
-      damped.diagonal() += damping * h.diagonal() + Gradient::Constant(1e-6 * sum_w + 1e-12);
-      const State trial = stepped(s, damped.ldlt().solve(b));
+    const auto solve = [](const auto& h, const Gradient& g) { return Gradient(h.ldlt().solve(g)); };
+    const bool better = damped_step(sums.h, sums.g, 0, damping, 6, solve, [&](const Gradient& step) {
+      const State trial = stepped(s, step);
       std::vector<double> trial_d(count);
       double sum = 0;
       for (std::size_t i = 0; i < count; ++i) {
         trial_d[i] = residual(trial, points[i], nullptr);
         sum += weight[i] * trial_d[i] * trial_d[i];
       }
-      if (sum < sum_wd2) {
-        better = true, gain = (sum_wd2 - sum) / sum_wd2;
-        s = trial, d.swap(trial_d), sum_wd2 = sum;
-        damping = std::max(damping * 0.2, 1e-8);
-      } else {
-        damping = std::min(damping * 6, 1e6);
-      }
-    }
+      if (!(sum < sum_wd2)) return false;
+      gain = (sum_wd2 - sum) / sum_wd2;
+      s = trial, d.swap(trial_d), sum_wd2 = sum;
+      return true;
+    });
     const double sigma = std::max(std::sqrt(sum_wd2 / std::max(sum_w, 1e-9)), floor);
     const bool settled = std::abs(sigma - s.sigma) < 1e-3 * s.sigma;
     s.sigma = std::max(sigma, 0.67 * s.sigma);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/random.h"
+#include "core/sample_consensus.h"
 #include "core/statistics.h"
 #include "fit/propose/torus_piece.h"
 #include "fit/sketch/length_parameter.h"
@@ -23,27 +23,26 @@ struct Line {
 /// The slanted or upright line that holds most points.
 Line wall_of(const std::vector<PlanePoint>& points, double band, Random& random) {
   Line best;
-  const auto votes = [&](const Line& line) {
+  const auto votes = [&](const Line& line, double) {
     const Vec2 n(line.direction.y(), -line.direction.x());
-    std::size_t count = 0;
-    for (const auto& p : points)
-      count += std::abs(n.dot(p.position - line.point)) < band && std::abs(n.dot(p.normal)) > 0.9;
-    return count;
+    return double(std::ranges::count_if(points, [&](const PlanePoint& p) {
+      return std::abs(n.dot(p.position - line.point)) < band && std::abs(n.dot(p.normal)) > 0.9;
+    }));
   };
-  for (int draw = 0; draw < draws; ++draw) {
-    const PlanePoint &a = points[random.below(points.size())], &b = points[random.below(points.size())];
+  bool by_normal = false;
+  const auto through_one_or_two = [&](auto offer) {
+    const PlanePoint &a = drawn_from(points, random), &b = drawn_from(points, random);
     Line line;
     line.point = a.position;
-    const Vec2 d = b.position - a.position;
-    // Of one point with its normal, or of two far from each other.
-    line.direction = draw % 2 == 0 ? Vec2(-a.normal.y(), a.normal.x()) : d;
-    if (!(line.direction.norm() > (draw % 2 == 0 ? 0.5 : 4 * band))) continue;
+    by_normal = !by_normal;
+    line.direction = by_normal ? Vec2(-a.normal.y(), a.normal.x()) : b.position - a.position;
+    if (!(line.direction.norm() > (by_normal ? 0.5 : 4 * band))) return;
     line.direction.normalize();
-    if (std::abs(line.direction.y()) < 0.25) continue;
     if (line.direction.y() < 0) line.direction = -line.direction;
-    line.count = votes(line);
-    if (line.count > best.count) best = line;
-  }
+    if (line.direction.y() >= 0.25) offer(line);
+  };
+  if (const auto found = consensus<Line>(draws, 0, through_one_or_two, votes))
+    best = found->hypothesis, best.count = static_cast<std::size_t>(found->support);
   for (int round = 0; round < 6 && best.count > 10; ++round) {
     const Vec2 n(best.direction.y(), -best.direction.x());
     Vec2 mean = Vec2::Zero();
@@ -85,23 +84,23 @@ struct Circle {
 };
 
 Circle tube_of(const std::vector<PlanePoint>& points, double band, double size, Random& random) {
-  Circle best;
-  for (int draw = 0; draw < draws; ++draw) {
-    const PlanePoint &a = points[random.below(points.size())], &b = points[random.below(points.size())];
+  const auto where_two_meet = [&](auto offer) {
+    const PlanePoint &a = drawn_from(points, random), &b = drawn_from(points, random);
     const auto meeting = where_normals_meet(a, b, 0.3);
-    if (!meeting) continue;
-    Circle c;
-    c.centre = meeting->place;
-    c.radius = 0.5 * (meeting->from_a + meeting->from_b);
-    if (!(c.radius > 3 * band && c.radius < size && c.centre.x() > 1.02 * c.radius)) continue;
-    for (const auto& p : points) {
+    if (!meeting) return;
+    const Circle c{meeting->place, 0.5 * (meeting->from_a + meeting->from_b), 0};
+    if (c.radius > 3 * band && c.radius < size && c.centre.x() > 1.02 * c.radius) offer(c);
+  };
+  const auto points_on = [&](const Circle& c, double) {
+    return double(std::ranges::count_if(points, [&](const PlanePoint& p) {
       const Vec2 q = p.position - c.centre;
       const double r = q.norm();
-      c.count += std::abs(r - c.radius) < band && std::abs(q.dot(p.normal)) > 0.9 * r;
-    }
-    if (c.count > best.count) best = c;
-  }
-  return best;
+      return std::abs(r - c.radius) < band && std::abs(q.dot(p.normal)) > 0.9 * r;
+    }));
+  };
+  const auto best = consensus<Circle>(draws, 0, where_two_meet, points_on);
+  if (!best) return {};
+  return {best->hypothesis.centre, best->hypothesis.radius, static_cast<std::size_t>(best->support)};
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "fit/refine/unknowns.h"
 #include "fit/uncertainty/open_ends.h"
 #include "fit/uncertainty/uncertainty.h"
+#include "geometry/least_squares.h"
 
 namespace partscribe::fit {
 namespace {
@@ -57,7 +58,8 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
   Candidate best = candidate;
   Distances d = unknowns.distances(best, points, context.threads);
   double scale = std::max(median_scale(d.value), noise);
-  double lambda = 1e-6;
+  Damping damping;
+  damping.value = 1e-6;
   std::vector<double> weight(points.size()), pull(points.size());
   for (; report.iterations < options.iterations && !context.cancelled; ++report.iterations) {
     const bool by_face = report.iterations < rounds_by_face;
@@ -67,28 +69,21 @@ void descend(Candidate& candidate, const Unknowns& unknowns, const std::vector<V
     const Jacobian jacobian = unknowns.jacobian(best, points, d, context.threads);
     const NormalEquations normal = normal_equations(jacobian.rows, weight, pull, context.threads);
     const double before = cost(d.value, scales), trace = normal.h.trace() / double(normal.h.rows());
-    bool improved = false;
     double largest = 0;
-    for (int attempt = 0; attempt < 8 && !improved; ++attempt) {
-      Matrix damped = normal.h;
-      for (Eigen::Index k = 0; k < damped.rows(); ++k) damped(k, k) += lambda * (normal.h(k, k) + 1e-6 * trace);
-      const Vector step = -pseudo_inverse(damped) * normal.g;
+    const auto solve = [](const Matrix& h, const Vector& g) { return Vector(pseudo_inverse(h) * g); };
+    const bool improved = damped_step(normal.h, normal.g, 1e-6 * trace, damping, 8, solve, [&](const Vector& step) {
       Candidate next = unknowns.stepped(best, step);
       if (step.tail<3>().norm() > 0.5 * size || !unknowns.sensible(next)) {
-        lambda = std::max(lambda * 10, 1e-3);
-        continue;
+        damping.value = std::max(damping.value, 1e-4);  // far too long
+        return false;
       }
       Distances next_d = unknowns.distances(next, points, context.threads);
-      if (cost(next_d.value, scales) <= before * (1 + 1e-12)) {
-        improved = true;
-        largest = step.cwiseAbs().maxCoeff();
-        best = std::move(next);
-        d = std::move(next_d);
-        lambda = std::max(lambda * 0.1, 1e-9);
-      } else {
-        lambda *= 10;
-      }
-    }
+      if (cost(next_d.value, scales) > before * (1 + 1e-12)) return false;
+      largest = step.cwiseAbs().maxCoeff();
+      best = std::move(next);
+      d = std::move(next_d);
+      return true;
+    });
     const double new_scale = std::max(median_scale(d.value), noise);
     const bool scale_settled = new_scale > 0.97 * scale;
     scale = std::min(scale, new_scale);

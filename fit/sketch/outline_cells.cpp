@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/number.h"
-#include "core/random.h"
+#include "core/sample_consensus.h"
 #include "core/statistics.h"
 #include "fit/sketch/plane_circle.h"
 #include "geometry/points/nearby_in_plane.h"
@@ -101,38 +101,34 @@ void find_primitives(std::vector<PlanePoint> points, double band, double size, s
   constexpr double dearer = 1.15;  // a circle can fit outliers that a line cannot
   Random random(7);
   while (points.size() >= least && found.size() < most_primitives) {
-    Primitive best;
-    double most = 0;
-    for (int draw = 0; draw < draws; ++draw) {
+    const auto line_or_circle = [&](auto offer) {
       // Points of one wall lie near each other.
-      const PlanePoint& a = points[random.below(points.size())];
+      const PlanePoint& a = drawn_from(points, random);
       const double within = size * std::pow(0.5, double(1 + random.below(4)));
-      const auto drawn = [&]() -> const PlanePoint& {
-        for (int k = 0; k < 20; ++k) {
-          const PlanePoint& p = points[random.below(points.size())];
-          if ((p.position - a.position).norm() < within) return p;
-        }
+      const auto near = [&]() -> const PlanePoint& {
+        for (int k = 0; k < 20; ++k)
+          if (const PlanePoint& p = drawn_from(points, random); (p.position - a.position).norm() < within) return p;
         return a;
       };
-      const PlanePoint &b = drawn(), &c = drawn();
+      const PlanePoint &b = near(), &c = near();
       for (const auto& f :
-           {line_through(a, b, 4 * band), circle_through(a.position, b.position, c.position, band, size)}) {
-        if (!f) continue;
-        std::size_t count = 0;
-        for (const auto& p : points) count += lies_on(*f, p, band);
-        const double score = double(count) / (f->circle ? dearer : 1);
-        if (score > most) most = score, best = *f;
-      }
-    }
-    if (most < double(least)) return;
-    const Primitive drawn_best = best;
+           {line_through(a, b, 4 * band), circle_through(a.position, b.position, c.position, band, size)})
+        if (f) offer(*f);
+    };
+    const auto points_on_it = [&](const Primitive& f, double) {
+      const auto count = std::ranges::count_if(points, [&](const PlanePoint& p) { return lies_on(f, p, band); });
+      return double(count) / (f.circle ? dearer : 1);
+    };
+    const auto drawn = consensus<Primitive>(draws, 0, line_or_circle, points_on_it);
+    if (!drawn || drawn->support < double(least)) return;
+    Primitive best = drawn->hypothesis;
     for (int round = 0; round < 3; ++round) {
       best.on = points_on(best, points, band);
       if (best.on.size() >= 3) refit(best);
     }
     best.on = points_on(best, points, band);
     const bool good = best.on.size() >= least;
-    const Primitive& taken = good ? best : drawn_best;
+    const Primitive& taken = good ? best : drawn->hypothesis;
     std::erase_if(points, [&](const PlanePoint& p) { return lies_on(taken, p, 1.6 * band); });
     best.band = band;
     if (good) found.push_back(std::move(best));

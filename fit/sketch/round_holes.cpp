@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/number.h"
-#include "core/random.h"
+#include "core/sample_consensus.h"
 
 namespace partscribe::fit {
 namespace {
@@ -111,19 +111,20 @@ std::vector<PlaneCircle> partly_seen_holes(std::vector<PlanePoint> walls, const 
   Random random(1);
   std::vector<PlaneCircle> holes;
   while (holes.size() < most_holes && walls.size() >= least_points) {
-    PlaneCircle best{Vec2::Zero(), 0};
-    std::size_t most = least_points - 1;
-    for (int draw = 0; draw < draws; ++draw) {
-      const PlanePoint &a = walls[random.below(walls.size())], &b = walls[random.below(walls.size())];
+    const auto where_two_meet = [&](auto offer) {
+      const PlanePoint &a = drawn_from(walls, random), &b = drawn_from(walls, random);
       const auto meeting = where_normals_meet(a, b, 0.2);
-      if (!meeting || std::abs(meeting->from_b - meeting->from_a) > 4 * band) continue;
-      if (meeting->from_a > 0.5 * size || meeting->from_a < 3 * band) continue;
-      const PlaneCircle c{meeting->place, 0.5 * (meeting->from_a + meeting->from_b)};
+      if (!meeting || std::abs(meeting->from_b - meeting->from_a) > 4 * band) return;
+      if (meeting->from_a > 0.5 * size || meeting->from_a < 3 * band) return;
+      offer({meeting->place, 0.5 * (meeting->from_a + meeting->from_b)});
+    };
+    const auto wall_points = [&](const PlaneCircle& c, double most) {
       const std::vector<Vec2> on = points_of(c, walls, band);
-      if (on.size() <= most || sectors_of(c, on) < least_sectors || !is_hole(c, ends)) continue;
-      most = on.size(), best = c;
-    }
-    if (!(best.radius > 0)) break;
+      return double(on.size()) > most && sectors_of(c, on) >= least_sectors && is_hole(c, ends) ? double(on.size()) : 0;
+    };
+    const auto found = consensus<PlaneCircle>(draws, least_points - 1, where_two_meet, wall_points);
+    if (!found) break;
+    PlaneCircle best = found->hypothesis;
     for (int round = 0; round < 3; ++round) best = polished(best, points_of(best, walls, band));
     const std::vector<Vec2> on = points_of(best, walls, band);
     if (on.size() < least_points || sectors_of(best, on) < least_sectors || !is_hole(best, ends)) break;
@@ -147,24 +148,23 @@ std::vector<PlaneCircle> hardly_seen_holes(std::vector<Vec2> between, const std:
   Random random(1);
   std::vector<PlaneCircle> holes;
   while (holes.size() < most_holes && between.size() >= least_points) {
-    PlaneCircle best;
-    double most = 0;
-    for (int draw = 0; draw < draws; ++draw) {
-      const Vec2 &a = between[random.below(between.size())], &b = between[random.below(between.size())];
-      // A circle through two neighbours, of a size drawn at random.
+    // A circle through two neighbours, of a size drawn at random.
+    const auto through_two = [&](auto offer) {
+      const Vec2 &a = drawn_from(between, random), &b = drawn_from(between, random);
       const Vec2 half = 0.5 * (b - a);
       const double radius = 2 * band + random.uniform() * (0.3 * size - 2 * band);
-      if (!(half.norm() > 0.5 * band) || half.norm() > radius) continue;
+      if (!(half.norm() > 0.5 * band) || half.norm() > radius) return;
       const Vec2 across = Vec2(-half.y(), half.x()).normalized() * std::sqrt(radius * radius - half.squaredNorm());
-      for (const double side : {1.0, -1.0}) {
-        const PlaneCircle c{a + half + side * across, radius};
-        if (!has_wall(c)) continue;
-        const double worth = worth_of(c, between, ends, density, band);
-        if (worth > most && is_hole(c, ends)) most = worth, best = c;
-      }
-    }
-    if (!(best.radius > 0)) break;
-    const PlaneCircle drawn = best;
+      for (const double side : {1.0, -1.0}) offer({a + half + side * across, radius});
+    };
+    const auto worth_as_hole = [&](const PlaneCircle& c, double most) {
+      const double worth = has_wall(c) ? worth_of(c, between, ends, density, band) : 0;
+      return worth > most && is_hole(c, ends) ? worth : 0;
+    };
+    const auto found = consensus<PlaneCircle>(draws, 0, through_two, worth_as_hole);
+    if (!found) break;
+    const PlaneCircle drawn = found->hypothesis;
+    PlaneCircle best = drawn;
     climb(best, between, ends, density, band);
     // Beside a shadow in the end faces the best circle is one that fills it.
     if (!has_wall(best) || !is_hole(best, ends)) best = drawn;

@@ -18,6 +18,7 @@
 #include "geometry/segment/faces.h"
 #include "geometry/segment/grow_faces.h"
 #include "geometry/segment/label_faces.h"
+#include "geometry/segment/like_faces.h"
 #include "geometry/segment/merge_faces.h"
 
 namespace partscribe::geometry {
@@ -196,6 +197,10 @@ Faces faces_of_cloud(const PointCloud& given, const FaceOptions& options, Contex
     if (samples.source.size() * 10 > 9 * static_cast<std::size_t>(sigmas.size()) || left < 100) break;
   }
   if (context.cancelled) return result;
+  for (LikeFace& like : like_faces(cloud, done, work.faces, work.least_sigma, work.pitch)) {
+    for (const auto i : like.members) work.label[i] = static_cast<std::uint32_t>(work.faces.size());
+    work.faces.push_back(std::move(like.face));
+  }
   std::vector<std::vector<std::uint32_t>> members(work.faces.size());
   for (std::uint32_t i = 0; i < cloud.size(); ++i)
     if (work.label[i] != no_face) members[work.label[i]].push_back(i);

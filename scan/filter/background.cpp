@@ -8,7 +8,7 @@
 #include <map>
 
 #include "core/ensure.h"
-#include "core/random.h"
+#include "core/sample_consensus.h"
 #include "core/statistics.h"
 
 namespace partscribe::scan {
@@ -50,21 +50,19 @@ Plane most_common_plane(const PointCloud& cloud, double within) {
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / most_points);
   for (std::size_t i = 0; i < cloud.size(); i += step) some.push_back(static_cast<std::uint32_t>(i));
   Random random(1);
-  Plane best;
-  std::size_t most = 0;
-  for (int k = 0; k < tries; ++k) {
-    const Vec3 &a = cloud.points[some[random.below(some.size())]], &b = cloud.points[some[random.below(some.size())]],
-               &c = cloud.points[some[random.below(some.size())]];
+  const auto through_three = [&](auto offer) {
+    const Vec3 &a = cloud.points[drawn_from(some, random)], &b = cloud.points[drawn_from(some, random)],
+               &c = cloud.points[drawn_from(some, random)];
     const Vec3 normal = (b - a).cross(c - a);
-    if (!(normal.norm() > 0)) continue;
-    const Plane plane{normal.normalized(), normal.normalized().dot(a)};
-    std::size_t count = 0;
-    for (const auto i : some)
-      count +=
-          std::abs(plane.above(cloud.points[i])) < within && std::abs(cloud.normals[i].dot(plane.normal)) > same_way;
-    if (count > most) most = count, best = plane;
-  }
-  return best;
+    if (normal.norm() > 0) offer({normal.normalized(), normal.normalized().dot(a)});
+  };
+  const auto points_on = [&](const Plane& plane, double) {
+    return double(std::ranges::count_if(some, [&](std::uint32_t i) {
+      return std::abs(plane.above(cloud.points[i])) < within && std::abs(cloud.normals[i].dot(plane.normal)) > same_way;
+    }));
+  };
+  const auto best = consensus<Plane>(tries, 0, through_three, points_on);
+  return best ? best->hypothesis : Plane{};
 }
 
 /// Connected pieces: points are joined by a chain of cubes of edge `cell` that touch. The largest first.

@@ -11,7 +11,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
-#include "geometry/decompose.h"
+#include "geometry/least_squares.h"
 #include "geometry/mesh/mesh_facets.h"
 #include "geometry/points/thin.h"
 #include "geometry/segment/facets.h"
@@ -30,7 +30,6 @@ constexpr double off_by_frame = 0.2;   // share of the points beyond the toleran
 constexpr double equally_good = 1.05;  // ratio of the errors of two fits that the scan cannot tell apart
 constexpr double hardly = 0.02;        // of the tolerance: smaller differences do not matter
 
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
 struct PrincipalFrame {
@@ -111,22 +110,18 @@ class Fitting {
 
       // Welsch weights at the scale of the middle of the distances; early, while all are far, nearly even ones.
       const double scale = std::max({3 * 1.4826 * quantile(sizes, 0.5), 3 * noise_, 1e-9 * size_});
-      Mat6 normal = Mat6::Zero();
-      Vec6 right = Vec6::Zero();
+      NormalSums<6> sums;
       Vec3 center = Vec3::Zero();
       for (const auto& p : points) center += p;
       center = pose * Vec3(center / static_cast<double>(count));
       for (std::size_t i = 0; i < count; ++i) {
-        const double weight = std::exp(-distance[i] * distance[i] / (scale * scale));
         const Vec3 arm = (pose * points[i] - center) / size_;
         Vec6 row;
         row << arm.cross(direction[i]), direction[i];
-        normal += weight * row * row.transpose();
-        right -= weight * distance[i] * row;
+        sums.add(row, -distance[i], welsch_weight(distance[i], scale / std::sqrt(2)));
       }
       // Directions that the part leaves open (a cylinder turns in itself) stay where they are.
-      normal.diagonal().array() += 1e-6 * normal.trace() + 1e-300;
-      const Vec6 move = solve_ldlt(normal, right);
+      const Vec6 move = sums.solution(1e-6 * sums.h.trace() + 1e-300);
       const Mat3 turn = rotation_of(move.head<3>() / size_);
       pose = Pose{turn, center - turn * center + move.tail<3>()} * pose;
       if (move.norm() < 1e-9 * size_) break;

@@ -9,7 +9,7 @@
 #include "core/number.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
-#include "geometry/decompose.h"
+#include "geometry/least_squares.h"
 #include "geometry/normals/local_noise.h"
 #include "geometry/points/thin.h"
 #include "geometry/segment/faces.h"
@@ -36,20 +36,17 @@ bool heights_over_quadric(const std::vector<Vec3>& points, const std::vector<Nei
   const Mat3 frame = solver.eigenvectors();
   const double scale = std::sqrt(std::max(solver.eigenvalues()[2] / static_cast<double>(group.size()), 1e-300));
   using Row = Eigen::Matrix<double, 6, 1>;
-  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Row right = Row::Zero();
+  NormalSums<6> sums;
   std::vector<Row> rows;
   heights.clear();
   for (const auto& n : group) {
     const Vec3 q = frame.transpose() * (points[n.index] - mean) / scale;
     Row row;
     row << 1, q.y(), q.z(), q.y() * q.y(), q.y() * q.z(), q.z() * q.z();
-    normal += row * row.transpose();
-    right += row * q.x();
+    sums.add(row, q.x());
     rows.push_back(row), heights.push_back(q.x());
   }
-  normal.diagonal().array() += 1e-12 * static_cast<double>(group.size());
-  const Row fit = solve_ldlt(normal, right);
+  const Row fit = sums.solution(1e-12 * static_cast<double>(group.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) heights[i] = (heights[i] - rows[i].dot(fit)) * scale;
   return group.size() > 6;
 }
