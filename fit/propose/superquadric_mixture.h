@@ -48,7 +48,6 @@ template <int unknowns, class State>
 void improve_mixture(State& s, const std::vector<Vec3>& points, std::size_t count, double volume, double floor,
                      int rounds) {
   using Gradient = Eigen::Matrix<double, unknowns, 1>;
-  using Normal = Eigen::Matrix<double, unknowns, unknowns>;
   const auto n = static_cast<double>(count);
   std::vector<double> d(count), weight(count);
   Damping damping{1e-3, 0.2, 6, 1e-8, 1e6};
@@ -80,9 +79,11 @@ void improve_mixture(State& s, const std::vector<Vec3>& points, std::size_t coun
     sums.h = sums.h.template selfadjointView<Eigen::Lower>();
     for (int k = 0; k < unknowns; ++k)
       if (held(s, k, -sums.g[k])) sums.h.row(k).setZero(), sums.h.col(k).setZero(), sums.h(k, k) = 1, sums.g[k] = 0;
-    sums.h.diagonal().array() += 1e-6 * sum_w + 1e-12;
     double gain = 0;
-    const auto solve = [](const auto& h, const Gradient& g) { return Gradient(h.ldlt().solve(g)); };
+    const auto solve = [&](auto h, const Gradient& g) {
+      h.diagonal().array() += 1e-6 * sum_w + 1e-12;
+      return Gradient(h.ldlt().solve(g));
+    };
     const bool better = damped_step(sums.h, sums.g, 0, damping, 6, solve, [&](const Gradient& step) {
       const State trial = stepped(s, step);
       std::vector<double> trial_d(count);
