@@ -214,7 +214,8 @@ std::string no_procedure_line(const Model& model, const std::string& asked) {
                                                         : "is refused: " + nearest->reason);
   const auto* surface = std::get_if<TriSurface>(&model.objects.back().shape);
   if (surface && !surface->faces.empty())
-    return line + ". STEP and IGES hold " + noun_of(*surface) + "; OpenSCAD and SCL hold its " +
+    return line + ". STEP and IGES are made from " + noun_of(*surface) +
+           ", with triangles where one could not be trimmed; OpenSCAD and SCL hold its " +
            std::to_string(surface->triangles.size()) + " triangles, which have no dimensions to edit.\n";
   return line + ". The files hold " + noun_of(model.objects.back().shape) + ", which has no dimensions to edit.\n";
 }

@@ -54,6 +54,9 @@ struct HeldParameter {
   double sigma = 0;  ///< mm
 };
 
+/// A body lower than this share of its width is a plate: it lies flat, and its height is its thickness.
+inline constexpr double height_of_plate = 0.5;
+
 /// A proposal: a part with named parameters, standing somewhere in the scan. Values are starts; refine() makes them
 /// exact.
 struct Candidate {

@@ -114,7 +114,6 @@ class Drilling {
   /// A low box is a plate and lies flat. Of others z is the axis that most holes run along, of several the shortest
   /// side. Holes open upwards. The origin stands in the middle of the base.
   void centre_box(const std::vector<DrilledHole>& holes) {
-    constexpr double low = 0.5;  // of the width
     Object& step = part_.steps[0];
     Box& box = std::get<Box>(step.shape);
     Pose& pose = part_.scan_from_part;
@@ -130,7 +129,7 @@ class Drilling {
     }
     std::array<int, 3> axes = {0, 1, 2};  // old ones, as x, y, z
     std::ranges::sort(axes, [&](int a, int b) { return size[a] > size[b]; });
-    const bool plate = size[axes[2]] < low * size[axes[1]];
+    const bool plate = size[axes[2]] < height_of_plate * size[axes[1]];
     if (!plate) std::ranges::stable_sort(axes, [&](int a, int b) { return along[a] < along[b]; });
     if (size[axes[0]] < size[axes[1]]) std::swap(axes[0], axes[1]);
     const auto side = [&](int k) { return sides[static_cast<std::size_t>(axes[static_cast<std::size_t>(k)])]; };
@@ -220,13 +219,15 @@ class Drilling {
   std::optional<Placed> placed_in_body(const DrilledHole& hole) const {
     const Pose part_from_scan = part_.scan_from_part.inverse();
     const Vec3 out = part_from_scan.rotation * hole.out;
-    Placed p{&hole, 0, 1, part_from_scan * hole.mouth, 0, 0};
+    Placed p{&hole, 0, 1, part_from_scan * hole.point, 0, 0};
     out.cwiseAbs().maxCoeff(&p.axis);
     p.sense = out[p.axis] > 0 ? 1 : -1;
     const Vec3 along = p.sense * Vec3::Unit(p.axis);
-    if ((out - along).norm() * hole.form.depth > tolerance_) return std::nullopt;
-    const double mouth = p.sense * p.place[p.axis];
-    const Vec3 middle = p.place - 0.5 * hole.form.depth * along;
+    const double aslant = (out - along).norm();
+    if (aslant > sigmas * hole.sigma_axis && aslant * hole.form.depth > tolerance_) return std::nullopt;
+    const double mouth = p.sense * (part_from_scan * hole.mouth)[p.axis];
+    Vec3 middle = p.place;
+    middle[p.axis] = p.sense * (mouth - 0.5 * hole.form.depth);
     if (!((*distance_)(middle).distance < 0)) return std::nullopt;
     // Where the body ends, in the middle of the hole and around it.
     const double radius = 0.5 * std::max({hole.form.diameter, hole.form.head_diameter, hole.form.sink_diameter});

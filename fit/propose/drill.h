@@ -13,7 +13,9 @@ struct DrilledHole {
   HoleOf<double> form;
   bool floor_seen = true;                          ///< of a blind one; else its depth is where the data end
   double sigma = 0;                                ///< mm, of its place and its sizes
+  double sigma_axis = 0;                           ///< rad
   Vec3 mouth = Vec3::Zero(), out = Vec3::UnitZ();  ///< where its axis leaves the part, and which way; scan frame
+  Vec3 point = Vec3::Zero();                       ///< of its axis, where that is known best
 };
 
 struct DrillOptions {

@@ -63,7 +63,8 @@ DrilledHole drilled(const FoundHole& found, const FitInput& input) {
   form.sink_diameter = size("countersink diameter");
   if (form.sink_diameter > 0) form.sink_angle = size("countersink angle");
   hole.sigma = std::max(found.sigma_point, 0.5 * found.sigma_diameter());
-  hole.mouth = found.mouth, hole.out = found.axis;
+  hole.mouth = found.mouth, hole.out = found.axis, hole.point = found.point;
+  hole.sigma_axis = found.sigma_axis;
   return hole;
 }
 

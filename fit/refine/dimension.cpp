@@ -16,8 +16,6 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr double flat = 0.5;  // a body lower than this part of its width is a plate
-
 void visit(Candidate& candidate, const std::function<void(Expr&)>& change) {
   const auto of_shape = [&](Expr& e, Domain) { change(e); };
   for (Object& step : candidate.steps) {
@@ -129,7 +127,7 @@ void plates(Candidate& candidate) {
   const Values values = values_of(candidate);
   const auto shape = std::get<ExtrudeOf<double>>(evaluate(candidate.shape, values));
   const Vec3 size = flat_box(outline_of(shape.sketch)).size();
-  if (shape.height < flat * std::min(size.x(), size.y()))
+  if (shape.height < height_of_plate * std::min(size.x(), size.y()))
     restate(candidate, plate->height.parameter, "thickness", "thickness");
 }
 

@@ -20,20 +20,19 @@ struct FromFarSide {
 /// an angle are what its legs are thick.
 std::vector<FromFarSide> measure_steps(std::vector<SketchSlot>& slots, const std::vector<SketchLevel>& levels,
                                        const std::array<const SketchLevel*, 2>& high) {
-  const auto slot_of = [](const SketchLevel& level) { return std::stoul(level.expr.parameter.substr(1)); };
   std::array<std::vector<const SketchLevel*>, 2> steps;
   for (const SketchLevel& level : levels) {
     const auto axis = std::size_t(level.axis);
-    if (level.set && level.expr.is_parameter() && high[axis] && slots[slot_of(level)].role.starts_with("edge_"))
+    if (level.set && level.expr.is_parameter() && high[axis] && slots[slot_of(level.expr)].role.starts_with("edge_"))
       steps[axis].push_back(&level);
   }
   const bool angle = steps[0].size() == 1 && steps[1].size() == 1;
   std::vector<FromFarSide> far;
   for (const std::size_t axis : {0, 1})
     for (const SketchLevel* level : steps[axis]) {
-      const std::size_t slot = slot_of(*level);
+      const std::size_t slot = slot_of(level->expr);
       const bool from_far = level->value > high[axis]->value / 2;
-      if (from_far) far.push_back({slot, slot_of(*high[axis])});
+      if (from_far) far.push_back({slot, slot_of(high[axis]->expr)});
       if (angle)
         slots[slot] = {"leg_thickness", "thickness of the leg"};
       else if (from_far)
@@ -52,7 +51,7 @@ std::vector<FromFarSide> rename_roles(std::vector<SketchSlot>& slots, const std:
   std::vector<std::pair<const SketchLevel*, std::size_t>> walls;
   for (const auto& level : levels) {
     if (!level.set || !level.expr.is_parameter()) continue;
-    const std::size_t slot = std::stoul(level.expr.parameter.substr(1));
+    const std::size_t slot = slot_of(level.expr);
     if (options.revolve && level.axis == 1 && level.value > top) top = level.value, top_slot = slot;
     if (options.revolve && level.axis == 0 && level.rising) walls.emplace_back(&level, slot);
   }
@@ -79,7 +78,7 @@ std::vector<FromFarSide> rename_roles(std::vector<SketchSlot>& slots, const std:
   std::vector<std::size_t> shoulders;
   for (const auto& level : levels)
     if (options.revolve && level.axis == 1 && level.set && level.expr.is_parameter() && level.value < top)
-      shoulders.push_back(std::stoul(level.expr.parameter.substr(1)));
+      shoulders.push_back(slot_of(level.expr));
   if (walls.size() == 2 && shoulders.size() == 1 && slots[shoulders[0]].role == "shoulder_z") {
     const auto lower = walls[0].first->low < walls[1].first->low ? walls[0] : walls[1];
     const std::string& wall = slots[lower.second].role;  // "head_radius"
@@ -100,7 +99,7 @@ std::vector<FromFarSide> rename_roles(std::vector<SketchSlot>& slots, const std:
       bool lowest = true;
       for (const auto& level : levels) lowest &= level.axis != axis || level.value > -same;
       if (!datum || !lowest || !high || !high->expr.is_parameter()) continue;
-      slots[std::stoul(high->expr.parameter.substr(1))] =
+      slots[slot_of(high->expr)] =
           axis == 0 ? SketchSlot{"length", "size along x"} : SketchSlot{"width", "size along y"};
       sizes[std::size_t(axis)] = high;
     }

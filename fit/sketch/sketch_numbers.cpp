@@ -29,6 +29,8 @@ Expr SketchNumbers::parameter(double value, Quantity quantity, std::string role,
   return Expr::of(p.name);
 }
 
+std::size_t slot_of(const Expr& parameter) { return std::stoul(parameter.parameter.substr(1)); }
+
 double SketchNumbers::value(const Expr& e) const {
   Values v;
   for (const auto& p : parameters) v[p.name] = p.value;
@@ -38,7 +40,7 @@ double SketchNumbers::value(const Expr& e) const {
 Expr SketchNumbers::shared(Shared& list, double v, const std::string& role, const std::string& note) {
   if (const auto known = found(list, v, same)) {
     if (known->is_parameter()) {
-      SketchSlot& slot = slots[std::stoul(known->parameter.substr(1))];
+      SketchSlot& slot = slots[slot_of(*known)];
       if (slot.note != note) slot.note = of_several(slot.note);
     }
     return *known;

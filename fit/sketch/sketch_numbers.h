@@ -16,6 +16,9 @@ struct SketchSlot {
   std::string note;  ///< for a person
 };
 
+/// Number of the slot that a provisional name belongs to.
+std::size_t slot_of(const Expr& parameter);
+
 /// Parameters have provisional names "#0", "#1" ...; their slots decide the final ones (sketch_names.h).
 class SketchNumbers {
  public:

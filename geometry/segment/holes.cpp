@@ -208,15 +208,24 @@ FeatureSize count_of(std::string name, std::size_t count) {
 }
 
 std::vector<FoundHole> holes_of(const Faces& faces, const std::vector<RoundPiece>& pieces, const FeatureScale& scale) {
+  const auto one_hole = [&](const RoundPiece& a, const RoundPiece& b) {
+    return coaxial(a, b, scale.coarse + eccentric * std::min(a.radius(), b.radius())) &&
+           (follow(faces, a, b, scale) || seen_from_both_sides(faces, a, b, scale));
+  };
   std::vector<const RoundPiece*> bores;
   for (const auto& piece : pieces)
     if (piece.hollow && piece.full_turn()) bores.push_back(&piece);
+  // What goes on from a hole about its axis is part of it, if only a part of its turn was seen.
+  const std::size_t whole = bores.size();
+  for (const auto& piece : pieces)
+    if (piece.hollow && !piece.full_turn() && piece.kind == FaceKind::cylinder &&
+        std::any_of(bores.begin(), bores.begin() + std::ptrdiff_t(whole),
+                    [&](const RoundPiece* bore) { return one_hole(*bore, piece); }))
+      bores.push_back(&piece);
   DisjointSets sets(bores.size());
   for (std::uint32_t i = 0; i < bores.size(); ++i)
     for (std::uint32_t j = i + 1; j < bores.size(); ++j)
-      if (coaxial(*bores[i], *bores[j], scale.coarse + eccentric * std::min(bores[i]->radius(), bores[j]->radius())) &&
-          (follow(faces, *bores[i], *bores[j], scale) || seen_from_both_sides(faces, *bores[i], *bores[j], scale)))
-        sets.unite(i, j);
+      if (one_hole(*bores[i], *bores[j])) sets.unite(i, j);
   std::vector<FoundHole> holes;
   for (std::uint32_t i = 0; i < bores.size(); ++i) {
     if (sets.root(i) != i) continue;

@@ -40,6 +40,7 @@ DrilledHole hole_at(const Candidate& body, const Vec3& mouth, const Vec3& out, d
   DrilledHole hole;
   hole.form.diameter = diameter, hole.form.depth = depth, hole.form.through = through;
   hole.mouth = body.scan_from_part * mouth, hole.out = body.scan_from_part.rotation * out;
+  hole.point = hole.mouth - 0.5 * depth * hole.out;
   hole.sigma = 0.002;
   return hole;
 }
@@ -171,6 +172,20 @@ TEST_CASE("drill: plain holes along an extrusion are loops of its sketch") {
   CHECK(in_sketch(bar, {through}));
   CHECK_FALSE(in_sketch(bar, {through, blind}));
   CHECK_FALSE(in_sketch(block(), {through}));
+}
+
+TEST_CASE(
+    "drill: a hole of which little was seen may lean by as much as its axis is unknown, and stands where it was seen") {
+  const Candidate body = block();
+  DrilledHole leaning = hole_at(body, {20, 10, 12}, Vec3::UnitZ(), 6, 12);
+  leaning.out = body.scan_from_part.rotation * Vec3(0.02, 0, 1).normalized();
+  leaning.mouth = leaning.point + 6 * leaning.out;
+  CHECK_FALSE(with_holes(body, {leaning}, options));
+  leaning.sigma_axis = 0.01;
+  const auto part = with_holes(body, {leaning}, options);
+  REQUIRE(part);
+  CHECK(ModelDistance(bare_model(*part))(part->scan_from_part.inverse() * leaning.point).distance ==
+        Approx(3).margin(1e-6));
 }
 
 TEST_CASE("drill: holes aslant and holes beside the body are none of it") {
