@@ -329,6 +329,24 @@ TEST_CASE("simple features: a bore seen from both sides is one hole, though its 
   CHECK(value_of(bored, "counterbore depth") == Approx(10));
 }
 
+TEST_CASE("simple features: a bore below a counterbore is part of its hole, if a third of its turn was seen",
+          "[segment]") {
+  const auto found = [](const Vec3& beside) {
+    DrilledPlate plate(100, 20);
+    const auto head = plate.cylinder({0, 0, 16}, Vec3::UnitZ(), 7.5, 8, true, 2 * pi);
+    const auto shoulder = plate.plane({0, 0, 12}, Vec3::UnitZ(), pi * (7.5 * 7.5 - 4.5 * 4.5));
+    const auto bore = plate.cylinder(Vec3(0, 0, 6) + beside, Vec3::UnitZ(), 4.5, 12, true, 0.7 * pi);
+    plate.meet(head, plate.top, EdgeKind::convex, 15 * pi), plate.meet(head, shoulder, EdgeKind::concave, 15 * pi);
+    plate.meet(bore, shoulder, EdgeKind::convex, 3 * pi), plate.meet(bore, plate.bottom, EdgeKind::convex, 3 * pi);
+    return simple_features(plate.faces);
+  };
+  const auto bored = the_one(found(Vec3::Zero()), "counterbored hole");
+  CHECK(value_of(bored, "diameter") == Approx(9));
+  CHECK(value_of(bored, "depth") == Approx(20));
+  CHECK(value_of(bored, "counterbore depth") == Approx(8));
+  CHECK(of_kind(found({2, 0, 0}), "counterbored hole").empty());
+}
+
 TEST_CASE("simple features: a wide hole in thin sheet goes through, however long its border is said to be",
           "[segment]") {
   DrilledPlate sheet(200, 1);
