@@ -197,7 +197,7 @@ Faces faces_of_cloud(const PointCloud& given, const FaceOptions& options, Contex
     if (samples.source.size() * 10 > 9 * static_cast<std::size_t>(sigmas.size()) || left < 100) break;
   }
   if (context.cancelled) return result;
-  for (LikeFace& like : like_faces(cloud, done, work.faces, work.least_sigma, work.pitch)) {
+  for (LikeFace& like : like_faces(cloud, left_out, work.label, work.faces, work.least_sigma, work.pitch)) {
     for (const auto i : like.members) work.label[i] = static_cast<std::uint32_t>(work.faces.size());
     work.faces.push_back(std::move(like.face));
   }

@@ -8,6 +8,7 @@
 
 #include "core/number.h"
 #include "geometry/least_squares.h"
+#include "geometry/segment/faces.h"
 
 namespace partscribe::geometry {
 namespace {
@@ -16,10 +17,24 @@ constexpr double slanted = 0.5;       // sine between a wall's normal and the pl
 constexpr double same_radius = 0.05;  // of the radius
 constexpr double same_axis = 0.999;   // cosine
 constexpr int sectors = 12, seen_sectors = 8;
+constexpr double beside_to = 4;                                    // times as far: what lies beside it
 constexpr double assigned = 4;                                     // sigmas that a point may lie off
 constexpr double assigned_turn = 1.0;                              // rad; near rims normals are means of both sides
 constexpr int most_failures = 40;                                  // places in a row that no cylinder stands in
 constexpr double saved_by_point = 2, cost_of_place = 25 + 2 * 10;  // nats, as those of any face
+
+/// Which twelfths of a turn are seen.
+class Sectors {
+ public:
+  void add(const Vec2& away) {
+    const double turn = (std::atan2(away.y(), away.x()) / pi + 1) / 2 * sectors;
+    hit_[static_cast<std::size_t>(turn) % sectors] = true;
+  }
+  bool most() const { return std::ranges::count(hit_, true) >= seen_sectors; }
+
+ private:
+  std::array<bool, sectors> hit_{};
+};
 
 class Finder {
  public:
@@ -136,17 +151,24 @@ class Finder {
 
   std::optional<LikeFace> face_of(const std::vector<const Wall*>& on, const Vec2& center) const {
     double saved = 0;
-    std::array<bool, sectors> hit{};
+    Sectors seen;
     LikeFace face;
     for (const Wall* w : on) {
       const double u = off(*w, center) / w->sigma;
       saved += std::max(0.0, 2 * saved_by_point - 0.5 * u * u) / 2;
-      const Vec2 d = w->place - center;
-      const double turn = (std::atan2(d.y(), d.x()) / pi + 1) / 2 * sectors;
-      hit[static_cast<std::size_t>(turn) % sectors] = true;
+      seen.add(w->place - center);
       face.members.push_back(w->point);
     }
-    if (saved < cost_of_place || std::ranges::count(hit, true) < seen_sectors) return std::nullopt;
+    if (saved < cost_of_place || !seen.most()) return std::nullopt;
+    // Of a surface that only passes by there are as many points beside it as on it.
+    double beside = 0;
+    for (const Wall& w : walls_) {
+      const double u = std::abs(off(w, center)) / w.sigma;
+      const bool along = w.along > on.front()->along - radius() && w.along < on.back()->along + radius();
+      beside += along && u > assigned && u < beside_to * assigned && faces_it(w, center);
+    }
+    const double chance = beside / (beside_to - 1);
+    if (double(on.size()) < 3 * chance + 3 * std::sqrt(chance)) return std::nullopt;
     std::ranges::sort(face.members);
     face.face.surface = like_.surface, face.face.sense = like_.sense, face.face.gain = saved - cost_of_place;
     face.face.surface.point = frame_ * Vec3(center.x(), center.y(), on[on.size() / 2]->along);
@@ -156,11 +178,23 @@ class Finder {
 
 }  // namespace
 
-std::vector<LikeFace> like_faces(const PointCloud& cloud, std::vector<std::uint8_t> taken,
-                                 const std::vector<GrownFace>& found, double least_sigma, double pitch) {
+std::vector<LikeFace> like_faces(const PointCloud& cloud, const std::vector<std::uint8_t>& left_out,
+                                 const std::vector<std::uint32_t>& label, const std::vector<GrownFace>& found,
+                                 double least_sigma, double pitch) {
+  std::vector<std::uint8_t> taken = left_out;
+  std::vector<Sectors> seen(found.size());
+  std::vector<Mat3> across;
+  for (const GrownFace& face : found) across.push_back(rotation_onto_axis(face.surface.axis).transpose());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto f = label[i];
+    if (f == no_face) continue;
+    taken[i] = 1;
+    if (found[f].surface.kind == PrimitiveKind::cylinder)
+      seen[f].add((across[f] * (cloud.points[i] - found[f].surface.point)).head<2>());
+  }
   std::vector<const GrownFace*> known;
-  for (const GrownFace& face : found)
-    if (face.surface.kind == PrimitiveKind::cylinder) known.push_back(&face);
+  for (std::size_t f = 0; f < found.size(); ++f)
+    if (found[f].surface.kind == PrimitiveKind::cylinder && seen[f].most()) known.push_back(&found[f]);
   std::ranges::stable_sort(known, std::greater{}, &GrownFace::gain);
   std::vector<LikeFace> result;
   for (std::size_t k = 0; k < known.size(); ++k) {

@@ -15,9 +15,11 @@ struct LikeFace {
   std::vector<std::uint32_t> members;  ///< points of the cloud, ascending
 };
 
-/// Of points whose `taken` is 0, with normals out of the material. `least_sigma`, `pitch`: mm, a floor of their noise
-/// and how far samples of the cloud are apart. Round pieces only, of which two thirds of the turn were seen.
-std::vector<LikeFace> like_faces(const PointCloud& cloud, std::vector<std::uint8_t> taken,
-                                 const std::vector<GrownFace>& found, double least_sigma, double pitch);
+/// Among points that belong to no face and are not left out, with normals out of the material. `label`: the face of
+/// each point, or no_face. `least_sigma`, `pitch`: mm, a floor of the noise and how far samples of the cloud are apart.
+/// Only of cylinders of which two thirds of the turn were seen, and only such.
+std::vector<LikeFace> like_faces(const PointCloud& cloud, const std::vector<std::uint8_t>& left_out,
+                                 const std::vector<std::uint32_t>& label, const std::vector<GrownFace>& found,
+                                 double least_sigma, double pitch);
 
 }  // namespace partscribe::geometry

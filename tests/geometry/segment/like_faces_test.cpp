@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "geometry/segment/faces.h"
 
 using namespace partscribe::core;
 using namespace partscribe::geometry;
@@ -25,7 +26,7 @@ void add_wall(const Vec3& place, int count, double arc, Random& random, PointClo
   }
 }
 
-/// A hole that is known, about the origin: found elsewhere, its points are no concern of ours.
+/// A hole that is known, about the origin.
 std::vector<GrownFace> known() {
   GrownFace face;
   face.surface.kind = PrimitiveKind::cylinder, face.surface.radius = radius;
@@ -34,8 +35,13 @@ std::vector<GrownFace> known() {
   return {face};
 }
 
-std::vector<LikeFace> found_in(const PointCloud& cloud) {
-  return like_faces(cloud, std::vector<std::uint8_t>(cloud.size(), 0), known(), 0.01, 1.2);
+/// With the known hole, of which `arc` was seen.
+std::vector<LikeFace> found_in(PointCloud cloud, double arc = 2 * pi) {
+  Random random(5);
+  std::vector<std::uint32_t> label(cloud.size(), no_face);
+  add_wall(Vec3::Zero(), 200, arc, random, cloud);
+  label.resize(cloud.size(), 0);
+  return like_faces(cloud, std::vector<std::uint8_t>(cloud.size(), 0), label, known(), 0.01, 1.2);
 }
 
 }  // namespace
@@ -61,6 +67,21 @@ TEST_CASE("like faces: holes of forty points each are found where they are, what
     }
     CHECK(nearest < 0.05);
   }
+  // Of a round nobody knows whether it goes on to a hole.
+  CHECK(found_in(cloud, pi / 2).empty());
+}
+
+TEST_CASE("like faces: a surface that passes by is none, however many of its points fit") {
+  Random random(6);
+  PointCloud funnel;  // its radius grows from less to more
+  for (int k = 0; k < 3000; ++k) {
+    const double turn = random.uniform(0, 2 * pi), height = random.uniform(0, 8);
+    const Vec3 out(std::cos(turn), std::sin(turn), 0);
+    funnel.points.push_back(Vec3(20, 0, 0) + (radius + 0.2 * (height - 4)) * out + height * Vec3::UnitZ());
+    funnel.normals.push_back((-out + 0.2 * Vec3::UnitZ()).normalized());
+    funnel.sigma.push_back(float(noise));
+  }
+  CHECK(found_in(funnel).empty());
 }
 
 TEST_CASE("like faces: too few points, half a turn, a round of another radius and a shaft are none") {
