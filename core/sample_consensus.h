@@ -16,8 +16,9 @@ struct Consensus {
 };
 
 /// Draws so many times; nothing if no hypothesis has more support than `least`, and of equal ones the first.
-///   draw(offer)                 draws samples, and calls offer(hypothesis) for what they make: once, several times,
-///   never support(hypothesis, most)   its support; what cannot exceed `most` may be cut short
+///
+/// `draw(offer)` draws samples and calls `offer(hypothesis)` for what they make: once, several times or not at all.
+/// `support(hypothesis, most)` says how many samples support it; what cannot exceed `most` may be cut short.
 template <class Hypothesis, class Draw, class Support>
 std::optional<Consensus<Hypothesis>> consensus(int draws, double least, Draw draw, Support support) {
   std::optional<Consensus<Hypothesis>> best;

@@ -1,7 +1,6 @@
 /// Starts for sphere, ellipsoid and superellipsoid that survive outliers and data from one side.
 #include "fit/propose/quadrics.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -106,7 +106,6 @@ Turned turned(const Vec3& p, const Axis& axis) {
   return {{rho, h}, rho > 0 ? Vec3(radial / rho) : Vec3::Zero()};
 }
 
-using Matrix4 = Eigen::Matrix<double, 4, 4>;
 using Vector4 = Eigen::Matrix<double, 4, 1>;
 
 /// A point's residual from the profile near it, with its derivatives by two shifts and two tilts of the axis.

@@ -1,7 +1,6 @@
 /// One superellipsoid out of noisy, partial points: a Gaussian-uniform mixture from several starts.
 #include "fit/propose/superellipsoid.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>

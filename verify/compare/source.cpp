@@ -1,6 +1,5 @@
 #include "verify/compare/source.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
