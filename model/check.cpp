@@ -14,6 +14,7 @@
 #include "model/overloaded.h"
 #include "model/sketch.h"
 #include "model/sketch_relations.h"
+#include "model/surface_patches.h"
 #include "model/tri_faces.h"
 
 namespace partscribe::model {
@@ -314,6 +315,56 @@ struct Check {
                print_number(double(mesh.triangles.size())));
   }
 
+  void check_surfaces(const std::string& where, const SurfaceSetOf<double>& s) {
+    if (s.patches.empty()) return complain(where + ": a surface set needs a patch");
+    std::set<std::string> names;
+    std::map<int, std::vector<const PatchTrim*>> edges;
+    for (const auto& patch : s.patches) {
+      const std::string which = where + ": patch " + quoted(patch.name);
+      if (!names.insert(patch.name).second) complain(which + " is there twice");
+      if (const auto wrong = complaint_about(patch)) return complain(which + *wrong);
+      for (const auto& trim : patch.trims) edges[trim.edge].push_back(&trim);
+    }
+    for (const auto& [number, uses] : edges) {
+      if (uses.size() > 2)
+        complain(where + ": edge " + std::to_string(number) + " has " + std::to_string(uses.size()) +
+                 " sides, expected two at most");
+      if (s.closed && uses.size() == 1)
+        complain(where + ": called closed, but edge " + std::to_string(number) + " has one side only");
+    }
+    check_edges(where, s);
+  }
+
+  /// Where two patches have an edge in common they have to meet.
+  void check_edges(const std::string& where, const SurfaceSetOf<double>& s) {
+    struct Side {
+      const TrimmedSurface* surface;
+      const TrimCurve* trim;
+    };
+    const auto surfaces = trimmed_surfaces(s.patches);
+    std::map<int, std::vector<Side>> edges;
+    for (const auto& surface : surfaces)
+      for (const auto& loop : surface.loops)
+        for (const auto& trim : loop) edges[trim.edge].push_back({&surface, &trim});
+    for (const auto& [number, sides] : edges) {
+      if (sides.size() != 2) continue;
+      double gap = 0;
+      for (int i = 0; i <= 16; ++i) {
+        Vec3 place[2];
+        for (std::size_t k = 0; k < 2; ++k) {
+          const auto& t = sides[k].trim->curve.t;
+          const double share = k == 0 ? i / 16.0 : 1 - i / 16.0;
+          const Vec2 uv = sides[k].trim->curve.at(t.low() + share * (t.high() - t.low()));
+          place[k] = sides[k].surface->surface.at(uv.x(), uv.y());
+        }
+        gap = std::max(gap, (place[0] - place[1]).norm());
+      }
+      if (gap > model.tolerance)
+        complain(where + ": edge " + std::to_string(number) + ": its two sides are " +
+                 print_number(snapped(gap, 1e-4)) + " mm apart");
+    }
+  }
+
   void check_hole(const std::string& where, const HoleOf<double>& s) {
     auto want = [&](bool good, const char* rule) {
       if (!good) complain(where + ": " + rule);
@@ -365,6 +416,7 @@ struct Check {
                    [&](const ExtrudeOf<double>& s) { check_extrusion(where, s); },
                    [&](const RevolveOf<double>& s) { check_sketch(where, s.sketch, true); },
                    [&](const TriSurfaceOf<double>& s) { check_triangles(where, s); },
+                   [&](const SurfaceSetOf<double>& s) { check_surfaces(where, s); },
                    [&](const UnionOf<double>& s) { check_names(where, s.objects, 1, earlier); },
                    [&](const DifferenceOf<double>& s) { check_names(where, s.objects, 2, earlier); },
                    [&](const IntersectionOf<double>& s) { check_names(where, s.objects, 1, earlier); },

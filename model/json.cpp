@@ -108,7 +108,10 @@ struct FieldWriter {
     for (const auto& p : v) list.push_back(Json::array({to_json(p[0]), to_json(p[1])}));
     out[name] = std::move(list);
   }
-  void operator()(const char* name, const std::vector<std::array<double, 3>>& v, const char*) const { out[name] = v; }
+  template <std::size_t N>
+  void operator()(const char* name, const std::vector<std::array<double, N>>& v, const char*) const {
+    out[name] = v;
+  }
   void operator()(const char* name, const std::vector<std::array<std::uint32_t, 3>>& v, const char*) const {
     out[name] = v;
   }
@@ -187,10 +190,13 @@ struct FieldReader {
       v.push_back({read_expr(item[0], at(name)), read_expr(item[1], at(name))});
     }
   }
-  void operator()(const char* name, std::vector<std::array<double, 3>>& v, const char*) const {
+  template <std::size_t N>
+  void operator()(const char* name, std::vector<std::array<double, N>>& v, const char*) const {
     for (const auto& item : list_of(member(in, name, path), at(name))) {
-      if (!item.is_array() || item.size() != 3) complain(at(name), "expected triples of numbers");
-      v.push_back({read_number(item[0], at(name)), read_number(item[1], at(name)), read_number(item[2], at(name))});
+      if (!item.is_array() || item.size() != N)
+        complain(at(name), N == 2 ? "expected pairs of numbers" : "expected triples of numbers");
+      auto& numbers = v.emplace_back();
+      for (std::size_t k = 0; k < N; ++k) numbers[k] = read_number(item[k], at(name));
     }
   }
   void operator()(const char* name, std::vector<std::array<std::uint32_t, 3>>& v, const char*) const {

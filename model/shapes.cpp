@@ -120,6 +120,12 @@ void walk(S& shape, const Visit& visit) {
 
 }  // namespace
 
+bool is_sheet(const Shape& shape) {
+  if (const auto* triangles = std::get_if<TriSurface>(&shape)) return !triangles->closed;
+  if (const auto* surfaces = std::get_if<SurfaceSet>(&shape)) return !surfaces->closed;
+  return false;
+}
+
 EvaluatedShape evaluate(const Shape& shape, const Values& values) {
   return std::visit(
       [&]<template <class> class S>(const S<Expr>& s) -> EvaluatedShape {

@@ -10,11 +10,11 @@
 namespace partscribe::model {
 
 template <class N>
-using ShapeOf =
-    std::variant<BoxOf<N>, WedgeOf<N>, CylinderOf<N>, ConeOf<N>, SphereOf<N>, EllipsoidOf<N>, TorusOf<N>,
-                 SuperellipsoidOf<N>, SupertoroidOf<N>, FilletOf<N>, HalfSpacesOf<N>, ExtrudeOf<N>, RevolveOf<N>,
-                 TriSurfaceOf<N>, UnionOf<N>, DifferenceOf<N>, IntersectionOf<N>, HoleOf<N>, SlotOf<N>, PocketOf<N>,
-                 BossOf<N>, LinearPatternOf<N>, CircularPatternOf<N>, MirrorOf<N>, EdgeFilletOf<N>, EdgeChamferOf<N>>;
+using ShapeOf = std::variant<BoxOf<N>, WedgeOf<N>, CylinderOf<N>, ConeOf<N>, SphereOf<N>, EllipsoidOf<N>, TorusOf<N>,
+                             SuperellipsoidOf<N>, SupertoroidOf<N>, FilletOf<N>, HalfSpacesOf<N>, ExtrudeOf<N>,
+                             RevolveOf<N>, TriSurfaceOf<N>, SurfaceSetOf<N>, UnionOf<N>, DifferenceOf<N>,
+                             IntersectionOf<N>, HoleOf<N>, SlotOf<N>, PocketOf<N>, BossOf<N>, LinearPatternOf<N>,
+                             CircularPatternOf<N>, MirrorOf<N>, EdgeFilletOf<N>, EdgeChamferOf<N>>;
 
 using Box = BoxOf<Expr>;
 using Wedge = WedgeOf<Expr>;
@@ -31,6 +31,7 @@ using HalfSpaces = HalfSpacesOf<Expr>;
 using Extrude = ExtrudeOf<Expr>;
 using Revolve = RevolveOf<Expr>;
 using TriSurface = TriSurfaceOf<Expr>;
+using SurfaceSet = SurfaceSetOf<Expr>;
 using Union = UnionOf<Expr>;
 using Difference = DifferenceOf<Expr>;
 using Intersection = IntersectionOf<Expr>;
@@ -58,6 +59,9 @@ template <class N>
 std::string_view kind_of(const ShapeOf<N>& shape) {
   return std::visit([](const auto& s) { return std::remove_cvref_t<decltype(s)>::kind; }, shape);
 }
+
+/// An open triangulation or surface set: it has a front and bounds no solid.
+bool is_sheet(const Shape& shape);
 
 /// The same shape with every expression replaced by its value.
 EvaluatedShape evaluate(const Shape& shape, const Values& values);

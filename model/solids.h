@@ -389,6 +389,64 @@ struct TriSurfaceOf {
   bool operator==(const TriSurfaceOf&) const = default;
 };
 
+/// One piece of the border of a patch: a B-spline in its parameter plane.
+struct PatchTrim {
+  int loop = 0;  ///< pieces of one loop follow each other; loop 0 is the outline, the others are holes in it
+  /// Two pieces with one number are one curve in space, and run against each other; one alone is a rim.
+  int edge = 0;
+  int degree = 1;
+  std::vector<double> knots;                   ///< written out, ends repeated degree + 1 times
+  std::vector<std::array<double, 2>> control;  ///< (u, v)
+  template <class S, class V>
+  static void fields(S& s, V&& v) {
+    v("loop", s.loop, "0: the outline, counter-clockwise; 1 and more: holes, clockwise");
+    v("edge", s.edge, "pieces with one number are one curve in space");
+    v("degree", s.degree, "degree of the curve");
+    v("knots", s.knots, "knots, repeated by their multiplicity");
+    v("control", s.control, "control points (u, v)");
+  }
+  bool operator==(const PatchTrim&) const = default;
+};
+
+/// A B-spline surface, as far as its trims reach.
+struct SurfacePatch {
+  std::string name;  ///< "face"; unique in its set
+  int degree_u = 3, degree_v = 3;
+  std::vector<double> knots_u, knots_v;        ///< written out, ends repeated degree + 1 times
+  std::vector<std::array<double, 3>> control;  ///< mm; v runs fastest
+  std::vector<double> weights{};               ///< as many; left out: all 1
+  std::vector<PatchTrim> trims;
+  template <class S, class V>
+  static void fields(S& s, V&& v) {
+    v("name", s.name, "role of the patch");
+    v("degree_u", s.degree_u, "degree along u");
+    v("degree_v", s.degree_v, "degree along v");
+    v("knots_u", s.knots_u, "knots along u, repeated by their multiplicity");
+    v("knots_v", s.knots_v, "knots along v, repeated by their multiplicity");
+    v("control", s.control, "control points, those of one u after those of the one before");
+    v("weights", s.weights, "of the control points; left out: all 1");
+    v("trims", s.trims, "pieces of the border");
+  }
+  bool operator==(const SurfacePatch&) const = default;
+};
+
+/// B-spline surfaces joined along common edges: a solid if `closed`, a sheet otherwise. Fronts, where the derivatives
+/// along u and v and the normal form a right-handed system, are outside.
+template <class N>
+struct SurfaceSetOf {
+  static constexpr std::string_view kind = "surface_set";
+  std::vector<SurfacePatch> patches;
+  bool closed = false;
+  N thickness{};  ///< a sheet becomes a solid of this thickness, behind it, where a program knows only solids
+  template <class S, class V>
+  static void fields(S& s, V&& v) {
+    v("patches", s.patches, "the surfaces");
+    v("closed", s.closed, "true: bounds a solid");
+    v("thickness", s.thickness, Domain::length_or_zero, "of the solid made from an open sheet");
+  }
+  bool operator==(const SurfaceSetOf&) const = default;
+};
+
 /// Earlier objects, all together.
 template <class N>
 struct UnionOf {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "testing/surface_sets.h"
 
 namespace partscribe::testing {
 namespace {
@@ -287,6 +288,25 @@ Model washer() {
     return {corner(i, 1, 1), corner(i + 1, 1, 1), corner(i + 1, 1, 0), corner(i, 1, 0)};
   });
   finish(m, s);
+  return m;
+}
+
+Model cowl_part() {
+  Model m = model("cowl", "cowl", "a cowl with a hole");
+  m.fallback = true;
+  m.tolerance = 0.5;
+  length(m, "sheet_thickness", 2, 2, 0, "of the solid made from the sheet");
+  SurfaceSet s = cowl();
+  s.thickness = p("sheet_thickness");
+  finish(m, s);
+  return m;
+}
+
+Model cushion_part() {
+  Model m = model("cushion", "cushion", "a body of six surfaces");
+  m.fallback = true;
+  m.tolerance = 0.5;
+  finish(m, cushion());
   return m;
 }
 
@@ -579,10 +599,10 @@ Model handle() {
 }  // namespace
 
 std::vector<Model> golden_models() {
-  return {sphere(),         box(),         wedge(),   cylinder(),    cone(),          torus(),   ellipsoid(),
-          superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),           tie_bar(), tri_surface(),
-          sheet(),          nurbs_vase(),  bracket(), lens(),        drilled_plate(), flange(),  tray(),
-          clamp(),          elbow(),       cover(),   handle(),      washer()};
+  return {sphere(),         box(),         wedge(),   cylinder(),    cone(),          torus(),     ellipsoid(),
+          superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),           tie_bar(),   tri_surface(),
+          sheet(),          nurbs_vase(),  bracket(), lens(),        drilled_plate(), flange(),    tray(),
+          clamp(),          elbow(),       cover(),   handle(),      washer(),        cowl_part(), cushion_part()};
 }
 
 }  // namespace partscribe::testing

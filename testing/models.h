@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "model/model.h"
+#include "testing/surface_sets.h"
 
 namespace partscribe::testing {
 
@@ -124,6 +125,8 @@ inline std::vector<Model> one_of_each() {
           model_with(Revolve{{{vase}}}),
           model_with(TriSurface{
               {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true, 0}),
+          model_with(cowl()),
+          model_with(cushion()),
           pin(),
           link(),
           model_with(Revolve{{{polygon({{6, 0}, {14, 0}, {14, 9}, {8, 9}})}}, 2.0}),

@@ -36,11 +36,7 @@ int badness(Outcome outcome) {
   return 3;
 }
 
-bool describes_a_sheet(const Model& model) {
-  if (model.objects.empty()) return false;
-  const auto* surface = std::get_if<TriSurface>(&model.objects.back().shape);
-  return surface && !surface->closed;
-}
+bool describes_a_sheet(const Model& model) { return !model.objects.empty() && is_sheet(model.objects.back().shape); }
 
 /// mm between the triangles of a model and the surfaces that it says they stand for; 0 unless it states both.
 double drawn_off(const std::optional<Model>& model) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "codegen/alpha1/alpha1_superellipsoid.h"
 #include "codegen/alpha1/alpha1_text.h"
@@ -90,7 +91,9 @@ class Writer {
   }
 
   /// The prelude with what this procedure asks of it.
-  Result<std::string> prelude() const { return pack_.render(prelude_name, {{"draft", drafted_ ? "yes" : ""}}); }
+  Result<std::string> prelude() const {
+    return pack_.render(prelude_name, {{"draft", drafted_ ? "yes" : ""}, {"surfaces", surfaces_ ? "yes" : ""}});
+  }
 
  private:
   /// The expression turned and moved to its frame.
@@ -315,6 +318,71 @@ class Writer {
     return "polyhedronOfFacets( " + facets + " )";
   }
 
+  Made expression_of(const Object& o, const SurfaceSet& s) {
+    std::vector<std::string> surfaces;
+    for (const auto& patch : s.patches) {
+      const std::string role = o.name + " " + (s.patches.size() == 1 ? "surface" : patch.name);
+      const std::string name = text_.fresh(role);
+      TemplateRecord data = {{"name", name},
+                             {"u", order_name(patch.degree_u + 1)},
+                             {"v", order_name(patch.degree_v + 1)},
+                             {"knots_u", collected(reals(patch.knots_u))},
+                             {"knots_v", collected(reals(patch.knots_v))},
+                             {"rows", net_rows(patch)}};
+      data["weighted"] = patch.weights.empty() ? "" : "yes";
+      data["weights"] = patch.weights.empty() ? TemplateList{} : weight_rows(patch);
+      TemplateList trims, loops;
+      for (const auto& trim : patch.trims) {
+        const std::string label = text_.fresh(role + " trim " + std::to_string(trims.size() + 1));
+        std::vector<std::string> points;
+        for (const auto& p : trim.control)
+          points.push_back("pt( " + print_real(p[0]) + ", " + print_real(p[1]) + ", 0.0 )");
+        trims.push_back({{"label", label},
+                         {"order", order_name(trim.degree + 1)},
+                         {"knots", collected(reals(trim.knots))},
+                         {"points", collected(points)}});
+        if (static_cast<std::size_t>(trim.loop) >= loops.size()) loops.push_back({{"curves", ""}});
+        auto& curves = std::get<std::string>(loops.back().at("curves").value);
+        curves += (curves.empty() ? "" : " ") + label + ";";
+      }
+      data["trims"] = trims, data["loops"] = loops;
+      if (auto done = step("surface_patch.scl", data); !done.ok()) return done.error();
+      surfaces.push_back(name);
+    }
+    surfaces_ = true;
+    if (surfaces.size() == 1 && !s.closed) return surfaces[0];
+    const std::string faces = text_.fresh(o.name + " faces");
+    steps_.push_back(faces + " : seqCollect {\n    " + collected(surfaces) + "\n}");
+    return "shellOf( " + faces + " )";
+  }
+
+  static std::vector<std::string> reals(const std::vector<double>& values) {
+    std::vector<std::string> result;
+    for (const double v : values) result.push_back(print_real(v));
+    return result;
+  }
+
+  /// A row of the net runs along u.
+  static TemplateList rows_of(const SurfacePatch& patch, const std::function<std::string(std::size_t)>& entry) {
+    const std::size_t columns = patch.knots_v.size() - static_cast<std::size_t>(patch.degree_v) - 1;
+    TemplateList rows;
+    for (std::size_t j = 0; j < columns; ++j) {
+      std::vector<std::string> entries;
+      for (std::size_t i = j; i < patch.control.size(); i += columns) entries.push_back(entry(i));
+      rows.push_back({{"row", collected(entries)}});
+    }
+    return rows;
+  }
+  static TemplateList net_rows(const SurfacePatch& patch) {
+    return rows_of(patch, [&](std::size_t i) {
+      const auto& p = patch.control[i];
+      return "pt( " + print_real(p[0]) + ", " + print_real(p[1]) + ", " + print_real(p[2]) + " )";
+    });
+  }
+  static TemplateList weight_rows(const SurfacePatch& patch) {
+    return rows_of(patch, [&](std::size_t i) { return print_real(patch.weights[i]); });
+  }
+
   Made expression_of(const Object& o, const Union& s) { return combined(o, "solidUnion", " with ", s.objects); }
   Made expression_of(const Object& o, const Difference& s) {
     return combined(o, "solidDifference", " without ", s.objects);
@@ -448,7 +516,7 @@ class Writer {
   Alpha1Text text_;
   Values values_;
   std::vector<std::string> steps_;  // statements that come before the present object's own
-  bool as_designed_ = false, drafted_ = false;
+  bool as_designed_ = false, drafted_ = false, surfaces_ = false;
 };
 
 }  // namespace

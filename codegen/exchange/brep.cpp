@@ -143,6 +143,7 @@ class Builder {
     const TopoDS_Shape shape = brep_of_faces(body, 0.02 * model_.tolerance);
     return shape.IsNull() || !BRepCheck_Analyzer(shape).IsValid() ? brep_of(s) : shape;
   }
+  TopoDS_Shape build(const SurfaceSetOf<double>& s) { return brep_of(s, 0.02 * model_.tolerance); }
   TopoDS_Shape build(const SuperellipsoidOf<double>& s) { return approximated(s); }
   TopoDS_Shape build(const SupertoroidOf<double>& s) { return approximated(s); }
   template <class S>
@@ -241,12 +242,11 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
   if (!part.ok()) return part.error();
   const Values values = values_of(model);
   const Object& last = model.objects.back();
-  const auto* sheet = std::get_if<TriSurface>(&last.shape);
   const std::string where = "object '" + last.name + "': ";
 
   try {
     Brep brep;
-    brep.solid = !(sheet && !sheet->closed);
+    brep.solid = !is_sheet(last.shape);
     brep.error = builder.error();
     brep.shape =
         std::make_shared<TopoDS_Shape>(model.as_scanned ? moved(*part, evaluate(model.scan_from_part, values)) : *part);

@@ -24,6 +24,9 @@ TopoDS_Shape brep_of(const ExtrudeOf<double>& shape);
 TopoDS_Shape brep_of(const RevolveOf<double>& shape);
 TopoDS_Shape brep_of(const TriSurfaceOf<double>& shape);
 
+/// B-spline faces on common edges; curves in space lie within `tolerance` of those in the parameter planes.
+TopoDS_Shape brep_of(const SurfaceSetOf<double>& shape, double tolerance);
+
 /// A product of two piecewise cubic curves within `tolerance` of the superellipsoid; `error` is what was measured.
 TopoDS_Shape brep_of(const SuperellipsoidOf<double>& shape, double tolerance, double& error);
 

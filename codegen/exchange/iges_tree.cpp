@@ -233,6 +233,7 @@ Entity iges_solid(const SuperellipsoidOf<double>&) { return {}; }
 Entity iges_solid(const SupertoroidOf<double>&) { return {}; }
 Entity iges_solid(const HalfSpacesOf<double>&) { return {}; }
 Entity iges_solid(const TriSurfaceOf<double>&) { return {}; }
+Entity iges_solid(const SurfaceSetOf<double>&) { return {}; }
 
 template <LoweredAway S>
 Entity iges_solid(const S&) {

@@ -6,6 +6,7 @@
 
 #include "codegen/describe.h"
 #include "codegen/openscad/openscad_sketch.h"
+#include "codegen/openscad/openscad_surfaces.h"
 #include "codegen/openscad/openscad_text.h"
 #include "codegen/template.h"
 #include "codegen/thicken.h"
@@ -16,28 +17,6 @@
 
 namespace partscribe::codegen {
 namespace {
-
-/// Rows of a long table, several entries to a line of at most 100 columns.
-std::string wrapped(const std::vector<std::string>& entries) {
-  std::string text, line;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const std::string entry = entries[i] + (i + 1 < entries.size() ? "," : "");
-    if (!line.empty() && line.size() + 1 + entry.size() > 98) {
-      text += line + "\n";
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + entry;
-  }
-  return text + line;
-}
-
-std::string point_text(const Vec3& p) {
-  return "[" + print_number(p.x()) + ", " + print_number(p.y()) + ", " + print_number(p.z()) + "]";
-}
-
-Vec3 snapped_vector(const Vec3& v, double resolution) {
-  return {snapped(v.x(), resolution), snapped(v.y(), resolution), snapped(v.z(), resolution)};
-}
 
 /// A condition that the sizes of a shape have to meet, in the script's own words.
 class Guards {
@@ -128,6 +107,7 @@ class Writer {
     const std::string& last = text_.names().object.at(model_.objects.back().name);
     data["last"] = last == "part" ? "" : last;
     data["data"] = tables_;
+    data["call"] = "";  // of tables that are none
     return pack_.render("part.scad", data);
   }
 
@@ -420,8 +400,25 @@ class Writer {
     return pack_.render(s.closed ? "tri_surface.scad" : "sheet.scad", data);
   }
 
+  Result<std::string> module_of(const Object& o, const SurfaceSet& s) {
+    TemplateRecord data = data_of_fields(o, s);
+    const std::string name = text_.names().object.at(o.name);
+    const double stated = text_.value(s.thickness), thickness = stated > 0 ? stated : 10 * model_.tolerance;
+    const auto names = [&](std::string wanted) {
+      while (!modules_.insert(wanted).second) wanted += "_surface";
+      return wanted;
+    };
+    OpenscadSurfaces made = openscad_surfaces(s, name, thickness, model_.tolerance, names);
+    for (auto& t : made.tables) tables_.push_back(std::move(t));
+    data["sheet"] = s.closed ? "" : "yes";
+    data["surfaces"] = made.surfaces, data["corners"] = made.corners, data["towards"] = made.towards;
+    if (!s.closed && stated <= 0) data["thickness"] = print_number(thickness);
+    needs_.library = true;
+    return pack_.render("surface_set.scad", data);
+  }
+
   void table(const std::string& name, const std::string& remark, const std::vector<std::string>& entries) {
-    tables_.push_back({{"name", name}, {"remark", remark}, {"rows", wrapped(entries)}});
+    tables_.push_back({{"name", name}, {"remark", remark}, {"rows", wrapped_entries(entries)}});
   }
 
   Result<std::string> module_of(const Object& o, const Union& s) { return combined(o, "union", s.objects); }

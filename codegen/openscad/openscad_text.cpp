@@ -21,7 +21,7 @@ const std::set<std::string> taken_modules = {"assert",       "children",       "
                                              "true",         "undef",          "union",        "use",
                                              "assign",       "ball",           "disc",         "drafted",
                                              "half_spaces",  "superellipsoid", "supertoroid",  "thick_sheet",
-                                             "round_cutter", "scan_from_part"};
+                                             "surface_body", "surface_sheet",  "round_cutter", "scan_from_part"};
 const std::set<std::string> taken_variables = {
     "as_designed", "as_scanned", "assert",  "chord_error", "each",   "echo", "else", "false", "for", "function",
     "i",           "if",         "include", "let",         "module", "n",    "true", "undef", "use"};
@@ -38,6 +38,27 @@ std::string guarded(std::string text, int strength, int needed) {
 }
 
 }  // namespace
+
+std::string wrapped_entries(const std::vector<std::string>& entries) {
+  std::string text, line;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const std::string entry = entries[i] + (i + 1 < entries.size() ? "," : "");
+    if (!line.empty() && line.size() + 1 + entry.size() > 98) {
+      text += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + entry;
+  }
+  return text + line;
+}
+
+std::string point_text(const Vec3& p) {
+  return "[" + print_number(p.x()) + ", " + print_number(p.y()) + ", " + print_number(p.z()) + "]";
+}
+
+Vec3 snapped_vector(const Vec3& v, double resolution) {
+  return {snapped(v.x(), resolution), snapped(v.y(), resolution), snapped(v.z(), resolution)};
+}
 
 OpenscadNames::OpenscadNames(const Model& model) {
   std::set<std::string> taken = taken_variables;

@@ -3,10 +3,18 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
+#include "geometry/vec.h"
 #include "model/model.h"
 
 namespace partscribe::codegen {
+
+/// Entries of a long list, several to a line of at most 100 columns.
+std::string wrapped_entries(const std::vector<std::string>& entries);
+/// "[1, 2, 3]"
+std::string point_text(const Vec3& p);
+Vec3 snapped_vector(const Vec3& v, double resolution);
 
 /// How a model's names are spelled in a script: as they are, unless OpenSCAD or our helpers use the word.
 struct OpenscadNames {

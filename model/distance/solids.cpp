@@ -14,6 +14,7 @@
 #include "model/lower/lower.h"
 #include "model/overloaded.h"
 #include "model/sketch.h"
+#include "model/surface_patches.h"
 #include "model/tri_faces.h"
 
 namespace partscribe::model {
@@ -157,6 +158,34 @@ class MeshSolid : public Solid {
   MeshDistance distance_;
   std::vector<int> face_of_;
   bool closed_;
+};
+
+/// Trimmed B-spline surfaces.
+class SurfaceSolid : public Solid {
+ public:
+  explicit SurfaceSolid(const SurfaceSetOf<double>& s)
+      : distance_(trimmed_surfaces(s.patches), edge_share * size_of(s), s.closed) {
+    for (const auto& patch : s.patches) faces.push_back(patch.name);
+    bounds = distance_.bounds();
+  }
+  LocalHit hit(const Vec3& p) const override {
+    const auto h = distance_(p);
+    return {h.distance, static_cast<int>(h.patch)};
+  }
+  Foot foot(const Vec3& p, int) const override {
+    const auto h = distance_(p);
+    return {std::abs(h.distance), h.point, h.normal};
+  }
+
+ private:
+  static constexpr double edge_share = 5e-5;  // of the size: how far off distances to edges may be
+  static double size_of(const SurfaceSetOf<double>& s) {
+    Box3 box;
+    for (const auto& patch : s.patches)
+      for (const auto& p : patch.control) box.add(Vec3(p[0], p[1], p[2]));
+    return box.diagonal();
+  }
+  SurfaceDistance distance_;
 };
 
 /// A convex body: the planes answer inside, the polyhedron's mesh outside.
@@ -354,6 +383,8 @@ SolidPointer solid_for(const TriSurfaceOf<double>& s) {
   return std::make_unique<MeshSolid>(std::move(mesh), std::vector<int>(face_of.begin(), face_of.end()),
                                      std::move(names), s.closed);
 }
+
+SolidPointer solid_for(const SurfaceSetOf<double>& s) { return std::make_unique<SurfaceSolid>(s); }
 
 SolidPointer solid_for(const UnionOf<double>&) { return {}; }
 SolidPointer solid_for(const DifferenceOf<double>&) { return {}; }

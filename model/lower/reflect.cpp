@@ -6,6 +6,7 @@
 #include "core/number.h"
 #include "model/lower/solids.h"
 #include "model/overloaded.h"
+#include "model/surface_patches.h"
 
 namespace partscribe::model {
 namespace {
@@ -146,6 +147,10 @@ Placed reflected(const Shape& shape, int axis, const Renamed& renamed) {
                           for (auto& face : s.faces)
                             for (auto* v : {&face.point, &face.axis})
                               if (!v->empty()) (*v)[static_cast<std::size_t>(axis)] *= -1;
+                          return Placed{s, {}};
+                        },
+                        [&](SurfaceSet s) -> Placed {
+                          for (auto& patch : s.patches) patch = mirrored(patch, axis);
                           return Placed{s, {}};
                         },
                         [&](const Union& s) -> Placed { return combined(s, renamed); },

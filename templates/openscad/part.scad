@@ -67,7 +67,12 @@ part();
 {{#data}}
 
 // {{remark}}
+{{#call}}
+{{name}} = {{call}};
+{{/call}}
+{{^call}}
 {{name}} = [
   {{rows}}
 ];
+{{/call}}
 {{/data}}

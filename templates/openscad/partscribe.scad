@@ -1,5 +1,5 @@
-// Shapes that OpenSCAD does not have: superellipsoids, supertoroids, NURBS curves, bodies with leaning walls,
-// half-spaces and thickened sheets.
+// Shapes that OpenSCAD does not have: superellipsoids, supertoroids, NURBS curves and surfaces, bodies with leaning
+// walls, half-spaces and thickened sheets.
 //
 // Belongs beside the script that uses it. Millimetres and degrees; OpenSCAD 2021.01 or later.
 
@@ -212,4 +212,55 @@ module thick_sheet(points, normals, faces, rim, thickness) {
     faces = concat(faces, [for (f = faces) [f[2] + n, f[1] + n, f[0] + n]],
       [for (e = rim) each [[e[1], e[0], e[0] + n], [e[1], e[0] + n, e[1] + n]]]),
     convexity = 10);
+}
+
+// ---- NURBS surface --------------------------------------------------------------------------------------------
+
+// The basis functions of a degree that live on the span, at u (Cox and de Boor).
+function _basis(knots, degree, span, u) =
+  degree == 0 ? [1]
+  : let (lower = _basis(knots, degree - 1, span, u))
+    [for (j = [0 : degree]) let (i = span - degree + j)
+      (j > 0 ? lower[j - 1] * (u - knots[i]) / (knots[i + degree] - knots[i]) : 0) +
+      (j < degree ? lower[j] * (knots[i + degree + 1] - u) / (knots[i + degree + 1] - knots[i + 1]) : 0)];
+
+// A clamped surface from its control points, one row of them for each u. Weights likewise, all 1 where left out.
+function spline_surface(degrees, knots_u, knots_v, control, weights = undef) =
+  assert(len(knots_u) == len(control) + degrees[0] + 1 && len(knots_v) == len(control[0]) + degrees[1] + 1,
+    "a surface needs as many knots as control points and its degree plus 1, along u and along v")
+  [degrees, knots_u, knots_v,
+   weights == undef ? control
+   : [for (i = [0 : len(control) - 1]) [for (j = [0 : len(control[i]) - 1])
+       concat(weights[i][j] * control[i][j], [weights[i][j]])]]];
+
+// The point of a surface at [u, v].
+function surface_point(surface, at) =
+  let (p = surface[0][0], q = surface[0][1], rows = surface[3],
+       s = _span(surface[1], p, len(rows), at[0]), t = _span(surface[2], q, len(rows[0]), at[1]),
+       along = _basis(surface[2], q, t, at[1]),
+       h = _basis(surface[1], p, s, at[0]) *
+         [for (i = [s - p : s]) along * [for (j = [t - q : t]) rows[i][j]]])
+  len(h) == 4 ? [h[0], h[1], h[2]] / h[3] : h;
+
+// Outward unit normal, from points nearby.
+function surface_normal(surface, at) =
+  let (u = surface[1], v = surface[2], du = 1e-4 * (u[len(u) - 1] - u[0]), dv = 1e-4 * (v[len(v) - 1] - v[0]),
+       a = max(at[0] - du, u[0]), b = min(at[0] + du, u[len(u) - 1]),
+       c = max(at[1] - dv, v[0]), d = min(at[1] + dv, v[len(v) - 1]),
+       n = cross(surface_point(surface, [b, at[1]]) - surface_point(surface, [a, at[1]]),
+                 surface_point(surface, [at[0], d]) - surface_point(surface, [at[0], c])))
+  n / norm(n);
+
+function _corners(surfaces, corners) =
+  [for (k = [0 : len(surfaces) - 1]) for (at = corners[k]) surface_point(surfaces[k], at)];
+
+// The body that surfaces enclose; corners lists for each surface the places [u, v] of the corners of the triangles.
+module surface_body(surfaces, corners, faces)
+  polyhedron(points = _corners(surfaces, corners), faces = faces, convexity = 10);
+
+// The same of an open sheet, thickened towards its back or, where that would fold, away from one direction.
+module surface_sheet(surfaces, corners, faces, rim, thickness, towards = undef) {
+  normals = [for (k = [0 : len(surfaces) - 1]) for (at = corners[k])
+    towards == undef ? surface_normal(surfaces[k], at) : towards];
+  thick_sheet(_corners(surfaces, corners), normals, faces, rim, thickness);
 }

@@ -13,6 +13,7 @@
 #include <Standard_Failure.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
+#include <TColStd_Array2OfReal.hxx>
 #include <TColgp_Array1OfPnt.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <TopoDS.hxx>
@@ -309,28 +310,40 @@ SclMade scl_profile(const std::vector<SclCorner>& corners) {
   return made(SclGeometryKind::profile, wire);
 }
 
-SclMade scl_surface(const SclDirection& u, const SclDirection& v, const std::vector<std::vector<Vec3>>& mesh) {
+SclMade scl_surface(const SclDirection& u, const SclDirection& v, const std::vector<std::vector<Vec3>>& mesh,
+                    const std::vector<std::vector<double>>& weights) {
   if (mesh.empty()) return refuse("expected a mesh of points, found an empty one");
   for (const auto& row : mesh)
     if (row.size() != mesh[0].size())
       return refuse("expected rows of equal length in the mesh, found " + std::to_string(mesh[0].size()) + " and " +
                     std::to_string(row.size()) + " points");
+  if (!weights.empty()) {
+    bool right = weights.size() == mesh.size();
+    for (const auto& row : weights)
+      right =
+          right && row.size() == mesh[0].size() && std::all_of(row.begin(), row.end(), [](double w) { return w > 0; });
+    if (!right) return refuse("expected a positive weight for each point of the mesh");
+  }
   const auto ru = resolved(u, mesh[0].size(), "u");
   if (!ru.ok()) return ru.error();
   const auto rv = resolved(v, mesh.size(), "v");
   if (!rv.ok()) return rv.error();
   const std::size_t columns = mesh[0].size() + ru->wrap, rows = mesh.size() + rv->wrap;
   TColgp_Array2OfPnt poles(1, static_cast<int>(columns), 1, static_cast<int>(rows));
+  TColStd_Array2OfReal shares(1, static_cast<int>(columns), 1, static_cast<int>(rows));
   for (std::size_t i = 0; i < columns; ++i)
-    for (std::size_t j = 0; j < rows; ++j)
-      poles.SetValue(static_cast<int>(i) + 1, static_cast<int>(j) + 1, pnt(mesh[j % mesh.size()][i % mesh[0].size()]));
+    for (std::size_t j = 0; j < rows; ++j) {
+      const int column = static_cast<int>(i) + 1, row = static_cast<int>(j) + 1;
+      poles.SetValue(column, row, pnt(mesh[j % mesh.size()][i % mesh[0].size()]));
+      shares.SetValue(column, row, weights.empty() ? 1 : weights[j % mesh.size()][i % mesh[0].size()]);
+    }
   std::vector<double> uk, vk;
   std::vector<int> um, vm;
   split_knots(ru->knots, uk, um);
   split_knots(rv->knots, vk, vm);
   try {
-    Handle(Geom_BSplineSurface) surface =
-        new Geom_BSplineSurface(poles, reals(uk), reals(vk), integers(um), integers(vm), u.order - 1, v.order - 1);
+    Handle(Geom_BSplineSurface) surface = new Geom_BSplineSurface(poles, shares, reals(uk), reals(vk), integers(um),
+                                                                  integers(vm), u.order - 1, v.order - 1);
     if (um.front() != u.order || um.back() != u.order || vm.front() != v.order || vm.back() != v.order)
       surface->Segment(ru->first, ru->last, rv->first, rv->last);
     return face_of(surface);

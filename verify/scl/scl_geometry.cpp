@@ -299,6 +299,8 @@ SclMade scl_drafted(const std::vector<SclGeometryPtr>& profiles, double below, d
 
 SclMade scl_sewn(const std::vector<SclGeometryPtr>& surfaces) {
   if (surfaces.empty()) return refuse("expected surfaces to join");
+  if (std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) { return !s->trimmed.empty(); }))
+    return trimmed_shell(surfaces);
   bool flat = true;  // all bilinear: then facets say the same, and far more simply
   for (const auto& s : surfaces) {
     if (s->kind != SclGeometryKind::surface) return refuse(std::string("expected surfaces, found ") + name_of(s->kind));
@@ -396,6 +398,13 @@ SclMade scl_transformed(const SclGeometryPtr& geometry, const SclTransform& tran
       auto m = scl_transformed(member, transform);
       if (!m.ok()) return m;
       member = *m;
+    }
+    return SclGeometryPtr(moved);
+  }
+  if (!geometry->trimmed.empty()) {
+    for (auto& surface : moved->trimmed) {
+      for (Vec3& p : surface.surface.points) p = transform * p;
+      if (determinant < 0) surface = turned_over(surface);
     }
     return SclGeometryPtr(moved);
   }

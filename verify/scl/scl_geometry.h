@@ -68,10 +68,14 @@ struct SclDirection {
   std::vector<double> knots;
 };
 /// `mesh[j][i]`: u runs along a row, that is with i. Uniform and Bezier domains run from 0 to 1 and from 0 to the
-/// number of spans.
-SclMade scl_surface(const SclDirection& u, const SclDirection& v, const std::vector<std::vector<Vec3>>& mesh);
+/// number of spans. Weights, as `mesh`, or empty: all 1.
+SclMade scl_surface(const SclDirection& u, const SclDirection& v, const std::vector<std::vector<Vec3>>& mesh,
+                    const std::vector<std::vector<double>>& weights = {});
 /// Inserts knots; the surface stays what it is. `row`: the u direction.
 SclMade scl_refined(const SclGeometryPtr& surface, bool row, const std::vector<double>& knots);
+
+/// A whole surface within loops of curves in the plane of its parameters (z = 0): what lies to the left of all stays.
+SclMade scl_trimmed(const SclGeometryPtr& surface, const std::vector<std::vector<SclGeometryPtr>>& loops);
 
 // ---- solids -----------------------------------------------------------------------------------------------------
 

@@ -127,7 +127,10 @@ Result<Done> add_object(const SclGeometryPtr& object, double deviation, const Sc
       object->kind != SclGeometryKind::shell)
     return bad_input(std::string("expected a solid or surface as the result, found ") + name_of(object->kind));
   SclMesh part;
-  if (!object->shape) {
+  if (!object->trimmed.empty()) {
+    SurfaceTriangles made = triangulated(object->trimmed, deviation);
+    part.mesh = std::move(made.mesh), part.error = made.deviation;
+  } else if (!object->shape) {
     part.mesh = welded(facet_mesh(*object), 0);
   } else if (object->natural) {
     part = surface_mesh(*object, deviation);

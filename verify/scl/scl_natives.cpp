@@ -122,6 +122,45 @@ Called surface_call(const SclValues& values, SclCallContext&) {
   return wrapped(a, [&] { return scl_surface(u, v, mesh); });
 }
 
+Called rational_surface_call(const SclValues& values, SclCallContext&) {
+  SclArguments a(values);
+  SclDirection u, v;
+  u.order = a.whole(), u.knots = a.numbers();
+  v.order = a.whole(), v.knots = a.numbers();
+  const auto mesh = a.point_rows();
+  std::vector<std::vector<double>> weights;
+  for (const auto& row : a.array("rows of weights")) {
+    auto& numbers = weights.emplace_back();
+    const auto* entries = row.as<SclArray>();
+    if (!entries) a.expected("rows of weights");
+    for (std::size_t i = 0; entries && i < (*entries)->size(); ++i) {
+      double weight = 0;
+      if (!number_of((**entries)[i], weight)) a.expected("numbers only among the weights");
+      numbers.push_back(weight);
+    }
+  }
+  return wrapped(a, [&] { return scl_surface(u, v, mesh, weights); });
+}
+
+Called trim_call(const SclValues& values, SclCallContext&) {
+  SclArguments a(values);
+  const auto surface = a.geometry({SclGeometryKind::surface}, "a surface");
+  std::vector<std::vector<SclGeometryPtr>> loops;
+  for (const auto& loop : a.array("an array of loops")) {
+    auto& curves = loops.emplace_back();
+    const auto* entries = loop.as<SclArray>();
+    if (!entries) a.expected("arrays of curves as loops");
+    for (std::size_t i = 0; entries && i < (*entries)->size(); ++i) {
+      const auto* curve = (**entries)[i].as<SclGeometryPtr>();
+      if (!curve)
+        a.expected("curves only in a loop");
+      else
+        curves.push_back(*curve);
+    }
+  }
+  return wrapped(a, [&] { return scl_trimmed(surface, loops); });
+}
+
 Called refine_call(const SclValues& values, SclCallContext&) {
   SclArguments a(values);
   const auto surface = a.geometry({SclGeometryKind::surface}, "a surface");
@@ -473,14 +512,16 @@ const std::map<std::string, Entry>& natives() {
           const double below = a.number(), height = a.number(), draft = radians(a.number());
           return wrapped(a, [&] { return scl_drafted(p, below, height, draft); });
         }}},
+      {"nurbssrf", {6, 6, rational_surface_call}},
+      {"trimsurface", {2, 2, trim_call}},
       {"nurbscrv",
-       {4, 4,
+       {3, 4,
         [](const SclValues& v, SclCallContext&) {
           SclArguments a(v);
           const int order = a.whole();
           const auto knots = a.numbers();
           const auto points = a.points_of(a.any());
-          const auto weights = a.numbers();
+          const auto weights = v.size() == 4 ? a.numbers() : std::vector<double>();
           return wrapped(a, [&] { return scl_nurbs_curve(order, knots, points, weights); });
         }}},
       {"shellofsurfaces",

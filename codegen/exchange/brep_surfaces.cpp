@@ -1,0 +1,164 @@
+#include <BRepLib.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <TColStd_Array1OfInteger.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TColgp_Array1OfPnt2d.hxx>
+#include <TColgp_Array2OfPnt.hxx>
+#include <TopExp.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
+#include <TopoDS_Wire.hxx>
+#include <algorithm>
+#include <map>
+
+#include "codegen/exchange/brep_shapes.h"
+#include "model/surface_patches.h"
+
+namespace partscribe::codegen {
+namespace {
+
+gp_Pnt point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// Different knots and how often each is there.
+struct OcctKnots {
+  TColStd_Array1OfReal knots;
+  TColStd_Array1OfInteger multiplicities;
+
+  static OcctKnots of(const KnotVector& t) {
+    std::vector<double> different;
+    std::vector<int> times;
+    for (const double knot : t.knots) {
+      if (different.empty() || knot > different.back()) different.push_back(knot), times.push_back(0);
+      ++times.back();
+    }
+    const int count = static_cast<int>(different.size());
+    OcctKnots result{TColStd_Array1OfReal(1, count), TColStd_Array1OfInteger(1, count)};
+    for (int i = 0; i < count; ++i) {
+      result.knots(i + 1) = different[static_cast<std::size_t>(i)];
+      result.multiplicities(i + 1) = times[static_cast<std::size_t>(i)];
+    }
+    return result;
+  }
+};
+
+Handle(Geom_BSplineSurface) occt_surface(const NurbsSurface& s) {
+  TColgp_Array2OfPnt poles(1, s.u.count(), 1, s.v.count());
+  TColStd_Array2OfReal weights(1, s.u.count(), 1, s.v.count());
+  for (int i = 0; i < s.u.count(); ++i)
+    for (int j = 0; j < s.v.count(); ++j) {
+      const std::size_t at = static_cast<std::size_t>(i * s.v.count() + j);
+      poles(i + 1, j + 1) = point(s.points[at]);
+      weights(i + 1, j + 1) = s.weights.empty() ? 1 : s.weights[at];
+    }
+  const auto u = OcctKnots::of(s.u), v = OcctKnots::of(s.v);
+  if (s.weights.empty())
+    return new Geom_BSplineSurface(poles, u.knots, v.knots, u.multiplicities, v.multiplicities, s.u.degree, s.v.degree);
+  return new Geom_BSplineSurface(poles, weights, u.knots, v.knots, u.multiplicities, v.multiplicities, s.u.degree,
+                                 s.v.degree);
+}
+
+/// Over 0 .. 1; `reversed`: from its end to its beginning.
+Handle(Geom2d_BSplineCurve) occt_curve(const NurbsCurve<2>& c, bool reversed) {
+  KnotVector unit = c.t;
+  for (double& knot : unit.knots) knot = (knot - c.t.low()) / (c.t.high() - c.t.low());
+  const int count = static_cast<int>(c.points.size());
+  TColgp_Array1OfPnt2d poles(1, count);
+  for (int i = 0; i < count; ++i)
+    poles(i + 1) = gp_Pnt2d(c.points[static_cast<std::size_t>(i)].x(), c.points[static_cast<std::size_t>(i)].y());
+  const auto t = OcctKnots::of(unit);
+  Handle(Geom2d_BSplineCurve) curve = new Geom2d_BSplineCurve(poles, t.knots, t.multiplicities, c.t.degree);
+  if (reversed) curve->Reverse();
+  return curve;
+}
+
+/// Edges of a set of surfaces: each is one edge of the boundary, with a curve on every surface that has it.
+class EdgeMaker {
+ public:
+  explicit EdgeMaker(double tolerance) : tolerance_(tolerance) {}
+
+  /// The edge as a loop of this surface runs through it.
+  TopoDS_Edge edge(const TrimCurve& trim, const NurbsSurface& surface, const Handle(Geom_BSplineSurface) & on) {
+    const auto [at, is_new] = edges_.try_emplace(trim.edge);
+    Made& made = at->second;
+    const Handle(Geom2d_BSplineCurve) curve = occt_curve(trim.curve, !is_new);
+    if (is_new) {
+      made.first = surface.at(trim.curve.points.front().x(), trim.curve.points.front().y());
+      made.last = surface.at(trim.curve.points.back().x(), trim.curve.points.back().y());
+      builder_.MakeEdge(made.edge);
+      builder_.UpdateEdge(made.edge, curve, on, TopLoc_Location(), 1e-7);
+      builder_.Range(made.edge, 0, 1);
+      builder_.Add(made.edge, vertex(made.first).Oriented(TopAbs_FORWARD));
+      builder_.Add(made.edge, vertex(made.last).Oriented(TopAbs_REVERSED));
+      BRepLib::BuildCurve3d(made.edge, tolerance_);
+      made.on = on, made.curve = curve;
+      return made.edge;
+    }
+    if (made.on == on)  // a seam: the surface meets itself
+      builder_.UpdateEdge(made.edge, made.curve, curve, on, TopLoc_Location(), 1e-7);
+    else
+      builder_.UpdateEdge(made.edge, curve, on, TopLoc_Location(), 1e-7);
+    return TopoDS::Edge(made.edge.Reversed());
+  }
+
+ private:
+  struct Made {
+    TopoDS_Edge edge;
+    Vec3 first, last;
+    Handle(Geom_BSplineSurface) on;
+    Handle(Geom2d_BSplineCurve) curve;
+  };
+
+  /// One vertex for all ends that are nearer to each other than the tolerance.
+  TopoDS_Vertex vertex(const Vec3& p) {
+    for (const auto& [place, made] : vertices_)
+      if ((place - p).norm() < tolerance_) return made;
+    TopoDS_Vertex made;
+    builder_.MakeVertex(made, point(p), 1e-7);
+    vertices_.emplace_back(p, made);
+    return made;
+  }
+
+  double tolerance_;
+  BRep_Builder builder_;
+  std::map<int, Made> edges_;
+  std::vector<std::pair<Vec3, TopoDS_Vertex>> vertices_;
+};
+
+}  // namespace
+
+TopoDS_Shape brep_of(const SurfaceSetOf<double>& s, double tolerance) {
+  BRep_Builder builder;
+  TopoDS_Shell shell;
+  builder.MakeShell(shell);
+  EdgeMaker edges(tolerance);
+  for (const auto& patch : s.patches) {
+    const TrimmedSurface trimmed = trimmed_surface(patch);
+    const auto surface = occt_surface(trimmed.surface);
+    TopoDS_Face face;
+    builder.MakeFace(face, surface, 1e-7);
+    for (const auto& loop : trimmed.loops) {
+      TopoDS_Wire wire;
+      builder.MakeWire(wire);
+      for (const auto& trim : loop) builder.Add(wire, edges.edge(trim, trimmed.surface, surface));
+      wire.Closed(true);
+      builder.Add(face, wire);
+    }
+    builder.Add(shell, face);
+  }
+  shell.Closed(s.closed);
+  BRepLib::SameParameter(shell, 1e-7, true);
+  BRepLib::UpdateTolerances(shell);
+  if (!s.closed) return shell;
+  TopoDS_Solid solid;
+  builder.MakeSolid(solid);
+  builder.Add(solid, shell);
+  return solid;
+}
+
+}  // namespace partscribe::codegen

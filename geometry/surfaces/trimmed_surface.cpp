@@ -1,0 +1,537 @@
+#include "geometry/surfaces/trimmed_surface.h"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "geometry/mesh/mesh_distance.h"
+
+namespace partscribe::geometry {
+namespace {
+
+constexpr std::uint32_t no_corner = ~0u;
+
+// ---- edges ------------------------------------------------------------------------------------------------------
+
+/// A use of an edge by one surface.
+struct EdgeUse {
+  std::uint32_t patch, loop, curve;
+};
+
+/// Places along an edge, as shares of the domain of its first curve, and the corners of the mesh there.
+struct Edge {
+  std::vector<EdgeUse> uses;
+  std::vector<double> shares;
+  std::vector<std::uint32_t> corners;
+};
+
+Vec2 place_at(const TrimCurve& trim, double share) {
+  const auto& t = trim.curve.t;
+  return trim.curve.at(t.low() + share * (t.high() - t.low()));
+}
+
+class EdgeSampler {
+ public:
+  /// `longest`: mm between two places.
+  EdgeSampler(std::span<const TrimmedSurface> surfaces, const Edge& edge, double deviation, double longest)
+      : surfaces_(surfaces), edge_(edge), deviation_(deviation), longest_(longest) {}
+
+  std::vector<double> shares() const {
+    std::vector<double> result = {0};
+    // A curve of many spans may cross its chord between two places; each span is looked at by itself.
+    std::vector<double> breaks;
+    for (std::size_t i = 0; i < edge_.uses.size(); ++i) {
+      const auto& t = trim(i).curve.t;
+      for (const double knot : t.breaks()) {
+        const double share = (knot - t.low()) / (t.high() - t.low());
+        breaks.push_back(i == 0 ? share : 1 - share);
+      }
+    }
+    std::sort(breaks.begin(), breaks.end());
+    for (const double at : breaks)
+      if (at > result.back() + 1e-9) refine(result.back(), std::min(at, 1.0), 0, result);
+    result.back() = 1;
+    return result;
+  }
+
+ private:
+  const TrimCurve& trim(std::size_t use) const {
+    const EdgeUse& e = edge_.uses[use];
+    return surfaces_[e.patch].loops[e.loop][e.curve];
+  }
+  Vec3 on(std::size_t use, const Vec2& uv) const { return surfaces_[edge_.uses[use].patch].surface.at(uv.x(), uv.y()); }
+
+  void refine(double a, double b, int depth, std::vector<double>& out) const {
+    bool straight = depth >= 1;  // two pieces at least: the middle of a closed curve says nothing
+    for (std::size_t i = 0; straight && i < edge_.uses.size(); ++i) {
+      const auto uv = [&](double share) { return place_at(trim(i), i == 0 ? share : 1 - share); };
+      const Vec2 p = uv(a), q = uv(b);
+      const Vec3 from = on(i, p), to = on(i, q);
+      straight = (to - from).norm() <= longest_;
+      for (const double at : {0.31, 0.5, 0.73}) {
+        const Vec3 exact = on(i, uv(a + at * (b - a))), chord = from + at * (to - from);
+        const Vec3 along = (to - from).normalized(), off = exact - chord;
+        straight = straight && (off - off.dot(along) * along).norm() < deviation_ &&
+                   (on(i, p + at * (q - p)) - exact).norm() < 8 * deviation_;
+      }
+    }
+    if (straight || depth > 12) {
+      out.push_back(b);
+      return;
+    }
+    refine(a, 0.5 * (a + b), depth + 1, out);
+    refine(0.5 * (a + b), b, depth + 1, out);
+  }
+
+  std::span<const TrimmedSurface> surfaces_;
+  const Edge& edge_;
+  double deviation_, longest_;
+};
+
+/// The ends of the edges, those that are one corner united.
+class Ends {
+ public:
+  int end(int edge, bool last) {
+    const auto [at, is_new] = numbers_.try_emplace({edge, last}, static_cast<int>(parent_.size()));
+    if (is_new) parent_.push_back(at->second);
+    return root(at->second);
+  }
+  void unite(int a, int b) { parent_[std::size_t(std::max(a, b))] = std::min(a, b); }
+
+ private:
+  int root(int i) const {
+    while (parent_[std::size_t(i)] != i) i = parent_[std::size_t(i)];
+    return i;
+  }
+  std::map<std::pair<int, bool>, int> numbers_;
+  std::vector<int> parent_;
+};
+
+// ---- one surface ------------------------------------------------------------------------------------------------
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
+using FaceBase =
+    CGAL::Triangulation_face_base_with_info_2<int, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+using Delaunay =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
+                                               CGAL::Exact_predicates_tag>;
+
+/// A corner of the triangles of one surface.
+struct Corner {
+  Vec2 uv;
+  std::uint32_t vertex;  ///< of the mesh; no_corner: inside, not made yet
+};
+
+/// Between which places along a line v = const. the loops hold the surface, ascending.
+template <class Place>
+std::vector<double> crossings(const std::vector<std::vector<Place>>& loops, double v) {
+  std::vector<double> result;
+  for (const auto& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec2 &a = loop[i].uv, &b = loop[(i + 1) % loop.size()].uv;
+      if ((a.y() <= v) == (b.y() <= v)) continue;
+      result.push_back(a.x() + (v - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+    }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+/// The lines of both parameters whose crossings become corners.
+struct ParameterLines {
+  std::vector<double> us, vs;
+  Vec2 scale = Vec2::Ones();  ///< mm per unit of u and of v, on the whole: triangles are to be round in space
+  double step = 0;            ///< mm between neighbouring lines, at most
+};
+
+class LineMaker {
+ public:
+  LineMaker(const TrimmedSurface& trimmed, double deviation) : surface_(trimmed.surface), deviation_(deviation) {
+    for (const auto& loop : trimmed.loops)
+      for (const TrimCurve& trim : loop)
+        for (const Vec2& uv : trim.curve.points) low_ = low_.cwiseMin(uv), high_ = high_.cwiseMax(uv);
+    low_ = low_.cwiseMax(Vec2(surface_.u.low(), surface_.v.low()));
+    high_ = high_.cwiseMin(Vec2(surface_.u.high(), surface_.v.high()));
+  }
+
+  ParameterLines lines() const {
+    ParameterLines result;
+    Vec2 lengths = Vec2::Zero();
+    double twist = 0;
+    for (int i = 0; i < most; ++i)
+      for (int j = 0; j < most; ++j) {
+        const Vec2 uv = low_ + (high_ - low_).cwiseProduct(Vec2((i + 0.5) / most, (j + 0.5) / most));
+        const SurfacePoint at = surface_.derivatives(uv.x(), uv.y());
+        lengths += Vec2(at.du.norm(), at.dv.norm()) / (most * most);
+        twist = std::max(twist, std::abs(at.normal().dot(at.duv)));
+      }
+    result.scale = lengths.cwiseMax(1e-9);
+    // A triangle that spans both steps lies off a twisted surface by a quarter of their product.
+    const double share = 0.45 * deviation_, step = std::sqrt(4 * share / std::max(twist, 1e-300));
+    const double aspect = std::sqrt(result.scale.y() / result.scale.x());
+    result.us = lines_of(surface_.u, low_.x(), high_.x(), share, step * aspect, true);
+    result.vs = lines_of(surface_.v, low_.y(), high_.y(), share, step / aspect, false);
+    for (std::size_t i = 1; i < result.us.size(); ++i)
+      result.step = std::max(result.step, result.scale.x() * (result.us[i] - result.us[i - 1]));
+    for (std::size_t i = 1; i < result.vs.size(); ++i)
+      result.step = std::max(result.step, result.scale.y() * (result.vs[i] - result.vs[i - 1]));
+    return result;
+  }
+
+ private:
+  static constexpr int most = 24;
+
+  /// Of one parameter, so close that triangles between two of them stay within `share` mm of the surface.
+  std::vector<double> lines_of(const KnotVector& knots, double from, double to, double share, double longest,
+                               bool along_u) const {
+    std::vector<double> result = {from};
+    for (const double knot : knots.breaks()) {
+      const double end = std::clamp(knot, from, to), begin = result.back();
+      if (!(end > begin)) continue;
+      const double step = std::min(longest, std::sqrt(8 * share / std::max(bend(begin, end, along_u), 1e-300)));
+      const int pieces = std::clamp(static_cast<int>(std::ceil((end - begin) / step)), 1, 400);
+      for (int i = 1; i <= pieces; ++i) result.push_back(begin + (end - begin) * i / pieces);
+    }
+    return result;
+  }
+
+  /// The second derivative along the normal between two lines, at most.
+  double bend(double from, double to, bool along_u) const {
+    double result = 0;
+    for (const double s : {0.02, 0.5, 0.98})
+      for (int i = 0; i <= most; ++i) {
+        const double a = from + s * (to - from);
+        const double b =
+            along_u ? low_.y() + (high_.y() - low_.y()) * i / most : low_.x() + (high_.x() - low_.x()) * i / most;
+        const SurfacePoint at = along_u ? surface_.derivatives(a, b) : surface_.derivatives(b, a);
+        result = std::max(result, std::abs(at.normal().dot(along_u ? at.duu : at.dvv)));
+      }
+    return result;
+  }
+
+  const NurbsSurface& surface_;
+  double deviation_;
+  Vec2 low_ = Vec2::Constant(1e300), high_ = Vec2::Constant(-1e300);
+};
+
+class Patch {
+ public:
+  Patch(const NurbsSurface& surface, const ParameterLines& lines, std::vector<std::vector<Corner>> loops)
+      : surface_(surface), lines_(lines), loops_(std::move(loops)) {}
+
+  void triangulate(std::uint32_t number, SurfaceTriangles& out) {
+    std::vector<Corner> corners;
+    Delaunay delaunay;
+    for (const auto& loop : loops_) {
+      Delaunay::Vertex_handle first, last;
+      for (const Corner& c : loop) {
+        const auto vertex = insert(delaunay, c.uv);
+        vertex->info() = static_cast<std::uint32_t>(corners.size());
+        corners.push_back(c);
+        if (last != nullptr && last != vertex) delaunay.insert_constraint(last, vertex);
+        if (last == nullptr) first = vertex;
+        last = vertex;
+      }
+      if (last != nullptr && last != first) delaunay.insert_constraint(last, first);
+    }
+    for (const Vec2& uv : inside()) {
+      const auto vertex = insert(delaunay, uv);
+      vertex->info() = static_cast<std::uint32_t>(corners.size());
+      corners.push_back({uv, no_corner});
+    }
+    mark(delaunay);
+    for (const auto face : delaunay.finite_face_handles()) {
+      if (face->info() % 2 == 0) continue;
+      std::array<std::uint32_t, 3> triangle;
+      std::array<Vec2, 3> place;
+      for (int k = 0; k < 3; ++k) {
+        Corner& c = corners[face->vertex(k)->info()];
+        if (c.vertex == no_corner) {
+          c.vertex = static_cast<std::uint32_t>(out.mesh.vertices.size());
+          out.mesh.vertices.push_back(surface_.at(c.uv.x(), c.uv.y()));
+        }
+        triangle[std::size_t(k)] = c.vertex, place[std::size_t(k)] = c.uv;
+      }
+      if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+      const Vec2 middle = (place[0] + place[1] + place[2]) / 3;
+      out.mesh.triangles.push_back(triangle);
+      out.patch.push_back(number);
+      out.place.push_back(place);
+      const Vec3 on = surface_.at(middle.x(), middle.y());
+      const Vec3 flat =
+          (out.mesh.vertices[triangle[0]] + out.mesh.vertices[triangle[1]] + out.mesh.vertices[triangle[2]]) / 3;
+      const Vec3 n = triangle_normal(out.mesh, out.mesh.triangles.size() - 1);
+      out.deviation = std::max(out.deviation, std::abs((on - flat).dot(n)));
+    }
+  }
+
+ private:
+  Delaunay::Vertex_handle insert(Delaunay& delaunay, const Vec2& uv) const {
+    return delaunay.insert(Kernel::Point_2(uv.x() * lines_.scale.x(), uv.y() * lines_.scale.y()));
+  }
+
+  /// Crossings of the lines that lie inside and not close to the border.
+  std::vector<Vec2> inside() const {
+    const auto &us = lines_.us, &vs = lines_.vs;
+    std::vector<Vec2> result;
+    for (std::size_t j = 1; j + 1 < vs.size(); ++j) {
+      const auto crossed = crossings(loops_, vs[j]);
+      for (std::size_t i = 1; i + 1 < us.size(); ++i) {
+        const auto next = std::upper_bound(crossed.begin(), crossed.end(), us[i]);
+        if ((next - crossed.begin()) % 2 == 0) continue;
+        const double free = std::min(next == crossed.end() ? 1e300 : *next - us[i], us[i] - *(next - 1));
+        if (free > 0.3 * std::min(us[i] - us[i - 1], us[i + 1] - us[i])) result.emplace_back(us[i], vs[j]);
+      }
+    }
+    return result;
+  }
+
+  /// How many borders lie between each triangle and the outside; those of an odd number are the surface.
+  static void mark(Delaunay& delaunay) {
+    for (const auto face : delaunay.all_face_handles()) face->info() = -1;
+    std::vector<Delaunay::Face_handle> level = {delaunay.infinite_face()}, next;
+    for (int depth = 0; !level.empty(); ++depth, level.swap(next), next.clear())
+      while (!level.empty()) {
+        const auto face = level.back();
+        level.pop_back();
+        if (face->info() >= 0) continue;
+        face->info() = depth;
+        for (int k = 0; k < 3; ++k) (face->is_constrained(k) ? next : level).push_back(face->neighbor(k));
+      }
+  }
+
+  const NurbsSurface& surface_;
+  const ParameterLines& lines_;
+  std::vector<std::vector<Corner>> loops_;
+};
+
+}  // namespace
+
+TrimmedSurface turned_over(const TrimmedSurface& given) {
+  const auto backwards = [](const KnotVector& t) {
+    KnotVector result{t.degree, {t.knots.rbegin(), t.knots.rend()}};
+    for (double& knot : result.knots) knot = t.low() + t.high() - knot;
+    return result;
+  };
+  TrimmedSurface result = given;
+  NurbsSurface& s = result.surface;
+  s.u = backwards(s.u);
+  const std::size_t columns = std::size_t(s.v.count()), rows = std::size_t(s.u.count());
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < columns; ++j) {
+      const std::size_t from = (rows - 1 - i) * columns + j;
+      s.points[i * columns + j] = given.surface.points[from];
+      if (!s.weights.empty()) s.weights[i * columns + j] = given.surface.weights[from];
+    }
+  for (auto& loop : result.loops) {
+    std::reverse(loop.begin(), loop.end());
+    for (auto& trim : loop) {
+      trim.curve.t = backwards(trim.curve.t);
+      std::reverse(trim.curve.points.begin(), trim.curve.points.end());
+      std::reverse(trim.curve.weights.begin(), trim.curve.weights.end());
+      for (Vec2& p : trim.curve.points) p.x() = s.u.low() + s.u.high() - p.x();
+    }
+  }
+  return result;
+}
+
+SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double deviation) {
+  SurfaceTriangles result;
+  std::map<int, Edge> edges;
+  for (std::uint32_t p = 0; p < surfaces.size(); ++p)
+    for (std::uint32_t l = 0; l < surfaces[p].loops.size(); ++l)
+      for (std::uint32_t c = 0; c < surfaces[p].loops[l].size(); ++c)
+        edges[surfaces[p].loops[l][c].edge].uses.push_back({p, l, c});
+  // The first use runs with its edge, the second against it.
+  const auto forward = [&](std::uint32_t p, std::uint32_t l, std::uint32_t c) {
+    const EdgeUse& first = edges[surfaces[p].loops[l][c].edge].uses.front();
+    return first.patch == p && first.loop == l && first.curve == c;
+  };
+  std::vector<ParameterLines> lines;
+  for (const auto& trimmed : surfaces) lines.push_back(LineMaker(trimmed, deviation).lines());
+  Ends ends;
+  for (std::uint32_t p = 0; p < surfaces.size(); ++p)
+    for (std::uint32_t l = 0; l < surfaces[p].loops.size(); ++l) {
+      const auto& loop = surfaces[p].loops[l];
+      for (std::uint32_t c = 0; c < loop.size(); ++c) {
+        const std::uint32_t after = (c + 1) % static_cast<std::uint32_t>(loop.size());
+        ends.unite(ends.end(loop[c].edge, forward(p, l, c)), ends.end(loop[after].edge, !forward(p, l, after)));
+      }
+    }
+  std::map<int, std::uint32_t> corner_of_end;
+  for (auto& [number, edge] : edges) {
+    double longest = 1e300;
+    for (const EdgeUse& use : edge.uses) longest = std::min(longest, 1.5 * lines[use.patch].step);
+    edge.shares = EdgeSampler(surfaces, edge, 0.8 * deviation, longest).shares();
+    const EdgeUse& first = edge.uses.front();
+    const TrimCurve& trim = surfaces[first.patch].loops[first.loop][first.curve];
+    for (std::size_t i = 0; i < edge.shares.size(); ++i) {
+      const bool at_end = i == 0 || i + 1 == edge.shares.size();
+      const auto next = static_cast<std::uint32_t>(result.mesh.vertices.size());
+      if (at_end) {
+        const auto [at, is_new] = corner_of_end.try_emplace(ends.end(number, i > 0), next);
+        edge.corners.push_back(at->second);
+        if (!is_new) continue;
+      } else {
+        edge.corners.push_back(next);
+      }
+      const Vec2 uv = place_at(trim, edge.shares[i]);
+      result.mesh.vertices.push_back(surfaces[first.patch].surface.at(uv.x(), uv.y()));
+    }
+  }
+  for (std::uint32_t p = 0; p < surfaces.size(); ++p) {
+    std::vector<std::vector<Corner>> loops;
+    for (std::uint32_t l = 0; l < surfaces[p].loops.size(); ++l) {
+      auto& corners = loops.emplace_back();
+      const auto& loop = surfaces[p].loops[l];
+      for (std::uint32_t c = 0; c < loop.size(); ++c) {
+        const Edge& edge = edges[loop[c].edge];
+        const bool with = forward(p, l, c);
+        for (std::size_t i = 0; i + 1 < edge.shares.size(); ++i) {
+          const std::size_t at = with ? i : edge.shares.size() - 1 - i;
+          corners.push_back({place_at(loop[c], with ? edge.shares[at] : 1 - edge.shares[at]), edge.corners[at]});
+        }
+      }
+    }
+    Patch(surfaces[p].surface, lines[p], std::move(loops)).triangulate(p, result);
+  }
+  return result;
+}
+
+// ---- distances --------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// A place on the border of a surface.
+struct BorderPlace {
+  const TrimCurve* trim;
+  double t;
+  Vec2 uv;
+};
+
+/// The nearest place to a point along one piece of a border, from a start near it.
+Vec3 nearest_along(const NurbsSurface& surface, const TrimCurve& trim, const Vec3& p, double t) {
+  const auto at = [&](double where) {
+    const Vec2 uv = trim.curve.at(where);
+    return surface.at(uv.x(), uv.y());
+  };
+  const double low = trim.curve.t.low(), high = trim.curve.t.high();
+  Vec3 best = at(t);
+  for (int round = 0; round < 12; ++round) {
+    Vec2 uv, first, second;
+    trim.curve.derivatives(t, uv, first, second);
+    const SurfacePoint s = surface.derivatives(uv.x(), uv.y());
+    const Vec3 along = first.x() * s.du + first.y() * s.dv;
+    const double next = std::clamp(t - (s.p - p).dot(along) / std::max(along.squaredNorm(), 1e-300), low, high);
+    const Vec3 there = at(next);
+    if (!((there - p).squaredNorm() < (best - p).squaredNorm())) break;
+    best = there, t = next;
+  }
+  return best;
+}
+
+}  // namespace
+
+struct SurfaceDistance::Parts {
+  std::vector<TrimmedSurface> surfaces;
+  SurfaceTriangles triangles;
+  double deviation;
+  bool closed;
+  std::vector<std::vector<std::vector<BorderPlace>>> loops;  // of each surface
+  MeshDistance distance;
+
+  Parts(std::vector<TrimmedSurface> given, double within, bool bounds_body)
+      : surfaces(std::move(given)),
+        triangles(triangulated(surfaces, within)),
+        deviation(std::max(within, triangles.deviation)),
+        closed(bounds_body),
+        distance(triangles.mesh) {
+    for (const auto& surface : surfaces) {
+      auto& outlines = loops.emplace_back();
+      for (const auto& loop : surface.loops) {
+        auto& outline = outlines.emplace_back();
+        for (const auto& trim : loop) {
+          const auto breaks = trim.curve.t.breaks();
+          for (std::size_t i = 0; i + 1 < breaks.size(); ++i)
+            for (int k = 0, pieces = 4 * trim.curve.t.degree; k < pieces; ++k) {
+              const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / pieces;
+              outline.push_back({&trim, t, trim.curve.at(t)});
+            }
+        }
+      }
+    }
+  }
+
+  /// The nearest place to p on the border of a surface, which is near (u, v).
+  Vec3 on_border(std::uint32_t patch, const Vec3& p, const Vec2& uv) const {
+    // On the two pieces that come nearest: the place may lie on either side of a corner between them.
+    const BorderPlace* nearest[2] = {};
+    double least[2] = {1e300, 1e300};
+    for (const auto& loop : loops[patch])
+      for (const BorderPlace& place : loop) {
+        const double d = (place.uv - uv).squaredNorm();
+        const bool of_first = nearest[0] && nearest[0]->trim == place.trim;
+        if (d < least[0]) {
+          if (!of_first) least[1] = least[0], nearest[1] = nearest[0];
+          least[0] = d, nearest[0] = &place;
+        } else if (!of_first && d < least[1]) {
+          least[1] = d, nearest[1] = &place;
+        }
+      }
+    const NurbsSurface& surface = surfaces[patch].surface;
+    const Vec3 first = nearest_along(surface, *nearest[0]->trim, p, nearest[0]->t);
+    if (!nearest[1]) return first;
+    const Vec3 second = nearest_along(surface, *nearest[1]->trim, p, nearest[1]->t);
+    return (first - p).squaredNorm() <= (second - p).squaredNorm() ? first : second;
+  }
+
+  bool holds(std::uint32_t patch, const Vec2& uv) const {
+    const auto crossed = crossings(loops[patch], uv.y());
+    return (std::upper_bound(crossed.begin(), crossed.end(), uv.x()) - crossed.begin()) % 2 == 1;
+  }
+};
+
+SurfaceDistance::SurfaceDistance(std::vector<TrimmedSurface> surfaces, double deviation, bool closed)
+    : parts_(std::make_unique<Parts>(std::move(surfaces), deviation, closed)) {}
+SurfaceDistance::~SurfaceDistance() = default;
+
+Box3 SurfaceDistance::bounds() const {
+  Box3 box = parts_->triangles.mesh.bounds();
+  box.low.array() -= parts_->deviation, box.high.array() += parts_->deviation;
+  return box;
+}
+
+SurfaceDistance::Hit SurfaceDistance::operator()(const Vec3& p) const {
+  const Parts& parts = *parts_;
+  const auto& mesh = parts.triangles.mesh;
+  const MeshHit near = parts.distance.closest(p);
+  const auto& corners = parts.triangles.place[near.triangle];
+  const std::uint32_t patch = parts.triangles.patch[near.triangle];
+  const NurbsSurface& surface = parts.surfaces[patch].surface;
+  // From the shares of the nearest triangle's corners.
+  const Vec3 a = mesh.corner(near.triangle, 0), ab = mesh.corner(near.triangle, 1) - a,
+             ac = mesh.corner(near.triangle, 2) - a, d = near.point - a;
+  const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac), det = std::max(bb * cc - bc * bc, 1e-300);
+  const double s = (cc * d.dot(ab) - bc * d.dot(ac)) / det, t = (bb * d.dot(ac) - bc * d.dot(ab)) / det;
+  const Vec2 start = corners[0] + s * (corners[1] - corners[0]) + t * (corners[2] - corners[0]);
+  const SurfaceFoot foot = foot_near(surface, p, start.x(), start.y());
+  Hit hit{near.distance, patch, near.point, triangle_normal(mesh, near.triangle)};
+  if (foot.distance <= near.distance + 2 * parts.deviation && parts.holds(patch, {foot.u, foot.v})) {
+    hit.distance = foot.distance, hit.point = foot.point;
+    if (const Vec3 n = surface.derivatives(foot.u, foot.v).normal(); n.squaredNorm() > 0.5) hit.normal = n;
+  } else if (const Vec3 q = parts.on_border(patch, p, start); (q - p).norm() < near.distance + 2 * parts.deviation) {
+    hit.distance = (q - p).norm(), hit.point = q;
+  }
+  const bool behind = parts.closed && near.distance > 2 * parts.deviation ? parts.distance.signed_distance(p) < 0
+                                                                          : (p - hit.point).dot(hit.normal) < 0;
+  if (behind) hit.distance = -hit.distance;
+  return hit;
+}
+
+}  // namespace partscribe::geometry
