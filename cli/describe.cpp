@@ -48,6 +48,14 @@ std::string noun_of(const Shape& shape) {
     return "a triangulation of " + std::to_string(surface.triangles.size()) + " triangles" +
            (surface.closed ? "" : " (an open sheet)");
   }
+  if (kind == "surface_set") {
+    const auto& set = std::get<SurfaceSet>(shape);
+    std::size_t control = 0;
+    for (const auto& patch : set.patches) control += patch.control.size();
+    return "a " + std::string(set.closed ? "body" : "sheet") + " of " +
+           verify::counted(set.patches.size(), "B-spline surface") + " with " +
+           verify::counted(control, "control point");
+  }
   if (kind == "union") return "a union";
   if (kind == "difference") return "a body with cuts";
   if (kind == "intersection") return "an intersection";
@@ -217,6 +225,8 @@ std::string no_procedure_line(const Model& model, const std::string& asked) {
     return line + ". STEP and IGES are made from " + noun_of(*surface) +
            ", with triangles where one could not be trimmed; OpenSCAD and SCL hold its " +
            std::to_string(surface->triangles.size()) + " triangles, which have no dimensions to edit.\n";
+  if (std::holds_alternative<SurfaceSet>(model.objects.back().shape))
+    return line + ". The files hold " + noun_of(model.objects.back().shape) + ", by which its form is edited.\n";
   return line + ". The files hold " + noun_of(model.objects.back().shape) + ", which has no dimensions to edit.\n";
 }
 

@@ -53,7 +53,9 @@ std::vector<std::string> header_lines(const Model& model) {
   lines.push_back(as_title(model.name) + (part.note.empty() ? "" : ": " + one_line(part.note)));
   lines.push_back("");
   if (model.fallback) {
-    lines.push_back("A triangulation, because no procedure met the tolerance.");
+    lines.push_back(std::holds_alternative<SurfaceSet>(part.shape)
+                        ? "Free form: B-spline surfaces, because no procedure met the tolerance."
+                        : "A triangulation, because no procedure met the tolerance.");
     const auto* surface = std::get_if<TriSurface>(&part.shape);
     if (surface && !surface->faces.empty())
       lines.push_back("STEP and IGES files of the same model hold its " + std::to_string(surface->faces.size()) +

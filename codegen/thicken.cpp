@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <set>
 
-#include "geometry/mesh/triangle_mesh.h"
+#include "geometry/mesh/facing.h"
+#include "geometry/mesh/mesh_distance.h"
 
 namespace partscribe::codegen {
 namespace {
@@ -18,36 +19,14 @@ bool folds(const TriangleMesh& front, const std::vector<Vec3>& normals, double t
   return false;
 }
 
-/// The direction whose largest angle to a triangle's normal is smallest [Badoiu & Clarkson 2003]; zero if more than a
-/// hundredth of the area does not face it.
-Vec3 faced_direction(const TriangleMesh& mesh) {
-  std::vector<Vec3> normals;
-  Vec3 direction = Vec3::Zero();
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    normals.push_back(triangle_normal(mesh, t));
-    direction += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
-  }
-  if (!(direction.norm() > 0)) return Vec3::Zero();
-  direction.normalize();
-  Vec3 center = direction;
-  for (int step = 1; step <= 300; ++step) {
-    std::size_t worst = 0;
-    for (std::size_t t = 1; t < normals.size(); ++t)
-      if (normals[t].dot(center) < normals[worst].dot(center)) worst = t;
-    center += (normals[worst] - center) / (step + 1);
-  }
-  // On sheets that turn away somewhere the mean may serve better than the middle of the extremes.
-  auto turned_away = [&](const Vec3& d) {
-    double area = 0, away = 0;
-    for (std::size_t t = 0; t < normals.size(); ++t) {
-      const double a = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
-      area += a;
-      if (normals[t].dot(d) < 0.02) away += a;
-    }
-    return away / area;
-  };
-  if (center.norm() > 0 && turned_away(center.normalized()) <= turned_away(direction)) direction = center.normalized();
-  return turned_away(direction) < 0.01 ? direction : Vec3::Zero();
+/// Does the back come so near to the front somewhere that it would stand in front of it or in its way?
+bool crowds(const TriangleMesh& front, const std::vector<Vec3>& normals, double thickness) {
+  const MeshDistance distance(front);
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    if (normals[v].squaredNorm() > 0 &&
+        distance.closest_within(front.vertices[v] - thickness * normals[v], 0.5 * thickness))
+      return true;
+  return false;
 }
 
 }  // namespace
@@ -65,8 +44,9 @@ std::vector<Vec3> sheet_normals(const std::vector<std::array<double, 3>>& vertic
     for (const auto v : triangles[t]) cosine[v] = std::min(cosine[v], std::max(n.dot(normals[v]), 0.5));
   }
   for (std::size_t v = 0; v < normals.size(); ++v) normals[v] /= cosine[v];
-  if (folds(mesh, normals, thickness))
-    if (const Vec3 common = faced_direction(mesh); common.norm() > 0) std::fill(normals.begin(), normals.end(), common);
+  if (folds(mesh, normals, thickness) || crowds(mesh, normals, thickness))
+    if (const Facing common = facing(mesh, 0.02); common.turned_away < 0.01)
+      std::fill(normals.begin(), normals.end(), common.direction);
   return normals;
 }
 

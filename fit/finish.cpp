@@ -84,18 +84,38 @@ Result<CheckedModel> finished(const Attempt& attempt, const std::vector<Rival>& 
   return completed(found.model, found.evidence, found.covered, attempt, refused, scan, options, context);
 }
 
+namespace {
+
+Result<CheckedModel> completed(const Fallback& fallback, const Attempt& attempt, const std::vector<Rival>& refused,
+                               const Scan& scan, const BuildOptions& options, Context& context) {
+  Model model = model_of(fallback.candidate, attempt.scan.input);
+  const Vec3 shift = fallback.candidate.scan_from_part.translation;
+  model.scan_from_part = {};
+  model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
+  model.fallback = options.force != only_a_mesh;
+  const double covered = coverage_of(fallback.candidate, attempt.scan.input, context).covered;
+  return completed(std::move(model), fallback.evidence, covered, attempt, refused, scan, options, context);
+}
+
+}  // namespace
+
+Result<std::optional<CheckedModel>> as_free_form(const Attempt& attempt, const std::vector<Rival>& refused,
+                                                 const Scan& scan, const BuildOptions& options, Context& context) {
+  context.report("free form", 0.65);
+  const auto fallback = free_form_of(attempt.scan.input, context);
+  if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
+  if (!fallback) return std::optional<CheckedModel>();
+  auto model = completed(*fallback, attempt, refused, scan, options, context);
+  if (!model) return model.error();
+  return std::optional(std::move(*model));
+}
+
 Result<CheckedModel> triangulated(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
                                   const BuildOptions& options, Context& context) {
   context.report("triangulation", 0.7);
   const auto fallback = fallback_of(attempt.scan.input, context);
   if (!fallback) return fallback.error();
-  Model model = model_of(fallback->mesh, attempt.scan.input);
-  const Vec3 shift = fallback->mesh.scan_from_part.translation;
-  model.scan_from_part = {};
-  model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
-  model.fallback = options.force != only_a_mesh;
-  const double covered = coverage_of(fallback->mesh, attempt.scan.input, context).covered;
-  return completed(std::move(model), fallback->evidence, covered, attempt, refused, scan, options, context);
+  return completed(*fallback, attempt, refused, scan, options, context);
 }
 
 }  // namespace partscribe::fit

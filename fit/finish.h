@@ -1,6 +1,7 @@
 /// What was found in a scan, as a model that says where it comes from, how well it fits and what else it may be.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@ Rival rival_of(const Judged& judged, const CandidateEvidence& evidence, const st
 /// The attempt's procedure with its provenance, its evidence and its rivals. `refused` are named first.
 Result<CheckedModel> finished(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
                               const BuildOptions& options, Context& context);
+
+/// The same for free form, as B-spline surfaces; nothing where they do not describe the attempt's points.
+Result<std::optional<CheckedModel>> as_free_form(const Attempt& attempt, const std::vector<Rival>& refused,
+                                                 const Scan& scan, const BuildOptions& options, Context& context);
 
 /// The same for a triangulation of the attempt's points.
 Result<CheckedModel> triangulated(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,

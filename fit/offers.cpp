@@ -25,6 +25,15 @@ Result<bool> Offers::take(Attempt& attempt) {
 
 Result<bool> Offers::take_mesh(const Attempt& attempt) {
   scan_.cloud.rejected = attempt.scan.rejected;
+  if (options_.force != only_a_mesh) {
+    auto surfaces = as_free_form(attempt, refused_, scan_, options_, context_);
+    if (!surfaces) return surfaces.error();
+    if (*surfaces) {
+      const auto reason = offer(std::move(**surfaces));
+      if (!reason) return reason.error();
+      if (reason->empty()) return true;
+    }
+  }
   auto mesh = triangulated(attempt, refused_, scan_, options_, context_);
   if (!mesh && (refused_.empty() || mesh.error().kind == ErrorKind::stopped)) return mesh.error();
   if (!mesh) return false;

@@ -18,7 +18,8 @@ class Offers {
   /// Offers what was found in an attempt, and for as long as that is refused the next best. True if one was taken.
   Result<bool> take(Attempt& attempt);
 
-  /// Offers the triangulation of an attempt. If that fails as well, a refused procedure is still better than no model.
+  /// Offers B-spline surfaces of an attempt where these describe it, then its triangulation. If that fails as well, a
+  /// refused procedure is still better than no model.
   Result<bool> take_mesh(const Attempt& attempt);
 
   /// Each trial costs a verification; after so many no procedure describes the part.

@@ -157,7 +157,8 @@ struct Trials {
     if (!trial) return trial.error();
     std::string reason;
     if ((*trial)->verdict.verdict == Outcome::out_of_tolerance) reason = first_fault((*trial)->verdict);
-    if (!reason.empty() && !model->fallback) session.print("Tried " + procedure_text(*model) + ": " + reason + ".\n");
+    if (!reason.empty() && !std::holds_alternative<TriSurface>(model->objects.back().shape))
+      session.print("Tried " + procedure_text(*model) + ": " + reason + ".\n");
     if (auto ok = session.stage("fit"); !ok) return ok.error();
     return reason;
   }

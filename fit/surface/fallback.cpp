@@ -4,14 +4,36 @@
 #include <optional>
 
 #include "fit/input/prepare.h"
+#include "fit/surface/spline_sheet.h"
 #include "fit/surface/triangulate.h"
 
 namespace partscribe::fit {
 
+namespace {
+
+FitInput dense_input(const FitInput& input, Context& context) {
+  FitInput dense = selection(*input.scan, input.sampling, input.tolerance, 400000);
+  dense.surroundings = surroundings_of(dense, context);
+  return dense;
+}
+
+}  // namespace
+
+std::optional<Fallback> free_form_of(const FitInput& input, Context& context) {
+  Triangulator triangulator(input, context);
+  const auto mesh = triangulator.open_surface(input.tolerance);
+  if (!mesh || context.cancelled) return std::nullopt;
+  auto sheet = spline_sheet(*mesh, input, context);
+  if (!sheet || context.cancelled) return std::nullopt;
+  const CandidateEvidence evidence = evidence_of(*sheet, dense_input(input, context), context);
+  context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));
+  if (!(evidence.local_max < input.tolerance)) return std::nullopt;
+  return Fallback{std::move(*sheet), evidence};
+}
+
 Result<Fallback> fallback_of(const FitInput& input, Context& context) {
   const double tolerance = input.tolerance;
-  FitInput dense = selection(*input.scan, input.sampling, tolerance, 400000);
-  dense.surroundings = surroundings_of(dense, context);
+  const FitInput dense = dense_input(input, context);
   Triangulator triangulator(input, context);
   double enough = 0.8 * tolerance;
   std::optional<Fallback> best;

@@ -1,15 +1,21 @@
 /// What is written where no procedure describes a scan.
 #pragma once
 
+#include <optional>
+
 #include "core/result.h"
 #include "fit/evidence/evidence.h"
 
 namespace partscribe::fit {
 
 struct Fallback {
-  Candidate mesh;
+  Candidate candidate;
   CandidateEvidence evidence;  ///< of up to 400,000 points
 };
+
+/// Trimmed B-spline surfaces where the data span an open surface that they describe within the tolerance. `input` must
+/// come from a scan.
+std::optional<Fallback> free_form_of(const FitInput& input, Context& context);
 
 /// The smallest triangulation that lies safely within the tolerance of the scan. It aims at a share of the tolerance.
 /// Where that was not enough it tries again with finer triangles, as long as the triangles and not the surface that

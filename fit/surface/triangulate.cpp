@@ -211,6 +211,14 @@ Result<Candidate> Triangulator::within(double tolerance) {
   return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
 }
 
+std::optional<TriangleMesh> Triangulator::open_surface(double tolerance) {
+  if (spans_a_line(input_.cloud.points)) return std::nullopt;
+  const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
+  TriangleMesh mesh = of_mesh ? repaired(tolerance) : from_points(tolerance);
+  if (mesh.empty() || topology(mesh).closed()) return std::nullopt;
+  return mesh;
+}
+
 std::optional<Candidate> Triangulator::unsimplified() const {
   if (!surface_ || surface_->empty()) return std::nullopt;
   return candidate_of(*surface_, input_.tolerance);

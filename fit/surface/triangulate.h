@@ -21,6 +21,9 @@ class Triangulator {
   /// closed if the data bound a solid. Points that span no surface are an error.
   Result<Candidate> within(double tolerance);
 
+  /// A surface that bounds no solid, as finely as it is known; nothing where the data bound one.
+  std::optional<TriangleMesh> open_surface(double tolerance);
+
   /// The surface itself, before anything was simplified; nothing where it is made for a tolerance only (points seen
   /// from one side, meshes).
   std::optional<Candidate> unsimplified() const;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <queue>
 
 #include "geometry/mesh/mesh_distance.h"
 
@@ -20,13 +21,13 @@ constexpr std::uint32_t no_corner = ~0u;
 // ---- edges ------------------------------------------------------------------------------------------------------
 
 /// A use of an edge by one surface.
-struct EdgeUse {
+struct BorderUse {
   std::uint32_t patch, loop, curve;
 };
 
 /// Places along an edge, as shares of the domain of its first curve, and the corners of the mesh there.
 struct Edge {
-  std::vector<EdgeUse> uses;
+  std::vector<BorderUse> uses;
   std::vector<double> shares;
   std::vector<std::uint32_t> corners;
 };
@@ -38,9 +39,8 @@ Vec2 place_at(const TrimCurve& trim, double share) {
 
 class EdgeSampler {
  public:
-  /// `longest`: mm between two places.
-  EdgeSampler(std::span<const TrimmedSurface> surfaces, const Edge& edge, double deviation, double longest)
-      : surfaces_(surfaces), edge_(edge), deviation_(deviation), longest_(longest) {}
+  EdgeSampler(std::span<const TrimmedSurface> surfaces, const Edge& edge, double deviation)
+      : surfaces_(surfaces), edge_(edge), deviation_(deviation) {}
 
   std::vector<double> shares() const {
     std::vector<double> result = {0};
@@ -62,7 +62,7 @@ class EdgeSampler {
 
  private:
   const TrimCurve& trim(std::size_t use) const {
-    const EdgeUse& e = edge_.uses[use];
+    const BorderUse& e = edge_.uses[use];
     return surfaces_[e.patch].loops[e.loop][e.curve];
   }
   Vec3 on(std::size_t use, const Vec2& uv) const { return surfaces_[edge_.uses[use].patch].surface.at(uv.x(), uv.y()); }
@@ -73,7 +73,6 @@ class EdgeSampler {
       const auto uv = [&](double share) { return place_at(trim(i), i == 0 ? share : 1 - share); };
       const Vec2 p = uv(a), q = uv(b);
       const Vec3 from = on(i, p), to = on(i, q);
-      straight = (to - from).norm() <= longest_;
       for (const double at : {0.31, 0.5, 0.73}) {
         const Vec3 exact = on(i, uv(a + at * (b - a))), chord = from + at * (to - from);
         const Vec3 along = (to - from).normalized(), off = exact - chord;
@@ -91,7 +90,7 @@ class EdgeSampler {
 
   std::span<const TrimmedSurface> surfaces_;
   const Edge& edge_;
-  double deviation_, longest_;
+  double deviation_;
 };
 
 /// The ends of the edges, those that are one corner united.
@@ -116,9 +115,13 @@ class Ends {
 // ---- one surface ------------------------------------------------------------------------------------------------
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+struct PatchFace {
+  int depth = -1;
+  bool inside = false;
+};
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
 using FaceBase =
-    CGAL::Triangulation_face_base_with_info_2<int, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+    CGAL::Triangulation_face_base_with_info_2<PatchFace, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
 using Delaunay =
     CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
                                                CGAL::Exact_predicates_tag>;
@@ -143,115 +146,37 @@ std::vector<double> crossings(const std::vector<std::vector<Place>>& loops, doub
   return result;
 }
 
-/// The lines of both parameters whose crossings become corners.
-struct ParameterLines {
-  std::vector<double> us, vs;
-  Vec2 scale = Vec2::Ones();  ///< mm per unit of u and of v, on the whole: triangles are to be round in space
-  double step = 0;            ///< mm between neighbouring lines, at most
-};
-
-class LineMaker {
- public:
-  LineMaker(const TrimmedSurface& trimmed, double deviation) : surface_(trimmed.surface), deviation_(deviation) {
-    for (const auto& loop : trimmed.loops)
-      for (const TrimCurve& trim : loop)
-        for (const Vec2& uv : trim.curve.points) low_ = low_.cwiseMin(uv), high_ = high_.cwiseMax(uv);
-    low_ = low_.cwiseMax(Vec2(surface_.u.low(), surface_.v.low()));
-    high_ = high_.cwiseMin(Vec2(surface_.u.high(), surface_.v.high()));
-  }
-
-  ParameterLines lines() const {
-    ParameterLines result;
-    Vec2 lengths = Vec2::Zero();
-    double twist = 0;
-    for (int i = 0; i < most; ++i)
-      for (int j = 0; j < most; ++j) {
-        const Vec2 uv = low_ + (high_ - low_).cwiseProduct(Vec2((i + 0.5) / most, (j + 0.5) / most));
-        const SurfacePoint at = surface_.derivatives(uv.x(), uv.y());
-        lengths += Vec2(at.du.norm(), at.dv.norm()) / (most * most);
-        twist = std::max(twist, std::abs(at.normal().dot(at.duv)));
-      }
-    result.scale = lengths.cwiseMax(1e-9);
-    // A triangle that spans both steps lies off a twisted surface by a quarter of their product.
-    const double share = 0.45 * deviation_, step = std::sqrt(4 * share / std::max(twist, 1e-300));
-    const double aspect = std::sqrt(result.scale.y() / result.scale.x());
-    result.us = lines_of(surface_.u, low_.x(), high_.x(), share, step * aspect, true);
-    result.vs = lines_of(surface_.v, low_.y(), high_.y(), share, step / aspect, false);
-    for (std::size_t i = 1; i < result.us.size(); ++i)
-      result.step = std::max(result.step, result.scale.x() * (result.us[i] - result.us[i - 1]));
-    for (std::size_t i = 1; i < result.vs.size(); ++i)
-      result.step = std::max(result.step, result.scale.y() * (result.vs[i] - result.vs[i - 1]));
-    return result;
-  }
-
- private:
-  static constexpr int most = 24;
-
-  /// Of one parameter, so close that triangles between two of them stay within `share` mm of the surface.
-  std::vector<double> lines_of(const KnotVector& knots, double from, double to, double share, double longest,
-                               bool along_u) const {
-    std::vector<double> result = {from};
-    for (const double knot : knots.breaks()) {
-      const double end = std::clamp(knot, from, to), begin = result.back();
-      if (!(end > begin)) continue;
-      const double step = std::min(longest, std::sqrt(8 * share / std::max(bend(begin, end, along_u), 1e-300)));
-      const int pieces = std::clamp(static_cast<int>(std::ceil((end - begin) / step)), 1, 400);
-      for (int i = 1; i <= pieces; ++i) result.push_back(begin + (end - begin) * i / pieces);
-    }
-    return result;
-  }
-
-  /// The second derivative along the normal between two lines, at most.
-  double bend(double from, double to, bool along_u) const {
-    double result = 0;
-    for (const double s : {0.02, 0.5, 0.98})
-      for (int i = 0; i <= most; ++i) {
-        const double a = from + s * (to - from);
-        const double b =
-            along_u ? low_.y() + (high_.y() - low_.y()) * i / most : low_.x() + (high_.x() - low_.x()) * i / most;
-        const SurfacePoint at = along_u ? surface_.derivatives(a, b) : surface_.derivatives(b, a);
-        result = std::max(result, std::abs(at.normal().dot(along_u ? at.duu : at.dvv)));
-      }
-    return result;
-  }
-
-  const NurbsSurface& surface_;
-  double deviation_;
-  Vec2 low_ = Vec2::Constant(1e300), high_ = Vec2::Constant(-1e300);
-};
-
+/// The triangles of one surface: its border first, then the crossings of its knots, then places where a triangle lies
+/// farthest off the surface, until none lies too far off (Delaunay insertion, coarse to fine).
 class Patch {
  public:
-  Patch(const NurbsSurface& surface, const ParameterLines& lines, std::vector<std::vector<Corner>> loops)
-      : surface_(surface), lines_(lines), loops_(std::move(loops)) {}
+  Patch(const NurbsSurface& surface, std::vector<std::vector<Corner>> loops, double deviation)
+      : surface_(surface), loops_(std::move(loops)), deviation_(deviation) {
+    for (const auto& loop : loops_)
+      for (const Corner& c : loop) low_ = low_.cwiseMin(c.uv), high_ = high_.cwiseMax(c.uv);
+    scale_ = lengths();
+  }
 
   void triangulate(std::uint32_t number, SurfaceTriangles& out) {
-    std::vector<Corner> corners;
-    Delaunay delaunay;
     for (const auto& loop : loops_) {
-      Delaunay::Vertex_handle first, last;
+      Vertex first, last;
       for (const Corner& c : loop) {
-        const auto vertex = insert(delaunay, c.uv);
-        vertex->info() = static_cast<std::uint32_t>(corners.size());
-        corners.push_back(c);
-        if (last != nullptr && last != vertex) delaunay.insert_constraint(last, vertex);
+        const Vertex vertex = insert(c);
+        if (last != nullptr && last != vertex) delaunay_.insert_constraint(last, vertex);
         if (last == nullptr) first = vertex;
         last = vertex;
       }
-      if (last != nullptr && last != first) delaunay.insert_constraint(last, first);
+      if (last != nullptr && last != first) delaunay_.insert_constraint(last, first);
     }
-    for (const Vec2& uv : inside()) {
-      const auto vertex = insert(delaunay, uv);
-      vertex->info() = static_cast<std::uint32_t>(corners.size());
-      corners.push_back({uv, no_corner});
-    }
-    mark(delaunay);
-    for (const auto face : delaunay.finite_face_handles()) {
-      if (face->info() % 2 == 0) continue;
+    for (const Vec2& uv : crossings_of_knots()) insert({uv, no_corner});
+    mark();
+    refine();
+    for (const auto face : delaunay_.finite_face_handles()) {
+      if (!face->info().inside) continue;
       std::array<std::uint32_t, 3> triangle;
       std::array<Vec2, 3> place;
       for (int k = 0; k < 3; ++k) {
-        Corner& c = corners[face->vertex(k)->info()];
+        Corner& c = corners_[face->vertex(k)->info()];
         if (c.vertex == no_corner) {
           c.vertex = static_cast<std::uint32_t>(out.mesh.vertices.size());
           out.mesh.vertices.push_back(surface_.at(c.uv.x(), c.uv.y()));
@@ -259,56 +184,143 @@ class Patch {
         triangle[std::size_t(k)] = c.vertex, place[std::size_t(k)] = c.uv;
       }
       if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
-      const Vec2 middle = (place[0] + place[1] + place[2]) / 3;
       out.mesh.triangles.push_back(triangle);
       out.patch.push_back(number);
       out.place.push_back(place);
-      const Vec3 on = surface_.at(middle.x(), middle.y());
-      const Vec3 flat =
-          (out.mesh.vertices[triangle[0]] + out.mesh.vertices[triangle[1]] + out.mesh.vertices[triangle[2]]) / 3;
-      const Vec3 n = triangle_normal(out.mesh, out.mesh.triangles.size() - 1);
-      out.deviation = std::max(out.deviation, std::abs((on - flat).dot(n)));
+      out.deviation = std::max(out.deviation, worst_place(face).off);
     }
   }
 
  private:
-  Delaunay::Vertex_handle insert(Delaunay& delaunay, const Vec2& uv) const {
-    return delaunay.insert(Kernel::Point_2(uv.x() * lines_.scale.x(), uv.y() * lines_.scale.y()));
+  using Vertex = Delaunay::Vertex_handle;
+  using Face = Delaunay::Face_handle;
+
+  Vertex insert(const Corner& corner) {
+    const auto vertex =
+        delaunay_.insert(Kernel::Point_2(corner.uv.x() * scale_.x(), corner.uv.y() * scale_.y()), hint_);
+    hint_ = vertex->face();
+    vertex->info() = static_cast<std::uint32_t>(corners_.size());
+    corners_.push_back(corner);
+    return vertex;
   }
 
-  /// Crossings of the lines that lie inside and not close to the border.
-  std::vector<Vec2> inside() const {
-    const auto &us = lines_.us, &vs = lines_.vs;
+  /// mm per unit of u and of v, on the whole: triangles are to be round in space.
+  Vec2 lengths() const {
+    Vec2 sum = Vec2::Zero();
+    for (int i = 0; i < 8; ++i)
+      for (int j = 0; j < 8; ++j) {
+        const Vec2 uv = low_ + (high_ - low_).cwiseProduct(Vec2((i + 0.5) / 8, (j + 0.5) / 8));
+        const SurfacePoint at = surface_.derivatives(uv.x(), uv.y());
+        sum += Vec2(at.du.norm(), at.dv.norm());
+      }
+    return (sum / 64).cwiseMax(1e-9);
+  }
+
+  /// Where lines of knots cross inside of the border: between them the surface is one polynomial.
+  std::vector<Vec2> crossings_of_knots() const {
     std::vector<Vec2> result;
-    for (std::size_t j = 1; j + 1 < vs.size(); ++j) {
-      const auto crossed = crossings(loops_, vs[j]);
+    const auto us = surface_.u.breaks(), vs = surface_.v.breaks();
+    for (const double v : vs) {
+      if (!(v > low_.y() && v < high_.y())) continue;
+      const auto crossed = crossings(loops_, v);
       for (std::size_t i = 1; i + 1 < us.size(); ++i) {
         const auto next = std::upper_bound(crossed.begin(), crossed.end(), us[i]);
         if ((next - crossed.begin()) % 2 == 0) continue;
         const double free = std::min(next == crossed.end() ? 1e300 : *next - us[i], us[i] - *(next - 1));
-        if (free > 0.3 * std::min(us[i] - us[i - 1], us[i + 1] - us[i])) result.emplace_back(us[i], vs[j]);
+        if (free > 0.3 * std::min(us[i] - us[i - 1], us[i + 1] - us[i])) result.emplace_back(us[i], v);
       }
     }
     return result;
   }
 
-  /// How many borders lie between each triangle and the outside; those of an odd number are the surface.
-  static void mark(Delaunay& delaunay) {
-    for (const auto face : delaunay.all_face_handles()) face->info() = -1;
-    std::vector<Delaunay::Face_handle> level = {delaunay.infinite_face()}, next;
+  /// Inside are the triangles with an odd number of borders between them and the outside.
+  void mark() {
+    for (const auto face : delaunay_.all_face_handles()) face->info().depth = -1;
+    std::vector<Face> level = {delaunay_.infinite_face()}, next;
     for (int depth = 0; !level.empty(); ++depth, level.swap(next), next.clear())
       while (!level.empty()) {
         const auto face = level.back();
         level.pop_back();
-        if (face->info() >= 0) continue;
-        face->info() = depth;
+        if (face->info().depth >= 0) continue;
+        face->info().depth = depth, face->info().inside = depth % 2 == 1;
         for (int k = 0; k < 3; ++k) (face->is_constrained(k) ? next : level).push_back(face->neighbor(k));
       }
   }
 
+  struct Worst {
+    double off = 0;  ///< mm
+    Vec2 uv;
+  };
+
+  /// Where a triangle lies farthest off: of its middle and the middles of edges that are no border.
+  Worst worst_place(Face face) const {
+    Vec2 uv[3];
+    Vec3 p[3];
+    for (int k = 0; k < 3; ++k) {
+      uv[k] = corners_[face->vertex(k)->info()].uv;
+      p[k] = surface_.at(uv[k].x(), uv[k].y());
+    }
+    const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    Worst worst;
+    const auto look = [&](const Vec2& at, const Vec3& flat) {
+      const double off = std::abs((surface_.at(at.x(), at.y()) - flat).dot(normal));
+      if (off > worst.off) worst = {off, at};
+    };
+    look((uv[0] + uv[1] + uv[2]) / 3, (p[0] + p[1] + p[2]) / 3);
+    for (int k = 0; k < 3; ++k)
+      if (!face->is_constrained(k))
+        look(0.5 * (uv[(k + 1) % 3] + uv[(k + 2) % 3]), 0.5 * (p[(k + 1) % 3] + p[(k + 2) % 3]));
+    return worst;
+  }
+
+  void refine() {
+    // The worst first; what was told of a triangle that is no more is passed over.
+    struct Entry {
+      double off;
+      std::uint32_t corner[3];
+      Face face;
+      Vec2 uv;
+      bool operator<(const Entry& o) const {
+        return off != o.off ? off < o.off : std::lexicographical_compare(corner, corner + 3, o.corner, o.corner + 3);
+      }
+    };
+    std::priority_queue<Entry> queue;
+    const auto enter = [&](Face face) {
+      const Worst worst = worst_place(face);
+      if (!(worst.off > deviation_)) return;
+      Entry entry{worst.off, {}, face, worst.uv};
+      for (int k = 0; k < 3; ++k) entry.corner[k] = face->vertex(k)->info();
+      queue.push(entry);
+    };
+    for (const auto face : delaunay_.finite_face_handles())
+      if (face->info().inside) enter(face);
+    constexpr std::size_t most = 2'000'000;
+    while (!queue.empty() && corners_.size() < most) {
+      const Entry worst = queue.top();
+      queue.pop();
+      bool there = true;
+      for (int k = 0; k < 3; ++k) there = there && worst.face->vertex(k)->info() == worst.corner[k];
+      if (!there) continue;
+      hint_ = worst.face;
+      const std::size_t before = delaunay_.number_of_vertices();
+      const Vertex vertex = insert({worst.uv, no_corner});
+      if (delaunay_.number_of_vertices() == before) continue;  // there was one, but for rounding
+      auto face = delaunay_.incident_faces(vertex);
+      const auto end = face;
+      do {
+        face->info().inside = true;
+        enter(face);
+      } while (++face != end);
+    }
+  }
+
   const NurbsSurface& surface_;
-  const ParameterLines& lines_;
   std::vector<std::vector<Corner>> loops_;
+  double deviation_;
+  Vec2 low_ = Vec2::Constant(1e300), high_ = Vec2::Constant(-1e300), scale_ = Vec2::Ones();
+  std::vector<Corner> corners_;
+  Delaunay delaunay_;
+  Face hint_;
 };
 
 }  // namespace
@@ -350,11 +362,9 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
         edges[surfaces[p].loops[l][c].edge].uses.push_back({p, l, c});
   // The first use runs with its edge, the second against it.
   const auto forward = [&](std::uint32_t p, std::uint32_t l, std::uint32_t c) {
-    const EdgeUse& first = edges[surfaces[p].loops[l][c].edge].uses.front();
+    const BorderUse& first = edges[surfaces[p].loops[l][c].edge].uses.front();
     return first.patch == p && first.loop == l && first.curve == c;
   };
-  std::vector<ParameterLines> lines;
-  for (const auto& trimmed : surfaces) lines.push_back(LineMaker(trimmed, deviation).lines());
   Ends ends;
   for (std::uint32_t p = 0; p < surfaces.size(); ++p)
     for (std::uint32_t l = 0; l < surfaces[p].loops.size(); ++l) {
@@ -366,10 +376,8 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
     }
   std::map<int, std::uint32_t> corner_of_end;
   for (auto& [number, edge] : edges) {
-    double longest = 1e300;
-    for (const EdgeUse& use : edge.uses) longest = std::min(longest, 1.5 * lines[use.patch].step);
-    edge.shares = EdgeSampler(surfaces, edge, 0.8 * deviation, longest).shares();
-    const EdgeUse& first = edge.uses.front();
+    edge.shares = EdgeSampler(surfaces, edge, 0.8 * deviation).shares();
+    const BorderUse& first = edge.uses.front();
     const TrimCurve& trim = surfaces[first.patch].loops[first.loop][first.curve];
     for (std::size_t i = 0; i < edge.shares.size(); ++i) {
       const bool at_end = i == 0 || i + 1 == edge.shares.size();
@@ -399,7 +407,7 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
         }
       }
     }
-    Patch(surfaces[p].surface, lines[p], std::move(loops)).triangulate(p, result);
+    Patch(surfaces[p].surface, std::move(loops), deviation).triangulate(p, result);
   }
   return result;
 }

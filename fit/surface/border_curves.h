@@ -1,0 +1,14 @@
+/// Closed outlines in a plane as few B-spline curves: lines and cubics between corners.
+#pragma once
+
+#include <vector>
+
+#include "geometry/surfaces/nurbs.h"
+
+namespace partscribe::fit {
+
+/// The closed outline through `places` (mm), each curve beginning where the one before ends: straight lines and cubics
+/// within `tolerance` of it. Corners are where the outline turns by more than 40 degrees within some tolerances.
+std::vector<NurbsCurve<2>> border_curves(const std::vector<Vec2>& places, double tolerance);
+
+}  // namespace partscribe::fit

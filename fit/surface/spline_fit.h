@@ -1,0 +1,39 @@
+/// Fits a B-spline surface to scattered points, with as few control points as a tolerance allows.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/context.h"
+#include "geometry/surfaces/nurbs.h"
+
+namespace partscribe::fit {
+
+/// Points and where each is to lie in the plane of the parameters, mm both.
+struct SplineData {
+  std::vector<Vec3> points;
+  std::vector<Vec2> places;  ///< (u, v), distances in it roughly those on the surface
+};
+
+struct SplineFitOptions {
+  double tolerance = 0.1;                        ///< mm, of the distance from the surface, averaged over neighbours
+  double noise = 0;                              ///< mm, of a point; decides how many neighbours are averaged
+  Vec2 low = Vec2::Zero(), high = Vec2::Ones();  ///< the domain; must hold all places
+  int most_controls = 20000;
+};
+
+struct SplineFit {
+  NurbsSurface surface;      ///< bicubic, clamped
+  std::vector<Vec2> places;  ///< of the points: their feet
+  double worst = 0;          ///< mm, the largest averaged distance
+};
+
+/// Least squares over a net of control points that is refined where the averaged distance exceeds the tolerance: knots
+/// are inserted in the middle of failing spans, across the direction in which the residuals vary, and the parameters of
+/// the points corrected to their feet (Koivunen et al. 1993, section 3.2; Piegl and Tiller, sections 9.4 and 9.5). Then
+/// knots are taken out again, those first at which the third derivative jumps least, as long as the tolerance is kept.
+/// A small part of the bending energy makes the net fair where there are no points. Nothing if the tolerance would need
+/// more control points than allowed, or than a third of the points.
+std::optional<SplineFit> fit_spline(const SplineData& data, const SplineFitOptions& options, Context& context);
+
+}  // namespace partscribe::fit

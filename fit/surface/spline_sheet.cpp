@@ -1,0 +1,181 @@
+#include "fit/surface/spline_sheet.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/number.h"
+#include "fit/surface/border_curves.h"
+#include "fit/surface/flatten.h"
+#include "fit/surface/spline_fit.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "model/surface_patches.h"
+
+namespace partscribe::fit {
+namespace {
+
+/// The connected pieces of a mesh, the largest first.
+std::vector<TriangleMesh> connected_pieces(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> root(mesh.vertices.size());
+  for (std::uint32_t i = 0; i < root.size(); ++i) root[i] = i;
+  const auto find = [&](std::uint32_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (const auto& t : mesh.triangles)
+    for (std::size_t k = 1; k < 3; ++k) {
+      const auto a = find(t[0]), b = find(t[k]);
+      root[std::max(a, b)] = std::min(a, b);
+    }
+  std::vector<TriangleMesh> pieces;
+  std::vector<std::uint32_t> piece_of(root.size(), ~0u), index(root.size(), ~0u);
+  for (const auto& t : mesh.triangles) {
+    const auto r = find(t[0]);
+    if (piece_of[r] == ~0u) piece_of[r] = static_cast<std::uint32_t>(pieces.size()), pieces.emplace_back();
+    TriangleMesh& piece = pieces[piece_of[r]];
+    auto& corners = piece.triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (index[t[k]] == ~0u) {
+        index[t[k]] = static_cast<std::uint32_t>(piece.vertices.size());
+        piece.vertices.push_back(mesh.vertices[t[k]]);
+      }
+      corners[k] = index[t[k]];
+    }
+  }
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const TriangleMesh& a, const TriangleMesh& b) { return area(a) > area(b); });
+  return pieces;
+}
+
+double signed_area(const std::vector<Vec2>& loop) {
+  double sum = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec2 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    sum += 0.5 * (a.x() * b.y() - a.y() * b.x());
+  }
+  return sum;
+}
+
+/// The points of the scan that lie on a piece, at their places in its plane.
+SplineData data_on(const TriangleMesh& piece, const std::vector<Vec2>& places, const FitInput& input, double reach,
+                   Context& context) {
+  const MeshDistance distance(piece, context.threads);
+  const auto hits = distance.closest(input.cloud.points, context.threads);
+  SplineData data;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].distance > reach) continue;
+    const auto& t = piece.triangles[hits[i].triangle];
+    const Vec3 a = piece.vertices[t[0]], ab = piece.vertices[t[1]] - a, ac = piece.vertices[t[2]] - a,
+               d = hits[i].point - a;
+    const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac);
+    const double det = std::max(bb * cc - bc * bc, 1e-300);
+    const double s = (cc * d.dot(ab) - bc * d.dot(ac)) / det, r = (bb * d.dot(ac) - bc * d.dot(ab)) / det;
+    data.points.push_back(input.cloud.points[i]);
+    data.places.push_back(places[t[0]] + s * (places[t[1]] - places[t[0]]) + r * (places[t[2]] - places[t[0]]));
+  }
+  return data;
+}
+
+/// The border of a piece as loops of trims; none where one of them is too small to be drawn.
+std::vector<std::vector<TrimCurve>> trims_of(const TriangleMesh& piece, const std::vector<Vec2>& places,
+                                             double tolerance, int& edge) {
+  std::vector<std::vector<Vec2>> outlines;
+  for (const auto& loop : border_loops(piece)) {
+    auto& outline = outlines.emplace_back();
+    for (const auto v : loop) outline.push_back(places[v]);
+  }
+  std::stable_sort(outlines.begin(), outlines.end(),
+                   [](const auto& a, const auto& b) { return signed_area(a) > signed_area(b); });
+  std::vector<std::vector<TrimCurve>> loops;
+  for (const auto& outline : outlines) {
+    if (!loops.empty() && std::abs(signed_area(outline)) < tolerance * tolerance) continue;
+    auto& loop = loops.emplace_back();
+    for (auto& curve : border_curves(outline, tolerance)) loop.push_back({std::move(curve), ++edge});
+    if (loop.empty()) return {};
+  }
+  return loops;
+}
+
+/// Numbers as they are printed: control points to a hundredth of the tolerance, parameters likewise.
+void round_numbers(TrimmedSurface& trimmed, double tolerance) {
+  const double step = power_of_ten_below(tolerance / 50);
+  for (Vec3& p : trimmed.surface.points)
+    for (int k = 0; k < 3; ++k) p[k] = snapped(p[k], step);
+  for (KnotVector* t : {&trimmed.surface.u, &trimmed.surface.v})
+    for (double& knot : t->knots) knot = snapped(knot, step);
+  for (auto& loop : trimmed.loops)
+    for (auto& trim : loop) {
+      for (Vec2& p : trim.curve.points) p = {snapped(p.x(), step), snapped(p.y(), step)};
+      for (double& knot : trim.curve.t.knots) knot = snapped(knot, 1e-6);
+    }
+}
+
+}  // namespace
+
+std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& input, Context& context) {
+  if (mesh.empty() || topology(mesh).closed()) return std::nullopt;
+  const double tolerance = input.tolerance;
+  const double whole = area(mesh);
+  SurfaceSet set;
+  int edge = 0;
+  for (const TriangleMesh& piece : connected_pieces(mesh)) {
+    if (area(piece) < 0.002 * whole) break;
+    const auto places = flattened(piece);
+    if (!places) {
+      context.say("free form: a piece of the surface cannot be laid out in a plane");
+      return std::nullopt;
+    }
+    auto loops = trims_of(piece, *places, 0.5 * tolerance, edge);
+    if (loops.empty()) {
+      context.say("free form: its border cannot be drawn");
+      return std::nullopt;
+    }
+    SplineFitOptions options;
+    options.tolerance = 0.6 * tolerance;
+    options.noise = input.sampling.sigma;
+    options.low = Vec2::Constant(1e300), options.high = Vec2::Constant(-1e300);
+    for (const auto& loop : loops)
+      for (const auto& trim : loop)
+        for (const Vec2& p : trim.curve.points)
+          options.low = options.low.cwiseMin(p), options.high = options.high.cwiseMax(p);
+    const SplineData data = data_on(piece, *places, input, 3 * tolerance, context);
+    for (const Vec2& p : data.places) options.low = options.low.cwiseMin(p), options.high = options.high.cwiseMax(p);
+    // Whole hundredths of the tolerance, and a little beyond the border, whose curves are rounded likewise.
+    const double step = power_of_ten_below(tolerance / 50);
+    for (int k = 0; k < 2; ++k) {
+      options.low[k] = step * std::floor(options.low[k] / step - 1);
+      options.high[k] = step * std::ceil(options.high[k] / step + 1);
+    }
+    context.say("free form: " + std::to_string(data.points.size()) + " points over " +
+                print_number(snapped(options.high.x() - options.low.x(), tolerance)) + " x " +
+                print_number(snapped(options.high.y() - options.low.y(), tolerance)) + " mm");
+    auto fit = fit_spline(data, options, context);
+    if (!fit) {
+      context.say("free form: it would take too many control points");
+      return std::nullopt;
+    }
+    TrimmedSurface trimmed{std::move(fit->surface), std::move(loops)};
+    round_numbers(trimmed, tolerance);
+    context.say("free form: " + std::to_string(trimmed.surface.u.count()) + " x " +
+                std::to_string(trimmed.surface.v.count()) + " control points, deviation " +
+                print_number(snapped(fit->worst, tolerance / 1000)) + " mm");
+    set.patches.push_back(surface_patch(trimmed, "surface " + std::to_string(set.patches.size() + 1)));
+  }
+  if (set.patches.empty()) return std::nullopt;
+  if (set.patches.size() == 1) set.patches[0].name = "surface";
+  Candidate candidate;
+  candidate.procedure = "free form";
+  candidate.object_name = "sheet";
+  Parameter thickness;
+  thickness.name = "sheet_thickness";
+  thickness.value = std::max(2.0, std::ceil(3 * tolerance));
+  thickness.fitted = thickness.value;
+  thickness.note = "thickness of the solid made from the open sheet; chosen, not measured";
+  set.thickness = Expr::of(thickness.name);
+  candidate.parameters.push_back(std::move(thickness));
+  for (const auto& patch : set.patches) candidate.extra_numbers += static_cast<int>(3 * patch.control.size());
+  candidate.shape = std::move(set);
+  return candidate;
+}
+
+}  // namespace partscribe::fit
