@@ -115,7 +115,7 @@ OpenscadSurfaces openscad_surfaces(const SurfaceSet& set, const std::string& nam
     corners.push_back(surfaces.back() + "_corners");
     tables.surface(surfaces.back(), patch);
   }
-  const ListedTriangles made = listed(trimmed_surfaces(set.patches), tolerance / 7, tolerance);
+  const ListedTriangles made = listed(trimmed_surfaces(set.patches), tolerance / 8, tolerance);
   for (std::size_t k = 0; k < corners.size(); ++k) {
     std::vector<std::string> places;
     for (const Vec2& at : made.places[k])

@@ -127,7 +127,19 @@ std::vector<double> corrected(const NurbsCurve<2>& curve, const std::vector<Vec2
   return off;
 }
 
-NurbsCurve<2> fitted(const std::vector<Vec2>& places, double tolerance) {
+/// The same line with places so close that no span of a curve is without some.
+std::vector<Vec2> denser(const std::vector<Vec2>& places, double step) {
+  std::vector<Vec2> result = {places.front()};
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const Vec2 d = places[i] - places[i - 1];
+    const int pieces = std::clamp(static_cast<int>(std::ceil(d.norm() / step)), 1, 1000);
+    for (int k = 1; k <= pieces; ++k) result.push_back(k == pieces ? places[i] : Vec2(places[i - 1] + k * d / pieces));
+  }
+  return result;
+}
+
+NurbsCurve<2> fitted(const std::vector<Vec2>& given, double tolerance) {
+  const std::vector<Vec2> places = denser(given, 2 * tolerance);
   const auto straight = [&] {
     for (const Vec2& p : places)
       if (off_line(p, places.front(), places.back()) > 0.5 * tolerance) return false;
@@ -155,7 +167,7 @@ NurbsCurve<2> fitted(const std::vector<Vec2>& places, double tolerance) {
       if (failing[i]) finer.push_back(0.5 * (breaks[i] + breaks[i + 1]));
       finer.push_back(breaks[i + 1]);
     }
-    if (finer.size() == breaks.size() || finer.size() > places.size()) break;
+    if (finer.size() == breaks.size() || finer.size() > places.size() / 2) break;
     breaks = finer;
   }
   return curve;
@@ -181,7 +193,7 @@ std::vector<NurbsCurve<2>> border_curves(const std::vector<Vec2>& places, double
       piece.push_back(places[i]);
     }
     // A line needs two ends: what is closed by itself is no line.
-    if (corners.size() == 1 && piece.size() < 6) return {};
+    if (corners.size() == 1 && piece.size() < 4) return {};
     result.push_back(fitted(piece, tolerance));
   }
   return result;

@@ -13,14 +13,14 @@ namespace partscribe::fit {
 namespace {
 
 constexpr int degree = 3;
-constexpr double fairness = 1e-5;  // of the bending energy, beside the mean squared distance
+constexpr double fairness = 1e-6;  // of the bending energy, beside the mean squared distance
 
 /// Which points have to be averaged with each other so that noise is a small part of the tolerance.
 class Averages {
  public:
   Averages(const SplineData& data, const SplineFitOptions& options, Context& context) : size_(data.points.size()) {
     const double wanted = std::pow(options.noise / (0.12 * options.tolerance), 2);
-    count_ = static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, 30.0));
+    count_ = static_cast<std::size_t>(std::clamp(std::ceil(wanted), 6.0, 30.0));
     if (count_ == 1) return;
     std::vector<Vec3> flat;
     for (const Vec2& uv : data.places) flat.emplace_back(uv.x(), uv.y(), 0);
@@ -36,7 +36,6 @@ class Averages {
   }
 
   std::vector<double> operator()(const std::vector<double>& values) const {
-    if (count_ == 1) return values;
     std::vector<double> result(size_);
     for (std::size_t i = 0; i < size_; ++i) {
       double sum = 0;
@@ -47,7 +46,7 @@ class Averages {
   }
 
  private:
-  std::size_t size_, count_ = 1;
+  std::size_t size_, count_;
   std::vector<std::uint32_t> near_;
 };
 
@@ -155,13 +154,15 @@ class Fitter {
     return true;
   }
 
+  /// Points are moved to their feet once the surface is close: before, feet run together where it bends too little.
   Residuals residuals() {
     Residuals r;
     r.single.resize(data_.points.size());
+    std::vector<Vec2> feet(places_.size());
     parallel_for(data_.points.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const SurfaceFoot foot = foot_near(surface_, data_.points[i], places_[i].x(), places_[i].y());
-        places_[i] = {foot.u, foot.v};
+        feet[i] = {foot.u, foot.v};
         const Vec3 normal = surface_.derivatives(foot.u, foot.v).normal();
         const double side = (data_.points[i] - foot.point).dot(normal);
         r.single[i] = std::copysign(foot.distance, side);
@@ -169,6 +170,7 @@ class Fitter {
     });
     r.mean = averages_(r.single);
     for (const double d : r.mean) r.worst = std::max(r.worst, std::abs(d));
+    if (r.worst < 4 * options_.tolerance) places_ = std::move(feet);
     return r;
   }
 

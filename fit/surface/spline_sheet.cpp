@@ -9,6 +9,7 @@
 #include "fit/surface/flatten.h"
 #include "fit/surface/spline_fit.h"
 #include "geometry/mesh/mesh_distance.h"
+#include "geometry/points/kd_tree.h"
 #include "model/surface_patches.h"
 
 namespace partscribe::fit {
@@ -76,14 +77,54 @@ SplineData data_on(const TriangleMesh& piece, const std::vector<Vec2>& places, c
   return data;
 }
 
-/// The border of a piece as loops of trims; none where one of them is too small to be drawn.
-std::vector<std::vector<TrimCurve>> trims_of(const TriangleMesh& piece, const std::vector<Vec2>& places,
-                                             double tolerance, int& edge) {
-  std::vector<std::vector<Vec2>> outlines;
-  for (const auto& loop : border_loops(piece)) {
-    auto& outline = outlines.emplace_back();
-    for (const auto v : loop) outline.push_back(places[v]);
+/// Does a place lie to the left of all outlines?
+bool inside(const std::vector<std::vector<Vec2>>& outlines, const Vec2& p) {
+  bool odd = false;
+  for (const auto& loop : outlines)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec2 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+      if ((a.y() <= p.y()) != (b.y() <= p.y()) && a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) > p.x())
+        odd = !odd;
+    }
+  return odd;
+}
+
+/// A mesh of scattered points ends before the last of them; its outlines are moved outwards until they hold those that
+/// lie up to `most` mm beyond.
+void grow(std::vector<std::vector<Vec2>>& outlines, const std::vector<Vec2>& places, double most) {
+  std::vector<Vec3> corners;
+  std::vector<std::pair<std::size_t, std::size_t>> at;  // loop and corner
+  for (std::size_t l = 0; l < outlines.size(); ++l)
+    for (std::size_t i = 0; i < outlines[l].size(); ++i)
+      corners.emplace_back(outlines[l][i].x(), outlines[l][i].y(), 0), at.emplace_back(l, i);
+  const KdTree tree(corners);
+  std::vector<std::vector<double>> beyond;
+  for (const auto& loop : outlines) beyond.emplace_back(loop.size(), 0.0);
+  for (const Vec2& p : places) {
+    const auto [l, i] = at[tree.nearest_one(Vec3(p.x(), p.y(), 0)).index];
+    const auto& loop = outlines[l];
+    double off = 1e300;
+    for (const std::size_t from : {(i + loop.size() - 1) % loop.size(), i}) {
+      const Vec2 &a = loop[from], d = loop[(from + 1) % loop.size()] - a;
+      const double t = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+      off = std::min(off, (a + t * d - p).norm());
+    }
+    if (off > most || off <= beyond[l][i] || inside(outlines, p)) continue;
+    beyond[l][i] = off;
   }
+  for (std::size_t l = 0; l < outlines.size(); ++l) {
+    const std::vector<Vec2> loop = outlines[l];
+    const std::size_t n = loop.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double by = std::max({beyond[l][(i + n - 1) % n], beyond[l][i], beyond[l][(i + 1) % n]});
+      const Vec2 along = loop[(i + 1) % n] - loop[(i + n - 1) % n];
+      if (along.norm() > 0) outlines[l][i] += by / along.norm() * Vec2(along.y(), -along.x());
+    }
+  }
+}
+
+/// The outlines of a piece as loops of trims; none where one of them is too small to be drawn.
+std::vector<std::vector<TrimCurve>> trims_of(std::vector<std::vector<Vec2>> outlines, double tolerance, int& edge) {
   std::stable_sort(outlines.begin(), outlines.end(),
                    [](const auto& a, const auto& b) { return signed_area(a) > signed_area(b); });
   std::vector<std::vector<TrimCurve>> loops;
@@ -125,26 +166,24 @@ std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& 
       context.say("free form: a piece of the surface cannot be laid out in a plane");
       return std::nullopt;
     }
-    auto loops = trims_of(piece, *places, 0.5 * tolerance, edge);
-    if (loops.empty()) {
-      context.say("free form: its border cannot be drawn");
-      return std::nullopt;
-    }
+    // Corners of the border are points as well: where they come to lie on the surface, it ends.
+    SplineData data = data_on(piece, *places, input, 3 * tolerance, context);
+    const auto border = border_loops(piece);
+    const std::size_t first_of_border = data.points.size();
+    for (const auto& loop : border)
+      for (const auto v : loop) data.points.push_back(piece.vertices[v]), data.places.push_back((*places)[v]);
     SplineFitOptions options;
-    options.tolerance = 0.6 * tolerance;
+    options.tolerance = 0.7 * tolerance;
     options.noise = input.sampling.sigma;
     options.low = Vec2::Constant(1e300), options.high = Vec2::Constant(-1e300);
-    for (const auto& loop : loops)
-      for (const auto& trim : loop)
-        for (const Vec2& p : trim.curve.points)
-          options.low = options.low.cwiseMin(p), options.high = options.high.cwiseMax(p);
-    const SplineData data = data_on(piece, *places, input, 3 * tolerance, context);
     for (const Vec2& p : data.places) options.low = options.low.cwiseMin(p), options.high = options.high.cwiseMax(p);
-    // Whole hundredths of the tolerance, and a little beyond the border, whose curves are rounded likewise.
-    const double step = power_of_ten_below(tolerance / 50);
+    // A little beyond the border, which is free to move while parameters are corrected; whole hundredths of a
+    // tolerance.
+    const double step = power_of_ten_below(tolerance / 50),
+                 margin = 2 * tolerance + 0.01 * (options.high - options.low).norm();
     for (int k = 0; k < 2; ++k) {
-      options.low[k] = step * std::floor(options.low[k] / step - 1);
-      options.high[k] = step * std::ceil(options.high[k] / step + 1);
+      options.low[k] = step * std::floor((options.low[k] - margin) / step);
+      options.high[k] = step * std::ceil((options.high[k] + margin) / step);
     }
     context.say("free form: " + std::to_string(data.points.size()) + " points over " +
                 print_number(snapped(options.high.x() - options.low.x(), tolerance)) + " x " +
@@ -152,6 +191,21 @@ std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& 
     auto fit = fit_spline(data, options, context);
     if (!fit) {
       context.say("free form: it would take too many control points");
+      return std::nullopt;
+    }
+    std::vector<std::vector<Vec2>> outlines;
+    std::size_t next = first_of_border;
+    for (const auto& loop : border) {
+      const auto from = fit->places.begin() + static_cast<std::ptrdiff_t>(next);
+      outlines.emplace_back(from, from + static_cast<std::ptrdiff_t>(loop.size()));
+      next += loop.size();
+    }
+    const std::vector<Vec2> points(fit->places.begin(),
+                                   fit->places.begin() + static_cast<std::ptrdiff_t>(first_of_border));
+    grow(outlines, points, 4 * input.thin_spacing);
+    auto loops = trims_of(std::move(outlines), 0.5 * tolerance, edge);
+    if (loops.empty()) {
+      context.say("free form: its border cannot be drawn");
       return std::nullopt;
     }
     TrimmedSurface trimmed{std::move(fit->surface), std::move(loops)};

@@ -197,8 +197,7 @@ Scan scan_of(const Model& model, const ScanConditions& conditions) {
   options.outliers = conditions.outliers;
   options.seed = 5;
   // A sheet has no outside: it is touched all over.
-  const auto* sheet = std::get_if<TriSurface>(&model.objects.back().shape);
-  const bool open = sheet && !sheet->closed;
+  const bool open = is_sheet(model.objects.back().shape);
   Scan scan;
   if (!open) scan = simulate(surface_of(model), options, context).merged;
   // Where no view reaches: even points, of a view without rays.

@@ -173,8 +173,7 @@ std::vector<DamageCase> damage_part(const std::string& part, const SuiteOptions&
   Subject subject{part_named(part), {}, {}, 0, 0, false};
   const Model& truth = subject.truth;
   subject.scan = scan_of(truth);
-  const auto* surface = std::get_if<TriSurface>(&truth.objects.back().shape);
-  subject.sheet = surface && !surface->closed;
+  subject.sheet = is_sheet(truth.objects.back().shape);
   const TemporaryDirectory folder;
   std::size_t number = 0;
   auto next_folder = [&] { return folder.path() / print_number(double(number++)); };

@@ -9,6 +9,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "model/lower/lower.h"
+#include "model/surface_patches.h"
 #include "verify/mutate/mutate_edits.h"
 #include "verify/mutate/mutate_features.h"
 #include "verify/mutate/mutate_gauge.h"
@@ -249,11 +250,39 @@ class Damages {
     }
   }
 
+  /// Control points of surfaces, each along the normal of the surface where it acts most.
+  void control_points(std::size_t o) {
+    const auto* set = std::get_if<SurfaceSet>(&model_.objects[o].shape);
+    if (!set) return;
+    for (std::size_t p = 0; p < set->patches.size(); ++p) {
+      const NurbsSurface surface = trimmed_surface(set->patches[p]).surface;
+      const auto acts_at = [](const KnotVector& t, std::size_t i) {
+        double sum = 0;
+        for (int k = 1; k <= t.degree; ++k) sum += t.knots[i + static_cast<std::size_t>(k)];
+        return sum / t.degree;
+      };
+      const auto columns = static_cast<std::size_t>(surface.v.count());
+      const std::size_t count = surface.points.size(), stride = std::max<std::size_t>(1, count / most_vertices + 1);
+      for (std::size_t i = 0; i < count; i += stride) {
+        const Vec3 n = surface.derivatives(acts_at(surface.u, i / columns), acts_at(surface.v, i % columns)).normal();
+        if (!(n.norm() > 0)) continue;
+        damage(Mutation::Kind::dented, set->patches[p].name + ": control point " + print_number(double(i)),
+               4 * tolerance_, false, [&, p, i, n](double size) -> std::optional<Model> {
+                 Model m = model_;
+                 auto& point = std::get<SurfaceSet>(m.objects[o].shape).patches[p].control[i];
+                 for (std::size_t k = 0; k < 3; ++k) point[k] += size * n[int(k)];
+                 return m;
+               });
+      }
+    }
+  }
+
   void numbers(std::size_t o) {
     expressions(o);
     curve_numbers(o);
     tilts(o);
     vertices(o);
+    control_points(o);
   }
 
   /// The whole part, and each object that others are combined from.

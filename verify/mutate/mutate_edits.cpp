@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/number.h"
+#include "model/surface_patches.h"
 
 namespace partscribe::verify {
 namespace {
@@ -24,6 +25,8 @@ OwnMirror mirror_in_place(Shape& shape, const Values& values) {
   } else if (auto* t = std::get_if<TriSurface>(&shape)) {
     for (auto& v : t->vertices) v[0] = -v[0];
     for (auto& triangle : t->triangles) std::swap(triangle[1], triangle[2]);
+  } else if (auto* set = std::get_if<SurfaceSet>(&shape)) {
+    for (auto& patch : set->patches) patch = mirrored(patch, 0);
   }
   return {};  // all others are their own mirror image in x
 }
@@ -102,6 +105,10 @@ Model scaled(const Model& model, double factor, const Vec3& middle) {
     if (auto* t = std::get_if<TriSurface>(&object.shape))
       for (auto& v : t->vertices)
         for (auto& x : v) x *= factor;
+    if (auto* set = std::get_if<SurfaceSet>(&object.shape))
+      for (auto& patch : set->patches)
+        for (auto& p : patch.control)
+          for (auto& x : p) x *= factor;
     for (Expr* e : {&object.frame.x, &object.frame.y, &object.frame.z}) *e = Expr(factor) * *e;
   }
   Frame& last = result.objects.back().frame;
@@ -142,6 +149,17 @@ std::vector<Edit> omissions(const Model& model) {
     } else if (const auto* t = std::get_if<TriSurface>(&shape); t && !t->closed && t->triangles.size() > 1) {
       without(Mutation::Kind::face_missing, o, "a triangle of " + quoted(model.objects[o].name),
               [](Shape& s) { std::get<TriSurface>(s).triangles.erase(std::get<TriSurface>(s).triangles.begin()); });
+    } else if (const auto* set = std::get_if<SurfaceSet>(&shape); set && !set->closed) {
+      for (std::size_t p = 0; p < set->patches.size() && set->patches.size() > 1; ++p)
+        without(Mutation::Kind::face_missing, o, "surface " + quoted(set->patches[p].name), [&](Shape& s) {
+          auto& patches = std::get<SurfaceSet>(s).patches;
+          patches.erase(patches.begin() + long(p));
+        });
+      for (std::size_t p = 0; p < set->patches.size(); ++p)
+        if (set->patches[p].trims.back().loop > 0)
+          without(Mutation::Kind::feature_missing, o, "the holes of " + quoted(set->patches[p].name), [&](Shape& s) {
+            std::erase_if(std::get<SurfaceSet>(s).patches[p].trims, [](const PatchTrim& t) { return t.loop > 0; });
+          });
     } else if (const auto* names = operands_of(shape); names && names->size() > 1) {
       for (std::size_t i = std::holds_alternative<Difference>(shape) ? 1 : 0; i < names->size(); ++i)
         without(Mutation::Kind::feature_missing, o, (*names)[i], [&](Shape& s) {

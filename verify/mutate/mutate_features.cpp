@@ -11,10 +11,7 @@ namespace {
 
 using Kind = Mutation::Kind;
 
-bool open_sheet(const Model& model) {
-  const auto* surface = std::get_if<TriSurface>(&model.objects.back().shape);
-  return surface && !surface->closed;
-}
+bool open_sheet(const Model& model) { return is_sheet(model.objects.back().shape); }
 
 Pose part_from_surface(const Model& model) {
   return model.as_scanned ? evaluate(model.scan_from_part, values_of(model)).inverse() : Pose{};

@@ -1,7 +1,11 @@
 /// Every shape from a simulated scan to four verified artifacts, as a user runs it.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/files.h"
+#include "core/number.h"
+#include "core/random.h"
 #include "testing/program.h"
 
 namespace partscribe::testing {
@@ -64,6 +68,53 @@ TEST_CASE("shapes: a scanned polyhedron is cut from half-spaces") { expect_found
 TEST_CASE("shapes: a scanned pin is turned") { expect_found("pin", "revolve", {30, 18, 10}); }
 TEST_CASE("shapes: a scanned vase is turned from a free profile") { expect_found("nurbs_vase", "revolve", {}); }
 TEST_CASE("shapes: a scanned tie bar is extruded") { expect_found("tie_bar", "extrude", {}); }
+
+TEST_CASE(
+    "shapes: an open free form is one trimmed surface in four files, and a control point that was moved is refused") {
+  const TemporaryDirectory folder;
+  // Touched points with noise, as an .xyz file; a round window in the middle.
+  Random random(11);
+  std::string points;
+  for (int i = 0; i < 24000; ++i) {
+    const double x = 70 * random.uniform(), y = 50 * random.uniform();
+    if (std::hypot(x - 30, y - 25) < 8) continue;
+    const double z = 7 * std::sin(x / 13) * std::cos(y / 16) + 0.02 * random.normal();
+    points += print_number(snapped(x, 1e-4)) + " " + print_number(snapped(y, 1e-4)) + " " +
+              print_number(snapped(z, 1e-4)) + "\n";
+  }
+  const Path scan = folder.path() / "hood.xyz", out = folder.path() / "out";
+  REQUIRE(write_file(scan, points).ok());
+  const auto built =
+      run_partscribe({"build", scan.string(), "--units", "mm", "--tolerance", "0.2", "--out", out.string()});
+  INFO(built.out << built.err);
+  REQUIRE(built.exit_code == 0);
+  CHECK(built.out.find("a sheet of 1 B-spline surface with ") != std::string::npos);
+  const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
+  const auto& shape = model.at("objects").back().at("shape");
+  REQUIRE(shape.at("kind") == "surface_set");
+  REQUIRE(shape.at("patches").size() == 1);
+  const auto& patch = shape.at("patches")[0];
+  CHECK(patch.at("control").size() < 150);
+  CHECK(patch.at("trims").back().at("loop") == 1);  // the window, and no other hole
+  const auto verdict = nlohmann::json::parse(bytes_of(out / "verdict.json"));
+  CHECK(verdict.at("verdict") == "verified");
+  CHECK(verdict.at("artifacts").size() == 4);
+
+  // In the middle of the net, where a point moves the surface by a good third of its own way.
+  std::string script = bytes_of(out / "part.scad");
+  const auto& p = patch.at("control")[patch.at("control").size() / 2 + 2];
+  const std::string before = "[" + print_number(p[0]) + ", " + print_number(p[1]) + ", " + print_number(p[2]) + "]";
+  const std::string after =
+      "[" + print_number(p[0]) + ", " + print_number(p[1]) + ", " + print_number(p[2].get<double>() + 2) + "]";
+  const auto at = script.find(before);
+  REQUIRE(at != std::string::npos);
+  REQUIRE(write_file(out / "edited.scad", script.replace(at, before.size(), after)).ok());
+  const auto verified = [&](const char* file) {
+    return run_partscribe({"verify", (out / file).string(), scan.string(), "--units", "mm", "--tolerance", "0.2"});
+  };
+  CHECK(verified("part.scad").exit_code == 0);
+  CHECK(verified("edited.scad").exit_code == 1);
+}
 
 TEST_CASE("shapes: every one of them is found in a fine scan, within a tenth of a millimetre", "[.statistics]") {
   expect_found("sphere", "sphere", {}, fine);
