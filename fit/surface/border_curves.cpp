@@ -176,7 +176,7 @@ NurbsCurve<2> fitted(const std::vector<Vec2>& given, double tolerance) {
 }  // namespace
 
 std::vector<NurbsCurve<2>> border_curves(const std::vector<Vec2>& places, double tolerance) {
-  auto corners = corners_of(places, 6 * tolerance);
+  auto corners = corners_of(places, 12 * tolerance);
   if (corners.empty()) {
     // Any place; the one that lies lowest does not depend on where the list begins.
     const auto lowest = std::min_element(places.begin(), places.end(), [](const Vec2& a, const Vec2& b) {
