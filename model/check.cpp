@@ -339,7 +339,7 @@ struct Check {
   void check_edges(const std::string& where, const SurfaceSetOf<double>& s) {
     struct Side {
       const TrimmedSurface* surface;
-      const TrimCurve* trim;
+      const SurfaceTrim* trim;
     };
     const auto surfaces = trimmed_surfaces(s.patches);
     std::map<int, std::vector<Side>> edges;

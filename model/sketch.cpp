@@ -9,8 +9,8 @@ namespace {
 Curve2 curve_of(const SketchArcOf<double>& a) { return Arc2{{a.center_x, a.center_y}, a.radius, a.from, a.to}; }
 
 Curve2 curve_of(const SketchNurbsOf<double>& n) {
-  Nurbs2 curve{n.degree, n.knots, n.weights, {}};
-  for (const auto& p : n.control) curve.control.emplace_back(p[0], p[1]);
+  Nurbs2 curve{{n.degree, n.knots}, {}, n.weights};
+  for (const auto& p : n.control) curve.points.emplace_back(p[0], p[1]);
   return curve;
 }
 
@@ -65,7 +65,7 @@ Box3 flat_box(const Outline2& outline) {
                             add(a.center - Vec2::Constant(a.radius)), add(a.center + Vec2::Constant(a.radius));
                           },
                           [&](const Nurbs2& n) {
-                            for (const auto& p : n.control) add(p);  // a curve stays in their hull
+                            for (const auto& p : n.points) add(p);  // a curve stays in their hull
                           }},
                item.curve);
   return box;

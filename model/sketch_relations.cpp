@@ -22,7 +22,7 @@ Vec2 direction(const Curve2& curve, bool at_end) {
   }
   const auto& n = std::get<Nurbs2>(curve);
   Vec2 point, first, second;
-  n.derivatives(at_end ? n.knots.back() : n.knots.front(), point, first, second);
+  n.derivatives(at_end ? n.t.high() : n.t.low(), point, first, second);
   return unit(first);
 }
 

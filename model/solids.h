@@ -409,7 +409,7 @@ struct PatchTrim {
 };
 
 /// A B-spline surface, as far as its trims reach.
-struct SurfacePatch {
+struct TrimmedPatch {
   std::string name;  ///< "face"; unique in its set
   int degree_u = 3, degree_v = 3;
   std::vector<double> knots_u, knots_v;        ///< written out, ends repeated degree + 1 times
@@ -427,7 +427,7 @@ struct SurfacePatch {
     v("weights", s.weights, "of the control points; left out: all 1");
     v("trims", s.trims, "pieces of the border");
   }
-  bool operator==(const SurfacePatch&) const = default;
+  bool operator==(const TrimmedPatch&) const = default;
 };
 
 /// B-spline surfaces joined along common edges: a solid if `closed`, a sheet otherwise. Fronts, where the derivatives
@@ -435,7 +435,7 @@ struct SurfacePatch {
 template <class N>
 struct SurfaceSetOf {
   static constexpr std::string_view kind = "surface_set";
-  std::vector<SurfacePatch> patches;
+  std::vector<TrimmedPatch> patches;
   bool closed = false;
   N thickness{};  ///< a sheet becomes a solid of this thickness, behind it, where a program knows only solids
   template <class S, class V>

@@ -37,7 +37,7 @@ std::optional<std::string> complaint_about(int degree, const std::vector<double>
 }
 
 /// Twice the area that a loop encloses to its left, by places along its curves.
-double turning(const std::vector<TrimCurve>& loop) {
+double turning(const std::vector<SurfaceTrim>& loop) {
   std::vector<Vec2> places;
   for (const auto& trim : loop) {
     const auto breaks = trim.curve.t.breaks();
@@ -52,7 +52,7 @@ double turning(const std::vector<TrimCurve>& loop) {
   return sum;
 }
 
-std::optional<std::string> complaint_about_loops(const SurfacePatch& patch) {
+std::optional<std::string> complaint_about_loops(const TrimmedPatch& patch) {
   if (patch.trims.empty()) return ": expected an outline, found no trims";
   const double u0 = patch.knots_u.front(), u1 = patch.knots_u.back(), v0 = patch.knots_v.front(),
                v1 = patch.knots_v.back();
@@ -87,27 +87,27 @@ std::optional<std::string> complaint_about_loops(const SurfacePatch& patch) {
 
 }  // namespace
 
-TrimmedSurface trimmed_surface(const SurfacePatch& patch) {
+TrimmedSurface trimmed_surface(const TrimmedPatch& patch) {
   TrimmedSurface result{{{patch.degree_u, patch.knots_u}, {patch.degree_v, patch.knots_v}, {}, patch.weights}, {}};
   for (const auto& p : patch.control) result.surface.points.emplace_back(p[0], p[1], p[2]);
   for (const auto& trim : patch.trims) {
     if (static_cast<std::size_t>(trim.loop) >= result.loops.size()) result.loops.emplace_back();
-    TrimCurve curve{{{trim.degree, trim.knots}, {}, {}}, trim.edge};
+    SurfaceTrim curve{{{trim.degree, trim.knots}, {}, {}}, trim.edge};
     for (const auto& p : trim.control) curve.curve.points.emplace_back(p[0], p[1]);
     result.loops.back().push_back(std::move(curve));
   }
   return result;
 }
 
-std::vector<TrimmedSurface> trimmed_surfaces(const std::vector<SurfacePatch>& patches) {
+std::vector<TrimmedSurface> trimmed_surfaces(const std::vector<TrimmedPatch>& patches) {
   std::vector<TrimmedSurface> result;
   for (const auto& patch : patches) result.push_back(trimmed_surface(patch));
   return result;
 }
 
-SurfacePatch surface_patch(const TrimmedSurface& trimmed, std::string name) {
+TrimmedPatch trimmed_patch(const TrimmedSurface& trimmed, std::string name) {
   const NurbsSurface& s = trimmed.surface;
-  SurfacePatch result{std::move(name), s.u.degree, s.v.degree, s.u.knots, s.v.knots, {}, s.weights, {}};
+  TrimmedPatch result{std::move(name), s.u.degree, s.v.degree, s.u.knots, s.v.knots, {}, s.weights, {}};
   for (const Vec3& p : s.points) result.control.push_back({p.x(), p.y(), p.z()});
   for (std::size_t l = 0; l < trimmed.loops.size(); ++l)
     for (const auto& trim : trimmed.loops[l]) {
@@ -118,7 +118,7 @@ SurfacePatch surface_patch(const TrimmedSurface& trimmed, std::string name) {
   return result;
 }
 
-std::optional<std::string> complaint_about(const SurfacePatch& patch) {
+std::optional<std::string> complaint_about(const TrimmedPatch& patch) {
   if (auto wrong = complaint_about(patch.degree_u, patch.knots_u, "along u")) return wrong;
   if (auto wrong = complaint_about(patch.degree_v, patch.knots_v, "along v")) return wrong;
   const std::size_t rows = patch.knots_u.size() - static_cast<std::size_t>(patch.degree_u) - 1;
@@ -135,10 +135,10 @@ std::optional<std::string> complaint_about(const SurfacePatch& patch) {
   return complaint_about_loops(patch);
 }
 
-SurfacePatch mirrored(const SurfacePatch& patch, int axis) {
+TrimmedPatch mirrored(const TrimmedPatch& patch, int axis) {
   TrimmedSurface surface = trimmed_surface(patch);
   for (Vec3& p : surface.surface.points) p[axis] *= -1;
-  return surface_patch(turned_over(surface), patch.name);
+  return trimmed_patch(turned_over(surface), patch.name);
 }
 
 }  // namespace partscribe::model

@@ -11,15 +11,15 @@
 namespace partscribe::model {
 
 /// Needs a patch without complaints.
-TrimmedSurface trimmed_surface(const SurfacePatch& patch);
-std::vector<TrimmedSurface> trimmed_surfaces(const std::vector<SurfacePatch>& patches);
+TrimmedSurface trimmed_surface(const TrimmedPatch& patch);
+std::vector<TrimmedSurface> trimmed_surfaces(const std::vector<TrimmedPatch>& patches);
 
-SurfacePatch surface_patch(const TrimmedSurface& surface, std::string name);
+TrimmedPatch trimmed_patch(const TrimmedSurface& surface, std::string name);
 
 /// What is wrong with a patch by itself, in words that follow its name; nothing if it is right.
-std::optional<std::string> complaint_about(const SurfacePatch& patch);
+std::optional<std::string> complaint_about(const TrimmedPatch& patch);
 
 /// The image behind the plane through the origin whose normal is an axis (0 .. 2); its front stays outside.
-SurfacePatch mirrored(const SurfacePatch& patch, int axis);
+TrimmedPatch mirrored(const TrimmedPatch& patch, int axis);
 
 }  // namespace partscribe::model

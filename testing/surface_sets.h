@@ -18,7 +18,7 @@ inline PatchTrim straight(int loop, int edge, std::array<double, 2> from, std::a
 
 /// A cubic sheet over 60 x 40 with a hole of four cubic pieces, its rim cut obliquely at one corner.
 inline SurfaceSet cowl() {
-  SurfacePatch patch{"cowl", 3, 2, {0, 0, 0, 0, 30, 60, 60, 60, 60}, {0, 0, 0, 20, 40, 40, 40}, {}, {}, {}};
+  TrimmedPatch patch{"cowl", 3, 2, {0, 0, 0, 0, 30, 60, 60, 60, 60}, {0, 0, 0, 20, 40, 40, 40}, {}, {}, {}};
   const double heights[5][4] = {{0, 2, 2, 0}, {4, 9, 8, 3}, {6, 14, 12, 5}, {5, 10, 9, 4}, {1, 3, 3, 1}};
   const double xs[] = {0, 10, 30, 50, 60}, ys[] = {0, 10, 30, 40};
   for (int i = 0; i < 5; ++i)
@@ -52,7 +52,7 @@ inline SurfaceSet cushion() {
   const auto side = [&](const char* name, std::array<int, 3> from, int u, int v, std::array<int, 4> edges,
                         bool rational) {
     // u and v: axis + 1, negative where the parameter runs against it.
-    SurfacePatch patch{name, 2, 2, {0, 0, 0, 20, 20, 20}, {0, 0, 0, 20, 20, 20}, {}, {}, {}};
+    TrimmedPatch patch{name, 2, 2, {0, 0, 0, 20, 20, 20}, {0, 0, 0, 20, 20, 20}, {}, {}, {}};
     std::array<double, 3> along[2] = {}, out{};
     along[0][std::size_t(std::abs(u) - 1)] = u > 0 ? 10 : -10;
     along[1][std::size_t(std::abs(v) - 1)] = v > 0 ? 10 : -10;

@@ -363,7 +363,7 @@ class Writer {
   }
 
   /// A row of the net runs along u.
-  static TemplateList rows_of(const SurfacePatch& patch, const std::function<std::string(std::size_t)>& entry) {
+  static TemplateList rows_of(const TrimmedPatch& patch, const std::function<std::string(std::size_t)>& entry) {
     const std::size_t columns = patch.knots_v.size() - static_cast<std::size_t>(patch.degree_v) - 1;
     TemplateList rows;
     for (std::size_t j = 0; j < columns; ++j) {
@@ -373,13 +373,13 @@ class Writer {
     }
     return rows;
   }
-  static TemplateList net_rows(const SurfacePatch& patch) {
+  static TemplateList net_rows(const TrimmedPatch& patch) {
     return rows_of(patch, [&](std::size_t i) {
       const auto& p = patch.control[i];
       return "pt( " + print_real(p[0]) + ", " + print_real(p[1]) + ", " + print_real(p[2]) + " )";
     });
   }
-  static TemplateList weight_rows(const SurfacePatch& patch) {
+  static TemplateList weight_rows(const TrimmedPatch& patch) {
     return rows_of(patch, [&](std::size_t i) { return print_real(patch.weights[i]); });
   }
 

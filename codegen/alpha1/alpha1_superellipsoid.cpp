@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "geometry/surfaces/nurbs.h"
 #include "geometry/surfaces/quadric_distance.h"
 #include "model/distance/distance.h"
 
@@ -59,17 +60,11 @@ class Quarter {
   std::vector<double> angles_, sums_;
 };
 
-/// Cubic B-spline basis on clamped uniform knots 0..count-3.
-double clamped_knot(int i, int count) { return std::clamp(i - 3, 0, count - 3); }
-
-double basis(int i, int degree, double t, int count) {
-  const double a = clamped_knot(i, count), b = clamped_knot(i + 1, count);
-  if (degree == 0) return (t >= a && t < b) || (t == count - 3 && b == count - 3 && a < b) ? 1 : 0;
-  const double c = clamped_knot(i + degree, count), d = clamped_knot(i + degree + 1, count);
-  double sum = 0;
-  if (c > a) sum += (t - a) / (c - a) * basis(i, degree - 1, t, count);
-  if (d > b) sum += (d - t) / (d - b) * basis(i + 1, degree - 1, t, count);
-  return sum;
+/// Cubic, on clamped uniform knots 0 .. count - 3.
+KnotVector uniform_knots(int count) {
+  std::vector<double> breaks;
+  for (int i = 0; i <= count - 3; ++i) breaks.push_back(i);
+  return clamped(3, breaks);
 }
 
 struct Samples {
@@ -171,9 +166,14 @@ SuperellipsoidNet net_of(const Samples& samples, int order, int around, int alon
   net.around = through(ring);
 
   Eigen::MatrixXd B(along, along), d(along, 3), added(along, 6);
+  const KnotVector knots = uniform_knots(along);
+  B.setZero();
   for (int i = 0; i < along; ++i) {
-    const double t = (clamped_knot(i + 1, along) + clamped_knot(i + 2, along) + clamped_knot(i + 3, along)) / 3;
-    for (int k = 0; k < along; ++k) B(i, k) = basis(k, 3, t, along);
+    const auto at = knots.knots.begin() + i;
+    const double t = (at[1] + at[2] + at[3]) / 3;
+    BasisValues n;
+    basis(knots, t, 0, n);
+    for (int k = 0; k <= 3; ++k) B(i, n.first + k) = n.value[0][k];
     const Vec2 u = samples.along(t / (along - 3));
     d.row(i) << u.x(), u.x() * u.y(), u.y();
     if (bend != 0) added.row(i) = bent_along(u, bend);
@@ -197,6 +197,7 @@ SuperellipsoidNet net_of(const Samples& samples, int order, int around, int alon
 double deviation_of(const SuperellipsoidNet& net, const SuperellipsoidOf<double>& s, const ModelDistance& distance) {
   const int n = static_cast<int>(net.around.size()), m = static_cast<int>(net.along.size());
   using Row = Eigen::Matrix<double, 9, 1>;
+  const KnotVector knots = net.order == 2 ? KnotVector{} : uniform_knots(m);
   auto along_at = [&](double t) -> Row {
     Row sum = Row::Zero();
     auto p = [&](int k) {
@@ -209,7 +210,9 @@ double deviation_of(const SuperellipsoidNet& net, const SuperellipsoidOf<double>
       const int i = std::min(m - 2, static_cast<int>(t));
       return (i + 1 - t) * p(i) + (t - i) * p(i + 1);
     }
-    for (int k = 0; k < m; ++k) sum += basis(k, 3, t, m) * p(k);
+    BasisValues n;
+    basis(knots, t, 0, n);
+    for (int k = 0; k <= 3; ++k) sum += n.value[0][k] * p(n.first + k);
     return sum;
   };
   // One quarter is enough, or half of a bent one: all is symmetric to y = 0, and to x = 0 before it is bent.

@@ -36,6 +36,7 @@
 #include <gp_Circ.hxx>
 #include <gp_GTrsf.hxx>
 #include <gp_Pln.hxx>
+#include <tuple>
 
 #include "core/number.h"
 #include "geometry/mesh/convex.h"
@@ -78,32 +79,22 @@ TopoDS_Edge edge_of(const Arc2& arc, const TopoDS_Vertex& a, const TopoDS_Vertex
 }
 
 TopoDS_Edge edge_of(const Nurbs2& curve, const TopoDS_Vertex& a, const TopoDS_Vertex& b, const SketchPlane& plane) {
-  const int count = static_cast<int>(curve.control.size());
+  const int count = static_cast<int>(curve.points.size());
   TColgp_Array1OfPnt poles(1, count);
   TColStd_Array1OfReal weights(1, count);
   for (int i = 0; i < count; ++i) {
-    poles(i + 1) = plane.at(curve.control[static_cast<std::size_t>(i)]);
+    poles(i + 1) = plane.at(curve.points[static_cast<std::size_t>(i)]);
     weights(i + 1) = curve.weights.empty() ? 1 : curve.weights[static_cast<std::size_t>(i)];
   }
-  std::vector<double> distinct;
-  std::vector<int> repeats;
-  for (const double knot : curve.knots) {
-    if (distinct.empty() || knot > distinct.back()) {
-      distinct.push_back(knot);
-      repeats.push_back(0);
-    }
-    ++repeats.back();
-  }
+  const auto distinct = curve.t.multiplicities();
   TColStd_Array1OfReal knots(1, static_cast<int>(distinct.size()));
   TColStd_Array1OfInteger multiplicities(1, static_cast<int>(distinct.size()));
-  for (std::size_t i = 0; i < distinct.size(); ++i) {
-    knots(static_cast<int>(i) + 1) = distinct[i];
-    multiplicities(static_cast<int>(i) + 1) = repeats[i];
-  }
+  for (std::size_t i = 0; i < distinct.size(); ++i)
+    std::tie(knots(static_cast<int>(i) + 1), multiplicities(static_cast<int>(i) + 1)) = distinct[i];
   const Handle(Geom_BSplineCurve) spline =
-      curve.weights.empty() ? new Geom_BSplineCurve(poles, knots, multiplicities, curve.degree)
-                            : new Geom_BSplineCurve(poles, weights, knots, multiplicities, curve.degree);
-  return BRepBuilderAPI_MakeEdge(spline, a, b, distinct.front(), distinct.back());
+      curve.weights.empty() ? new Geom_BSplineCurve(poles, knots, multiplicities, curve.t.degree)
+                            : new Geom_BSplineCurve(poles, weights, knots, multiplicities, curve.t.degree);
+  return BRepBuilderAPI_MakeEdge(spline, a, b, curve.t.low(), curve.t.high());
 }
 
 TopoDS_Face face_of(const EvaluatedSketch& sketch, const SketchPlane& plane) {

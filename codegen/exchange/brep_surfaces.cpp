@@ -16,6 +16,7 @@
 #include <TopoDS_Wire.hxx>
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "codegen/exchange/brep_shapes.h"
 #include "model/surface_patches.h"
@@ -31,18 +32,11 @@ struct OcctKnots {
   TColStd_Array1OfInteger multiplicities;
 
   static OcctKnots of(const KnotVector& t) {
-    std::vector<double> different;
-    std::vector<int> times;
-    for (const double knot : t.knots) {
-      if (different.empty() || knot > different.back()) different.push_back(knot), times.push_back(0);
-      ++times.back();
-    }
+    const auto different = t.multiplicities();
     const int count = static_cast<int>(different.size());
     OcctKnots result{TColStd_Array1OfReal(1, count), TColStd_Array1OfInteger(1, count)};
-    for (int i = 0; i < count; ++i) {
-      result.knots(i + 1) = different[static_cast<std::size_t>(i)];
-      result.multiplicities(i + 1) = times[static_cast<std::size_t>(i)];
-    }
+    for (int i = 0; i < count; ++i)
+      std::tie(result.knots(i + 1), result.multiplicities(i + 1)) = different[static_cast<std::size_t>(i)];
     return result;
   }
 };
@@ -83,7 +77,7 @@ class EdgeMaker {
   explicit EdgeMaker(double tolerance) : tolerance_(tolerance) {}
 
   /// The edge as a loop of this surface runs through it.
-  TopoDS_Edge edge(const TrimCurve& trim, const NurbsSurface& surface, const Handle(Geom_BSplineSurface) & on) {
+  TopoDS_Edge edge(const SurfaceTrim& trim, const NurbsSurface& surface, const Handle(Geom_BSplineSurface) & on) {
     const auto [at, is_new] = edges_.try_emplace(trim.edge);
     Made& made = at->second;
     const Handle(Geom2d_BSplineCurve) curve = occt_curve(trim.curve, !is_new);

@@ -87,10 +87,10 @@ Entity curve_of(const Arc2& arc) {
 }
 
 Entity curve_of(const Nurbs2& curve) {
-  const int last = static_cast<int>(curve.control.size()) - 1;
-  const Handle(TColStd_HArray1OfReal) knots = new TColStd_HArray1OfReal(-curve.degree, last + 1);
-  for (std::size_t i = 0; i < curve.knots.size(); ++i)
-    knots->SetValue(static_cast<int>(i) - curve.degree, curve.knots[i]);
+  const int last = static_cast<int>(curve.points.size()) - 1;
+  const Handle(TColStd_HArray1OfReal) knots = new TColStd_HArray1OfReal(-curve.t.degree, last + 1);
+  for (std::size_t i = 0; i < curve.t.knots.size(); ++i)
+    knots->SetValue(static_cast<int>(i) - curve.t.degree, curve.t.knots[i]);
   const Handle(TColStd_HArray1OfReal) weights = new TColStd_HArray1OfReal(0, last);
   const Handle(TColgp_HArray1OfXYZ) poles = new TColgp_HArray1OfXYZ(0, last);
   bool polynomial = true;
@@ -98,12 +98,12 @@ Entity curve_of(const Nurbs2& curve) {
     const auto k = static_cast<std::size_t>(i);
     weights->SetValue(i, curve.weights.empty() ? 1 : curve.weights[k]);
     polynomial = polynomial && weights->Value(i) == weights->Value(0);
-    poles->SetValue(i, gp_XYZ(curve.control[k].x(), curve.control[k].y(), 0));
+    poles->SetValue(i, gp_XYZ(curve.points[k].x(), curve.points[k].y(), 0));
   }
-  const bool closed = (curve.control.front() - curve.control.back()).norm() < sketch_join;
+  const bool closed = (curve.points.front() - curve.points.back()).norm() < sketch_join;
   const Handle(IGESGeom_BSplineCurve) e = new IGESGeom_BSplineCurve;
-  e->Init(last, curve.degree, true, closed, polynomial, false, knots, weights, poles, curve.knots.front(),
-          curve.knots.back(), along_z);
+  e->Init(last, curve.t.degree, true, closed, polynomial, false, knots, weights, poles, curve.t.knots.front(),
+          curve.t.knots.back(), along_z);
   return Entity(e);
 }
 

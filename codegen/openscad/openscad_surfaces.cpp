@@ -75,7 +75,7 @@ class Tables {
   }
 
   /// A surface by its control points and its knots.
-  void surface(const std::string& name, const SurfacePatch& patch) {
+  void surface(const std::string& name, const TrimmedPatch& patch) {
     const std::size_t columns = patch.knots_v.size() - static_cast<std::size_t>(patch.degree_v) - 1;
     std::string control, weights;
     for (std::size_t i = 0; i < patch.control.size(); i += columns) {
@@ -107,7 +107,7 @@ OpenscadSurfaces openscad_surfaces(const SurfaceSet& set, const std::string& nam
   OpenscadSurfaces result;
   Tables tables(result.tables);
   std::vector<std::string> surfaces, corners;
-  for (const SurfacePatch& patch : set.patches) {
+  for (const TrimmedPatch& patch : set.patches) {
     std::string wanted = name + "_" + (set.patches.size() == 1 ? "surface" : patch.name);
     std::replace_if(
         wanted.begin(), wanted.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');

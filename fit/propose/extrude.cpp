@@ -216,7 +216,7 @@ void turn(ProfileSegment& s, double angle) {
   const Eigen::Matrix2d r =
       (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished();
   for (Vec2* v : {&s.start, &s.end, &s.point, &s.direction, &s.center}) *v = r * *v;
-  for (auto& c : s.curve.control) c = r * c;
+  for (auto& c : s.curve.points) c = r * c;
 }
 
 /// What the length of the extrusion is called in a box or wedge.
@@ -464,7 +464,7 @@ void add_outlines(const FitInput& input, const Sweep& sweep, const Mat3& frame, 
         loop.name = i == 0 ? "outline" : rings.size() == 2 ? "hole" : "hole " + print_number(double(i));
         loop.segments = segments_of(rings[i], profile_options);
         pieces += loop.segments.size();
-        for (const auto& s : loop.segments) controls += s.curve.control.size();
+        for (const auto& s : loop.segments) controls += s.curve.points.size();
         if (loop.segments.size() > 1 || (loop.segments.size() == 1 && loop.segments[0].arc))
           loops.push_back(std::move(loop));
       }

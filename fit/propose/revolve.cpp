@@ -533,7 +533,7 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
     for (const auto& s : loop.segments) {
       key[1] += nodes.blur > 0 && s.arc;
       key[2] += nodes.blur > 0 && !s.arc && !s.spline && s.direction.cwiseAbs().maxCoeff() > 0.98;
-      key[3] += s.curve.control.size();
+      key[3] += s.curve.points.size();
     }
     if (std::find(seen.begin(), seen.end(), key) != seen.end()) return;
     seen.push_back(key);

@@ -128,27 +128,6 @@ std::vector<double> knots_for(const std::vector<double>& us, std::size_t control
   return knots;
 }
 
-/// The four basis functions that are not zero at u (Cox-de Boor), and the index of the first.
-std::size_t basis_at(const std::vector<double>& knots, std::size_t controls, double u, double (&b)[degree + 1]) {
-  std::size_t span = degree;
-  while (span + 1 < controls && u >= knots[span + 1]) ++span;
-  double left[degree + 1], right[degree + 1];
-  b[0] = 1;
-  for (int j = 1; j <= degree; ++j) {
-    left[j] = u - knots[span + 1 - static_cast<std::size_t>(j)];
-    right[j] = knots[span + static_cast<std::size_t>(j)] - u;
-    double saved = 0;
-    for (int r = 0; r < j; ++r) {
-      const double width = right[r + 1] + left[j - r];
-      const double t = width > 0 ? b[r] / width : 0;
-      b[r] = saved + right[r + 1] * t;
-      saved = left[j - r] * t;
-    }
-    b[j] = saved;
-  }
-  return span - degree;
-}
-
 /// Least squares through the nodes with the fewest control points that stay within `tolerance`; parameters by chord
 /// length, then corrected to the feet of the nodes.
 std::optional<Nurbs2> spline_through(const std::vector<ChainNode>& nodes, std::size_t first, std::size_t last,
@@ -169,24 +148,23 @@ std::optional<Nurbs2> spline_through(const std::vector<ChainNode>& nodes, std::s
     Nurbs2 curve;
     double worst = 0;
     for (int round = 0; round < 4; ++round) {
-      curve.degree = degree;
-      curve.knots = knots_for(us, controls);
+      curve.t = {degree, knots_for(us, controls)};
       Eigen::MatrixXd m =
           Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(controls), static_cast<Eigen::Index>(controls));
       Eigen::MatrixXd r = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(controls), 2);
       for (std::size_t i = 0; i < q.size(); ++i) {
-        double b[degree + 1];
-        const std::size_t at = basis_at(curve.knots, controls, us[i], b);
+        BasisValues n;
+        basis(curve.t, us[i], 0, n);
+        const double* b = n.value[0];
         for (int j = 0; j <= degree; ++j) {
-          r.row(static_cast<Eigen::Index>(at) + j) += w[i] * b[j] * q[i].transpose();
-          for (int k = 0; k <= degree; ++k)
-            m(static_cast<Eigen::Index>(at) + j, static_cast<Eigen::Index>(at) + k) += w[i] * b[j] * b[k];
+          r.row(n.first + j) += w[i] * b[j] * q[i].transpose();
+          for (int k = 0; k <= degree; ++k) m(n.first + j, n.first + k) += w[i] * b[j] * b[k];
         }
       }
       m.diagonal().array() += 1e-12 * m.trace();
       const Eigen::MatrixXd solution = solve_ldlt(m, r);
-      curve.control.clear();
-      for (Eigen::Index k = 0; k < solution.rows(); ++k) curve.control.emplace_back(solution(k, 0), solution(k, 1));
+      curve.points.clear();
+      for (Eigen::Index k = 0; k < solution.rows(); ++k) curve.points.emplace_back(solution(k, 0), solution(k, 1));
       worst = 0;
       for (std::size_t i = 0; i < q.size(); ++i) {
         Vec2 p, d1, d2;
@@ -224,7 +202,7 @@ std::vector<ProfileSegment> with_splines(const std::vector<ProfileSegment>& segm
         ProfileSegment s;
         s.spline = true;
         s.curve = *curve;
-        s.start = curve->control.front(), s.end = curve->control.back();
+        s.start = curve->points.front(), s.end = curve->points.back();
         for (std::size_t k = i; k < end; ++k) s.points += segments[k].points, s.nodes += segments[k].nodes;
         result.push_back(s);
         i = end;

@@ -392,11 +392,11 @@ class Builder {
       if (p.s.spline) {
         const Piece* before = neighbour(pieces, i, -1, source.axis_to_axis);
         SketchNurbs spline;
-        spline.degree = p.s.curve.degree;
-        spline.knots = p.s.curve.knots;
+        spline.degree = p.s.curve.t.degree;
+        spline.knots = p.s.curve.t.knots;
         const double step = power_of_ten_below(o_.tolerance / 100);
         // Its ends lie on the edges beside it, or on the axis: the nodes stop a little short of them.
-        std::vector<Vec2> control = p.s.curve.control;
+        std::vector<Vec2> control = p.s.curve.points;
         auto reach = [&](Vec2& end, const Vec2& inner, int axis, double to) {
           const Vec2 direction = end - inner;
           const double t = direction[axis] != 0 ? (to - end[axis]) / direction[axis] : 0;

@@ -120,7 +120,7 @@ std::vector<SketchPiece> sketch_pieces(const LoopPieces& loop, const Vec2& origi
     SketchPiece p;
     p.s = s;
     p.s.start -= origin, p.s.end -= origin, p.s.point -= origin, p.s.center -= origin;
-    for (auto& c : p.s.curve.control) c -= origin;
+    for (auto& c : p.s.curve.points) c -= origin;
     if (s.arc) {
       const Vec2 d = p.s.start - p.s.center;
       p.from0 = std::atan2(d.y(), d.x());

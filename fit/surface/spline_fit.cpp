@@ -161,7 +161,7 @@ class Fitter {
     std::vector<Vec2> feet(places_.size());
     parallel_for(data_.points.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const SurfaceFoot foot = foot_near(surface_, data_.points[i], places_[i].x(), places_[i].y());
+        const SplineFoot foot = foot_near(surface_, data_.points[i], places_[i].x(), places_[i].y());
         feet[i] = {foot.u, foot.v};
         const Vec3 normal = surface_.derivatives(foot.u, foot.v).normal();
         const double side = (data_.points[i] - foot.point).dot(normal);

@@ -145,8 +145,8 @@ class Outlines {
 };
 
 /// One loop of trims for each outline; nothing where one of them is too small to be drawn.
-std::vector<std::vector<TrimCurve>> trims_of(const std::vector<std::vector<Vec2>>& outlines, double tolerance) {
-  std::vector<std::vector<TrimCurve>> loops;
+std::vector<std::vector<SurfaceTrim>> trims_of(const std::vector<std::vector<Vec2>>& outlines, double tolerance) {
+  std::vector<std::vector<SurfaceTrim>> loops;
   for (const auto& outline : outlines) {
     auto& loop = loops.emplace_back();
     for (auto& curve : border_curves(outline, tolerance)) loop.push_back({std::move(curve), 0});
@@ -168,8 +168,8 @@ std::vector<Vec2> denser(const std::vector<Vec2>& loop, double step) {
 
 /// A mesh of scattered points ends before the last of them, at a ragged border. The trims are smooth at the distance of
 /// the points, and no point lies farther outside than half of the tolerance.
-std::vector<std::vector<TrimCurve>> trims_around(std::vector<std::vector<Vec2>> outlines,
-                                                 const std::vector<Vec2>& places, const FitInput& input, int& edge) {
+std::vector<std::vector<SurfaceTrim>> trims_around(std::vector<std::vector<Vec2>> outlines,
+                                                   const std::vector<Vec2>& places, const FitInput& input, int& edge) {
   const bool drawn = input.scan && !input.scan->mesh.empty();
   const double spacing = drawn ? 0 : input.thin_spacing;
   const double smooth = std::max(0.5 * input.tolerance, 1.2 * spacing), most = 4 * input.thin_spacing;
@@ -184,7 +184,7 @@ std::vector<std::vector<TrimCurve>> trims_around(std::vector<std::vector<Vec2>> 
     const Outlines ragged(outlines);
     outlines = ragged.grown(ragged.beyond(places, most), 2 * spacing);
   }
-  std::vector<std::vector<TrimCurve>> loops;
+  std::vector<std::vector<SurfaceTrim>> loops;
   for (int round = 0; round < 3; ++round) {
     loops = trims_of(outlines, smooth);
     if (loops.empty() || round == 2) break;
@@ -286,7 +286,7 @@ std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& 
     context.say("free form: " + std::to_string(trimmed.surface.u.count()) + " x " +
                 std::to_string(trimmed.surface.v.count()) + " control points, deviation " +
                 print_number(snapped(fit->worst, tolerance / 1000)) + " mm");
-    set.patches.push_back(surface_patch(trimmed, "surface " + std::to_string(set.patches.size() + 1)));
+    set.patches.push_back(trimmed_patch(trimmed, "surface " + std::to_string(set.patches.size() + 1)));
   }
   if (set.patches.empty()) return std::nullopt;
   if (set.patches.size() == 1) set.patches[0].name = "surface";

@@ -88,73 +88,20 @@ int crossings(const Vec2& a, const Vec2& b, const Vec2& p) {
   return a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) > p.x() ? 1 : 0;
 }
 
-int span_of(const Nurbs2& c, double u) {
-  const int n = static_cast<int>(c.control.size());
-  if (u >= c.knots[n]) {
-    int s = n - 1;
-    while (s > c.degree && c.knots[s] == c.knots[s + 1]) --s;
-    return s;
-  }
-  const auto it = std::upper_bound(c.knots.begin() + c.degree, c.knots.begin() + n + 1, u);
-  return static_cast<int>(it - c.knots.begin()) - 1;
-}
-
-Eigen::Vector3d homogeneous(const Nurbs2& c, int i) {
-  const double w = c.weights.empty() ? 1 : c.weights[static_cast<std::size_t>(i)];
-  return {c.control[i].x() * w, c.control[i].y() * w, w};
-}
-
-constexpr int highest_degree = 9;
-
-/// de Boor on homogeneous control points; `order` derivatives by differencing the control polygon first.
-Eigen::Vector3d de_boor(const Nurbs2& c, double u, int order) {
-  const int p = c.degree, s = span_of(c, u);
-  ensure(p <= highest_degree, "a NURBS curve has at most degree 9");
-  std::array<Eigen::Vector3d, highest_degree + 1> d;  // no allocation: this is the innermost loop of every fit
-  for (int j = 0; j <= p; ++j) d[j] = homogeneous(c, s - p + j);
-  int q = p;
-  for (int k = 0; k < order && q > 0; ++k, --q)
-    for (int j = 0; j < q; ++j) {
-      const double width = c.knots[s + j + 1] - c.knots[s - q + j + 1];
-      d[j] = width > 0 ? Eigen::Vector3d(q * (d[j + 1] - d[j]) / width) : Eigen::Vector3d::Zero();
-    }
-  if (order > p) return Eigen::Vector3d::Zero();
-  for (int r = 1; r <= q; ++r)
-    for (int j = q; j >= r; --j) {
-      const int i = s - q + j;
-      const double width = c.knots[i + q - r + 1] - c.knots[i];
-      const double a = width > 0 ? (u - c.knots[i]) / width : 0;
-      d[j] = (1 - a) * d[j - 1] + a * d[j];
-    }
-  return d[q];
-}
-
 }  // namespace
 
 Vec2 Arc2::at(double angle) const { return center + radius * Vec2(std::cos(angle), std::sin(angle)); }
 
-Vec2 Nurbs2::at(double u) const {
-  const auto h = de_boor(*this, u, 0);
-  return h.head<2>() / h.z();
-}
-
-void Nurbs2::derivatives(double u, Vec2& point, Vec2& first, Vec2& second) const {
-  const auto a = de_boor(*this, u, 0), b = de_boor(*this, u, 1), c = de_boor(*this, u, 2);
-  point = a.head<2>() / a.z();
-  first = (b.head<2>() - b.z() * point) / a.z();
-  second = (c.head<2>() - 2 * b.z() * first - c.z() * point) / a.z();
-}
-
 Vec2 start_of(const Curve2& curve) {
   if (const auto* l = std::get_if<Line2>(&curve)) return l->a;
   if (const auto* a = std::get_if<Arc2>(&curve)) return a->at(a->from);
-  return std::get<Nurbs2>(curve).control.front();
+  return std::get<Nurbs2>(curve).points.front();
 }
 
 Vec2 end_of(const Curve2& curve) {
   if (const auto* l = std::get_if<Line2>(&curve)) return l->b;
   if (const auto* a = std::get_if<Arc2>(&curve)) return a->at(a->to);
-  return std::get<Nurbs2>(curve).control.back();
+  return std::get<Nurbs2>(curve).points.back();
 }
 
 namespace {
@@ -175,10 +122,10 @@ void refine_nurbs(const Nurbs2& c, double u0, const Vec2& p0, double u1, const V
 }
 
 std::vector<double> nurbs_parameters(const Nurbs2& c, double error) {
-  std::vector<double> us = {c.knots[c.degree]};
-  for (std::size_t i = static_cast<std::size_t>(c.degree); i < c.control.size(); ++i)
-    if (c.knots[i + 1] > c.knots[i])
-      refine_nurbs(c, c.knots[i], c.at(c.knots[i]), c.knots[i + 1], c.at(c.knots[i + 1]), error, 0, us);
+  const auto breaks = c.t.breaks();
+  std::vector<double> us = {breaks.front()};
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i)
+    refine_nurbs(c, breaks[i], c.at(breaks[i]), breaks[i + 1], c.at(breaks[i + 1]), error, 0, us);
   return us;
 }
 
@@ -266,11 +213,11 @@ OutlineDistance::NurbsFoot OutlineDistance::nurbs_foot(const Vec2& p, std::size_
     c.derivatives(u, q, d1, d2);
     const double g = d1.dot(q - p), h = d1.squaredNorm() + d2.dot(q - p);
     const double step = -g / (h > 0 ? h : std::max(d1.squaredNorm(), 1e-300));
-    u = std::clamp(u + step, c.knots[c.degree], c.knots[c.control.size()]);
-    if (std::abs(step) < 1e-12 * (c.knots[c.control.size()] - c.knots[c.degree])) break;
+    u = std::clamp(u + step, c.t.low(), c.t.high());
+    if (std::abs(step) < 1e-12 * (c.t.high() - c.t.low())) break;
   }
   c.derivatives(u, q, d1, d2);
-  return {q, d1, u > c.knots[c.degree] && u < c.knots[c.control.size()]};
+  return {q, d1, u > c.t.low() && u < c.t.high()};
 }
 
 OutlineDistance::CurveFoot OutlineDistance::foot(const Vec2& p, int curve) const {

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "geometry/surfaces/nurbs.h"
 #include "geometry/vec.h"
 
 namespace partscribe::geometry {
@@ -21,15 +22,8 @@ struct Arc2 {
   Vec2 at(double angle) const;
 };
 
-/// Clamped; knots written out. Weights empty: polynomial.
-struct Nurbs2 {
-  int degree = 3;
-  std::vector<double> knots, weights;
-  std::vector<Vec2> control;
-  Vec2 at(double u) const;
-  /// Point, first and second derivative.
-  void derivatives(double u, Vec2& point, Vec2& first, Vec2& second) const;
-};
+/// Clamped.
+using Nurbs2 = NurbsCurve<2>;
 
 using Curve2 = std::variant<Line2, Arc2, Nurbs2>;
 

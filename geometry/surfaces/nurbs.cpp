@@ -15,9 +15,13 @@ int KnotVector::span(double t) const {
   return std::max(static_cast<int>(after - knots.begin()) - 1, degree);
 }
 
-int KnotVector::multiplicity(double t) const {
-  const auto [from, to] = std::equal_range(knots.begin(), knots.end(), t);
-  return static_cast<int>(to - from);
+std::vector<std::pair<double, int>> KnotVector::multiplicities() const {
+  std::vector<std::pair<double, int>> result;
+  for (const double knot : knots) {
+    if (result.empty() || knot > result.back().first) result.emplace_back(knot, 0);
+    ++result.back().second;
+  }
+  return result;
 }
 
 std::vector<double> KnotVector::breaks() const {
@@ -248,8 +252,9 @@ NurbsSurface with_knot(const NurbsSurface& surface, bool along_u, double t, int 
   return result;
 }
 
-SurfaceFoot foot_near(const NurbsSurface& surface, const Vec3& p, double u, double v) {
+SplineFoot foot_near(const NurbsSurface& surface, const Vec3& p, double u, double v) {
   const double u0 = surface.u.low(), u1 = surface.u.high(), v0 = surface.v.low(), v1 = surface.v.high();
+  const double edge_u = 1e-9 * (u1 - u0), edge_v = 1e-9 * (v1 - v0);
   u = std::clamp(u, u0, u1), v = std::clamp(v, v0, v1);
   SurfacePoint at = surface.derivatives(u, v);
   double best = (at.p - p).squaredNorm();
@@ -257,17 +262,19 @@ SurfaceFoot foot_near(const NurbsSurface& surface, const Vec3& p, double u, doub
     const Vec3 r = at.p - p;
     const double gu = r.dot(at.du), gv = r.dot(at.dv);
     // What leads out of the domain is left out: the nearest place may lie on its border.
-    const bool stuck_u = (u <= u0 && gu > 0) || (u >= u1 && gu < 0),
-               stuck_v = (v <= v0 && gv > 0) || (v >= v1 && gv < 0);
+    const bool stuck_u = (u <= u0 + edge_u && gu > 0) || (u >= u1 - edge_u && gu < 0);
+    const bool stuck_v = (v <= v0 + edge_v && gv > 0) || (v >= v1 - edge_v && gv < 0);
     if (stuck_u && stuck_v) break;
     const double first_uu = at.du.squaredNorm(), first_vv = at.dv.squaredNorm(), first_uv = at.du.dot(at.dv);
     double huu = first_uu + r.dot(at.duu), hvv = first_vv + r.dot(at.dvv), huv = first_uv + r.dot(at.duv);
-    if (!(huu > 0 && hvv > 0 && huu * hvv - huv * huv > 1e-3 * first_uu * first_vv))
-      huu = first_uu, hvv = first_vv, huv = first_uv;
     double du = 0, dv = 0;
     if (stuck_u || stuck_v) {
+      if (!(huu > 1e-3 * first_uu)) huu = first_uu;
+      if (!(hvv > 1e-3 * first_vv)) hvv = first_vv;
       (stuck_u ? dv : du) = stuck_u ? (hvv > 0 ? -gv / hvv : 0) : (huu > 0 ? -gu / huu : 0);
     } else {
+      if (!(huu > 0 && hvv > 0 && huu * hvv - huv * huv > 1e-3 * first_uu * first_vv))
+        huu = first_uu, hvv = first_vv, huv = first_uv;
       const double det = huu * hvv - huv * huv;
       if (!(det > 1e-14 * huu * hvv)) break;
       du = -(hvv * gu - huv * gv) / det, dv = -(huu * gv - huv * gu) / det;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "geometry/vec.h"
@@ -25,7 +26,8 @@ struct KnotVector {
   double high() const { return knots[knots.size() - static_cast<std::size_t>(degree) - 1]; }
   /// The span that holds t, as the index of the knot before it; its basis functions are span - degree .. span.
   int span(double t) const;
-  int multiplicity(double t) const;
+  /// The different knots, and how often each is there.
+  std::vector<std::pair<double, int>> multiplicities() const;
   std::vector<double> breaks() const;  ///< the different knots of the domain, its ends included
   bool operator==(const KnotVector&) const = default;
 };
@@ -74,13 +76,13 @@ NurbsCurve<D> with_knot(const NurbsCurve<D>& curve, double t, int times = 1);
 NurbsSurface with_knot(const NurbsSurface& surface, bool along_u, double t, int times = 1);
 
 /// Where a surface comes nearest to a point.
-struct SurfaceFoot {
+struct SplineFoot {
   double u = 0, v = 0;  ///< inside of the domain
   double distance = 0;  ///< mm, >= 0
   Vec3 point = Vec3::Zero();
 };
 /// The foot that Newton's steps reach from a start near it; on the border of the domain if they lead out of it.
-SurfaceFoot foot_near(const NurbsSurface& surface, const Vec3& p, double u, double v);
+SplineFoot foot_near(const NurbsSurface& surface, const Vec3& p, double u, double v);
 
 extern template struct NurbsCurve<2>;
 extern template struct NurbsCurve<3>;

@@ -32,7 +32,7 @@ struct Edge {
   std::vector<std::uint32_t> corners;
 };
 
-Vec2 place_at(const TrimCurve& trim, double share) {
+Vec2 place_at(const SurfaceTrim& trim, double share) {
   const auto& t = trim.curve.t;
   return trim.curve.at(t.low() + share * (t.high() - t.low()));
 }
@@ -61,7 +61,7 @@ class EdgeSampler {
   }
 
  private:
-  const TrimCurve& trim(std::size_t use) const {
+  const SurfaceTrim& trim(std::size_t use) const {
     const BorderUse& e = edge_.uses[use];
     return surfaces_[e.patch].loops[e.loop][e.curve];
   }
@@ -378,7 +378,7 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
   for (auto& [number, edge] : edges) {
     edge.shares = EdgeSampler(surfaces, edge, 0.8 * deviation).shares();
     const BorderUse& first = edge.uses.front();
-    const TrimCurve& trim = surfaces[first.patch].loops[first.loop][first.curve];
+    const SurfaceTrim& trim = surfaces[first.patch].loops[first.loop][first.curve];
     for (std::size_t i = 0; i < edge.shares.size(); ++i) {
       const bool at_end = i == 0 || i + 1 == edge.shares.size();
       const auto next = static_cast<std::uint32_t>(result.mesh.vertices.size());
@@ -418,30 +418,44 @@ namespace {
 
 /// A place on the border of a surface.
 struct BorderPlace {
-  const TrimCurve* trim;
+  const SurfaceTrim* trim;
   double t;
   Vec2 uv;
 };
 
+struct BorderFoot {
+  const SurfaceTrim* trim;
+  double t;
+  Vec3 point;
+};
+
 /// The nearest place to a point along one piece of a border, from a start near it.
-Vec3 nearest_along(const NurbsSurface& surface, const TrimCurve& trim, const Vec3& p, double t) {
+BorderFoot nearest_along(const NurbsSurface& surface, const SurfaceTrim& trim, const Vec3& p, double t) {
   const auto at = [&](double where) {
     const Vec2 uv = trim.curve.at(where);
     return surface.at(uv.x(), uv.y());
   };
   const double low = trim.curve.t.low(), high = trim.curve.t.high();
   Vec3 best = at(t);
-  for (int round = 0; round < 12; ++round) {
+  for (int round = 0; round < 30; ++round) {
     Vec2 uv, first, second;
     trim.curve.derivatives(t, uv, first, second);
     const SurfacePoint s = surface.derivatives(uv.x(), uv.y());
-    const Vec3 along = first.x() * s.du + first.y() * s.dv;
-    const double next = std::clamp(t - (s.p - p).dot(along) / std::max(along.squaredNorm(), 1e-300), low, high);
-    const Vec3 there = at(next);
-    if (!((there - p).squaredNorm() < (best - p).squaredNorm())) break;
-    best = there, t = next;
+    const Vec3 along = first.x() * s.du + first.y() * s.dv, r = s.p - p;
+    const Vec3 bend = first.x() * first.x() * s.duu + 2 * first.x() * first.y() * s.duv +
+                      first.y() * first.y() * s.dvv + second.x() * s.du + second.y() * s.dv;
+    double slope = along.squaredNorm() + r.dot(bend);
+    if (!(slope > 1e-3 * along.squaredNorm())) slope = along.squaredNorm();
+    bool nearer = false;
+    for (double step = 1; step > 1e-3 && !nearer; step /= 4) {
+      const double next = std::clamp(t - step * r.dot(along) / std::max(slope, 1e-300), low, high);
+      const Vec3 there = at(next);
+      if (!((there - p).squaredNorm() < (best - p).squaredNorm())) continue;
+      best = there, t = next, nearer = true;
+    }
+    if (!nearer) break;
   }
-  return best;
+  return {&trim, t, best};
 }
 
 }  // namespace
@@ -451,7 +465,8 @@ struct SurfaceDistance::Parts {
   SurfaceTriangles triangles;
   double deviation;
   bool closed;
-  std::vector<std::vector<std::vector<BorderPlace>>> loops;  // of each surface
+  std::vector<std::vector<std::vector<BorderPlace>>> loops;                           // of each surface
+  std::map<int, std::vector<std::pair<std::uint32_t, const SurfaceTrim*>>> sides_of;  // of each edge
   MeshDistance distance;
 
   Parts(std::vector<TrimmedSurface> given, double within, bool bounds_body)
@@ -465,6 +480,7 @@ struct SurfaceDistance::Parts {
       for (const auto& loop : surface.loops) {
         auto& outline = outlines.emplace_back();
         for (const auto& trim : loop) {
+          sides_of[trim.edge].emplace_back(static_cast<std::uint32_t>(loops.size() - 1), &trim);
           const auto breaks = trim.curve.t.breaks();
           for (std::size_t i = 0; i + 1 < breaks.size(); ++i)
             for (int k = 0, pieces = 4 * trim.curve.t.degree; k < pieces; ++k) {
@@ -477,7 +493,7 @@ struct SurfaceDistance::Parts {
   }
 
   /// The nearest place to p on the border of a surface, which is near (u, v).
-  Vec3 on_border(std::uint32_t patch, const Vec3& p, const Vec2& uv) const {
+  BorderFoot on_border(std::uint32_t patch, const Vec3& p, const Vec2& uv) const {
     // On the two pieces that come nearest: the place may lie on either side of a corner between them.
     const BorderPlace* nearest[2] = {};
     double least[2] = {1e300, 1e300};
@@ -493,10 +509,10 @@ struct SurfaceDistance::Parts {
         }
       }
     const NurbsSurface& surface = surfaces[patch].surface;
-    const Vec3 first = nearest_along(surface, *nearest[0]->trim, p, nearest[0]->t);
+    const BorderFoot first = nearest_along(surface, *nearest[0]->trim, p, nearest[0]->t);
     if (!nearest[1]) return first;
-    const Vec3 second = nearest_along(surface, *nearest[1]->trim, p, nearest[1]->t);
-    return (first - p).squaredNorm() <= (second - p).squaredNorm() ? first : second;
+    const BorderFoot second = nearest_along(surface, *nearest[1]->trim, p, nearest[1]->t);
+    return (first.point - p).squaredNorm() <= (second.point - p).squaredNorm() ? first : second;
   }
 
   bool holds(std::uint32_t patch, const Vec2& uv) const {
@@ -521,20 +537,35 @@ SurfaceDistance::Hit SurfaceDistance::operator()(const Vec3& p) const {
   const MeshHit near = parts.distance.closest(p);
   const auto& corners = parts.triangles.place[near.triangle];
   const std::uint32_t patch = parts.triangles.patch[near.triangle];
-  const NurbsSurface& surface = parts.surfaces[patch].surface;
   // From the shares of the nearest triangle's corners.
   const Vec3 a = mesh.corner(near.triangle, 0), ab = mesh.corner(near.triangle, 1) - a,
              ac = mesh.corner(near.triangle, 2) - a, d = near.point - a;
   const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac), det = std::max(bb * cc - bc * bc, 1e-300);
   const double s = (cc * d.dot(ab) - bc * d.dot(ac)) / det, t = (bb * d.dot(ac) - bc * d.dot(ab)) / det;
   const Vec2 start = corners[0] + s * (corners[1] - corners[0]) + t * (corners[2] - corners[0]);
-  const SurfaceFoot foot = foot_near(surface, p, start.x(), start.y());
   Hit hit{near.distance, patch, near.point, triangle_normal(mesh, near.triangle)};
-  if (foot.distance <= near.distance + 2 * parts.deviation && parts.holds(patch, {foot.u, foot.v})) {
-    hit.distance = foot.distance, hit.point = foot.point;
+  // Within the mesh's deviation: a foot farther away belongs to another part of the surface.
+  double most = near.distance + 2 * parts.deviation;
+  const auto take = [&](std::uint32_t of, const Vec2& from) {
+    const NurbsSurface& surface = parts.surfaces[of].surface;
+    const SplineFoot foot = foot_near(surface, p, from.x(), from.y());
+    if (!(foot.distance <= most) || !parts.holds(of, {foot.u, foot.v})) return false;
+    hit.distance = most = foot.distance, hit.point = foot.point, hit.patch = of;
     if (const Vec3 n = surface.derivatives(foot.u, foot.v).normal(); n.squaredNorm() > 0.5) hit.normal = n;
-  } else if (const Vec3 q = parts.on_border(patch, p, start); (q - p).norm() < near.distance + 2 * parts.deviation) {
-    hit.distance = (q - p).norm(), hit.point = q;
+    return true;
+  };
+  if (!take(patch, start)) {
+    const BorderFoot edge = parts.on_border(patch, p, start);
+    if (const double d = (edge.point - p).norm(); d < most) {
+      hit.distance = most = d, hit.point = edge.point;
+      const Vec2 uv = edge.trim->curve.at(edge.t);
+      const Vec3 n = parts.surfaces[patch].surface.derivatives(uv.x(), uv.y()).normal();
+      if (n.squaredNorm() > 0.5) hit.normal = n;
+    }
+    // It may lie on the surface beyond the edge.
+    const auto& t = edge.trim->curve.t;
+    for (const auto& [other, trim] : parts.sides_of.at(edge.trim->edge))
+      if (trim != edge.trim) take(other, place_at(*trim, 1 - (edge.t - t.low()) / (t.high() - t.low())));
   }
   const bool behind = parts.closed && near.distance > 2 * parts.deviation ? parts.distance.signed_distance(p) < 0
                                                                           : (p - hit.point).dot(hit.normal) < 0;

@@ -13,7 +13,7 @@
 namespace partscribe::geometry {
 
 /// One piece of a border, in the parameter plane (u, v).
-struct TrimCurve {
+struct SurfaceTrim {
   NurbsCurve<2> curve;
   /// Curves of one edge are one curve in space: that of the second surface runs against that of the first, and equal
   /// shares of their parameters' domains, from either end, are equal places. An edge of one curve alone is a rim.
@@ -24,7 +24,7 @@ struct TrimCurve {
 /// curve begins where the one before ends.
 struct TrimmedSurface {
   NurbsSurface surface;
-  std::vector<std::vector<TrimCurve>> loops;
+  std::vector<std::vector<SurfaceTrim>> loops;
 };
 
 /// The same surface with its front where its back was: u runs the other way, and so do the loops.
@@ -44,7 +44,8 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
 /// Distances to trimmed surfaces. Queries may run on many threads.
 class SurfaceDistance {
  public:
-  /// `deviation`, mm: how far a distance may be off where the nearest place lies on an edge; elsewhere it is exact.
+  /// Distances are exact, but for far points that two places are nearly as near to: they are off by `deviation`, mm, at
+  /// most.
   /// `closed`: the surfaces bound a body, and what lies in it is at negative distances; else what lies behind them is.
   SurfaceDistance(std::vector<TrimmedSurface> surfaces, double deviation, bool closed);
   ~SurfaceDistance();

@@ -41,7 +41,7 @@ std::vector<Polygon> corners_of(const EvaluatedSketch& sketch, int around) {
       if (const auto* arc = std::get_if<Arc2>(&c.curve))
         loop.push_back(arc->at(arc->from + t * (arc->to - arc->from)));
       else if (const auto* nurbs = std::get_if<Nurbs2>(&c.curve))
-        loop.push_back(nurbs->at(nurbs->knots.front() + t * (nurbs->knots.back() - nurbs->knots.front())));
+        loop.push_back(nurbs->at(nurbs->t.low() + t * (nurbs->t.high() - nurbs->t.low())));
       else
         loop.push_back(std::get<Line2>(c.curve).a);
     }

@@ -44,7 +44,7 @@ TEST_CASE("mutation: damages of a model are refused through every backend, and t
   options.most = 1;
   options.in_turn = true;
   std::set<std::string> kinds;
-  for (const auto& part : {"block", "pin"}) refuses(part, options, kinds);
+  for (const auto& part : {"block", "pin", "cowl"}) refuses(part, options, kinds);
   CHECK(kinds.size() >= 15);
 }
 
@@ -54,7 +54,8 @@ TEST_CASE("mutation: so are those of all parts", "[.statistics]") {
   options.most = 1;
   options.in_turn = true;
   std::set<std::string> kinds;
-  for (const auto& part : {"block", "pin", "half_spaces", "tri_surface"}) refuses(part, options, kinds);
+  for (const auto& part : {"block", "pin", "half_spaces", "tri_surface", "cowl", "cushion"})
+    refuses(part, options, kinds);
   CHECK(kinds.size() >= 18);
 }
 

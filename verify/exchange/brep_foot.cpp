@@ -29,7 +29,7 @@ double wrapped(const ParameterRange& range, double x) {
   return x;
 }
 
-SplinePoint general_point(const Geom_Surface& surface, double u, double v) {
+SurfacePoint general_point(const Geom_Surface& surface, double u, double v) {
   gp_Pnt p;
   gp_Vec du, dv, duu, dvv, duv;
   surface.D2(u, v, p, du, dv, duu, dvv, duv);
@@ -55,7 +55,7 @@ bool in_trim(const BrepFace& face, const Vec2& uv) {
 }
 
 /// Descends to a foot on the surface, held inside the parameters' ranges.
-void descend(const BrepFace& face, const Vec3& query, double& u, double& v, SplinePoint& s) {
+void descend(const BrepFace& face, const Vec3& query, double& u, double& v, SurfacePoint& s) {
   u = wrapped(face.u, u), v = wrapped(face.v, v);
   if (face.u.period == 0) u = std::clamp(u, face.u.low, face.u.high);
   if (face.v.period == 0) v = std::clamp(v, face.v.low, face.v.high);
@@ -96,7 +96,7 @@ void descend(const BrepFace& face, const Vec3& query, double& u, double& v, Spli
       if (face.u.period == 0) nu = std::clamp(nu, face.u.low, face.u.high);
       if (face.v.period == 0) nv = std::clamp(nv, face.v.low, face.v.high);
       nu = wrapped(face.u, nu), nv = wrapped(face.v, nv);
-      const SplinePoint next = surface_point(face, nu, nv);
+      const SurfacePoint next = surface_point(face, nu, nv);
       const double next_value = (next.p - query).squaredNorm();
       if (next_value <= value) {
         improved = next_value < value;
@@ -117,13 +117,13 @@ Vec2 parameters(const Surface& surface, const gp_Pnt& p) {
 
 }  // namespace
 
-SplinePoint surface_point(const BrepFace& face, double u, double v) {
+SurfacePoint surface_point(const BrepFace& face, double u, double v) {
   return std::visit(
-      [&](const auto& surface) -> SplinePoint {
+      [&](const auto& surface) -> SurfacePoint {
         using Kind = std::decay_t<decltype(surface)>;
-        if constexpr (std::is_same_v<Kind, SplineSurface>) {
-          return evaluate(surface, std::clamp(wrapped(face.u, u), surface.u.low(), surface.u.high()),
-                          std::clamp(wrapped(face.v, v), surface.v.low(), surface.v.high()));
+        if constexpr (std::is_same_v<Kind, NurbsSurface>) {
+          return surface.derivatives(std::clamp(wrapped(face.u, u), surface.u.low(), surface.u.high()),
+                                     std::clamp(wrapped(face.v, v), surface.v.low(), surface.v.high()));
         } else if constexpr (std::is_same_v<Kind, Handle(Geom_Surface)>) {
           return general_point(*surface, u, v);
         } else {
@@ -140,8 +140,10 @@ CurvePoint curve_point(const BrepEdge& edge, double t) {
   return std::visit(
       [&](const auto& curve) -> CurvePoint {
         using Kind = std::decay_t<decltype(curve)>;
-        if constexpr (std::is_same_v<Kind, SplineCurve>) {
-          return evaluate(curve, std::clamp(t, curve.t.low(), curve.t.high()));
+        if constexpr (std::is_same_v<Kind, NurbsCurve<3>>) {
+          CurvePoint at;
+          curve.derivatives(std::clamp(t, curve.t.low(), curve.t.high()), at.p, at.d1, at.d2);
+          return at;
         } else if constexpr (std::is_same_v<Kind, Handle(Geom_Curve)>) {
           gp_Pnt p;
           gp_Vec d1, d2;
@@ -162,13 +164,13 @@ CurvePoint curve_point(const BrepEdge& edge, double t) {
 
 std::optional<SurfaceFoot> foot_on_face(const BrepFace& face, const Vec3& query, const Vec2& start) {
   Vec2 uv = start;
-  SplinePoint s;
+  SurfacePoint s;
   if (face.closed_form()) {
     const gp_Pnt p = pnt(query);
     uv = std::visit(
         [&](const auto& surface) -> Vec2 {
           using Kind = std::decay_t<decltype(surface)>;
-          if constexpr (std::is_same_v<Kind, SplineSurface> || std::is_same_v<Kind, Handle(Geom_Surface)>)
+          if constexpr (std::is_same_v<Kind, NurbsSurface> || std::is_same_v<Kind, Handle(Geom_Surface)>)
             return start;
           else
             return parameters(surface, p);

@@ -56,27 +56,25 @@ namespace {
 
 Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
-SplineKnots knots_of(int degree, const TColStd_Array1OfReal& sequence) {
-  SplineKnots knots;
+KnotVector knots_of(int degree, const TColStd_Array1OfReal& sequence) {
+  KnotVector knots;
   knots.degree = degree;
   for (int i = sequence.Lower(); i <= sequence.Upper(); ++i) knots.knots.push_back(sequence(i));
   return knots;
 }
 
-void append_pole(std::vector<double>& poles, const gp_Pnt& p, double w) {
-  poles.insert(poles.end(), {p.X() * w, p.Y() * w, p.Z() * w, w});
-}
-
-SplineSurface spline_of(const Handle(Geom_BSplineSurface) & given) {
+NurbsSurface spline_of(const Handle(Geom_BSplineSurface) & given) {
   const auto surface = Handle(Geom_BSplineSurface)::DownCast(given->Copy());
   if (surface->IsUPeriodic()) surface->SetUNotPeriodic();
   if (surface->IsVPeriodic()) surface->SetVNotPeriodic();
-  SplineSurface spline;
+  NurbsSurface spline;
   spline.u = knots_of(surface->UDegree(), surface->UKnotSequence());
   spline.v = knots_of(surface->VDegree(), surface->VKnotSequence());
   for (int i = 1; i <= surface->NbUPoles(); ++i)
-    for (int j = 1; j <= surface->NbVPoles(); ++j)
-      append_pole(spline.poles, surface->Pole(i, j), surface->Weight(i, j));
+    for (int j = 1; j <= surface->NbVPoles(); ++j) {
+      spline.points.push_back(vec(surface->Pole(i, j)));
+      if (surface->IsURational() || surface->IsVRational()) spline.weights.push_back(surface->Weight(i, j));
+    }
   return spline;
 }
 
@@ -126,9 +124,12 @@ bool take_curve(BrepEdge& edge, const TopoDS_Edge& shape) {
   else if (auto circle = Handle(Geom_Circle)::DownCast(curve))
     edge.curve = circle->Circ();
   else if (auto bspline = Handle(Geom_BSplineCurve)::DownCast(curve); bspline && !bspline->IsPeriodic()) {
-    SplineCurve spline;
+    NurbsCurve<3> spline;
     spline.t = knots_of(bspline->Degree(), bspline->KnotSequence());
-    for (int i = 1; i <= bspline->NbPoles(); ++i) append_pole(spline.poles, bspline->Pole(i), bspline->Weight(i));
+    for (int i = 1; i <= bspline->NbPoles(); ++i) {
+      spline.points.push_back(vec(bspline->Pole(i)));
+      if (bspline->IsRational()) spline.weights.push_back(bspline->Weight(i));
+    }
     edge.curve = std::move(spline);
   } else
     edge.curve = curve;
@@ -328,7 +329,7 @@ class Collector {
       parts_->mesh.vertices.push_back(vec(triangulation->Node(int(i) + 1).Transformed(world_from_face)));
       const gp_Pnt2d p = triangulation->UVNode(int(i) + 1);
       uv[i] = {p.X(), p.Y()};
-      const SplinePoint s = surface_point(own, p.X(), p.Y());
+      const SurfacePoint s = surface_point(own, p.X(), p.Y());
       const Vec3 n = s.du.cross(s.dv);
       const double length = n.norm();
       if (length > 1e-9 * (s.du.squaredNorm() + s.dv.squaredNorm())) normal[i] = (own.reversed ? -1 : 1) / length * n;

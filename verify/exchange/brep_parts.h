@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "geometry/mesh/triangle_tree.h"
+#include "geometry/surfaces/nurbs.h"
 #include "verify/exchange/brep_distance.h"
-#include "verify/exchange/spline.h"
 #include "verify/exchange/trim_region.h"
 
 namespace partscribe::verify {
@@ -23,7 +23,7 @@ struct ParameterRange {
 
 /// A face's surface; the last alternative stands for all kinds without a closed form or spline of their own.
 struct BrepFace {
-  std::variant<gp_Pln, gp_Cylinder, gp_Cone, gp_Sphere, gp_Torus, SplineSurface, Handle(Geom_Surface)> surface;
+  std::variant<gp_Pln, gp_Cylinder, gp_Cone, gp_Sphere, gp_Torus, NurbsSurface, Handle(Geom_Surface)> surface;
   ParameterRange u, v;
   TrimRegion trim;
   bool reversed = false;
@@ -32,7 +32,7 @@ struct BrepFace {
 };
 
 struct BrepEdge {
-  std::variant<gp_Lin, gp_Circ, SplineCurve, Handle(Geom_Curve)> curve;
+  std::variant<gp_Lin, gp_Circ, NurbsCurve<3>, Handle(Geom_Curve)> curve;
   double first = 0, last = 0;
   std::uint32_t face = 0;                                       ///< one of its faces
   std::uint32_t first_segment = 0, segments = 0;                ///< in the order of the parameter
@@ -70,7 +70,10 @@ struct BrepDistance::Parts {
 };
 
 /// The place of parameters, with derivatives; parameters of closed surfaces may lie whole turns away.
-SplinePoint surface_point(const BrepFace& face, double u, double v);
+SurfacePoint surface_point(const BrepFace& face, double u, double v);
+struct CurvePoint {
+  Vec3 p, d1, d2;  ///< place and derivatives
+};
 CurvePoint curve_point(const BrepEdge& edge, double t);
 
 /// Throws OpenCASCADE's exceptions; null as BrepDistance::make.

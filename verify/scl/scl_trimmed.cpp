@@ -53,7 +53,7 @@ std::optional<NurbsCurve<2>> trim_of(const SclGeometry& geometry) {
 
 /// A side of a border in space.
 struct Side {
-  TrimCurve* trim;
+  SurfaceTrim* trim;
   Vec3 first, middle, last;
 };
 
@@ -95,7 +95,7 @@ SclMade trimmed_shell(const std::vector<SclGeometryPtr>& surfaces) {
   int number = 0;
   for (auto& surface : shell->trimmed)
     for (auto& loop : surface.loops)
-      for (TrimCurve& trim : loop) {
+      for (SurfaceTrim& trim : loop) {
         const auto at = [&](double share) {
           const auto& t = trim.curve.t;
           const Vec2 uv = trim.curve.at(t.low() + share * (t.high() - t.low()));

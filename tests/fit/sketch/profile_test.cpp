@@ -103,7 +103,7 @@ TEST_CASE("profile: a wavy edge is one spline, not a chain of arcs") {
   const auto splines = segments_of(chains[0], options);
   REQUIRE(splines.size() == 1);
   CHECK(splines[0].spline);
-  CHECK(splines[0].curve.control.size() < 30);
+  CHECK(splines[0].curve.points.size() < 30);
   double worst = 0;
   for (double x = 2; x < 58; x += 0.5) {
     const Vec2 truth(x, 4 * std::sin(x / 6) + 0.02 * x * x / 6);

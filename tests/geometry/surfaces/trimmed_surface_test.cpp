@@ -32,7 +32,7 @@ NurbsSurface saddle() {
   return s;
 }
 
-std::vector<TrimCurve> rectangle(const Vec2& low, const Vec2& high, std::array<int, 4> edges) {
+std::vector<SurfaceTrim> rectangle(const Vec2& low, const Vec2& high, std::array<int, 4> edges) {
   const Vec2 b(high.x(), low.y()), d(low.x(), high.y());
   return {{line(low, b), edges[0]}, {line(b, high), edges[1]}, {line(high, d), edges[2]}, {line(d, low), edges[3]}};
 }
