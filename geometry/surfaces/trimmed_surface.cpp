@@ -115,11 +115,14 @@ class Ends {
 // ---- one surface ------------------------------------------------------------------------------------------------
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+struct PatchVertex {
+  std::uint32_t corner = no_corner;
+};
 struct PatchFace {
   int depth = -1;
   bool inside = false;
 };
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<PatchVertex, Kernel>;
 using FaceBase =
     CGAL::Triangulation_face_base_with_info_2<PatchFace, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
 using Delaunay =
@@ -158,6 +161,7 @@ class Patch {
   }
 
   void triangulate(std::uint32_t number, SurfaceTriangles& out) {
+    if (!finite()) return;
     for (const auto& loop : loops_) {
       Vertex first, last;
       for (const Corner& c : loop) {
@@ -168,6 +172,12 @@ class Patch {
       }
       if (last != nullptr && last != first) delaunay_.insert_constraint(last, first);
     }
+    // Where loops cross each other there are vertices that nobody asked for.
+    for (const auto vertex : delaunay_.finite_vertex_handles()) {
+      if (vertex->info().corner != no_corner) continue;
+      vertex->info().corner = static_cast<std::uint32_t>(corners_.size());
+      corners_.push_back({{vertex->point().x() / scale_.x(), vertex->point().y() / scale_.y()}, no_corner});
+    }
     for (const Vec2& uv : crossings_of_knots()) insert({uv, no_corner});
     mark();
     refine();
@@ -176,7 +186,7 @@ class Patch {
       std::array<std::uint32_t, 3> triangle;
       std::array<Vec2, 3> place;
       for (int k = 0; k < 3; ++k) {
-        Corner& c = corners_[face->vertex(k)->info()];
+        Corner& c = corners_[face->vertex(k)->info().corner];
         if (c.vertex == no_corner) {
           c.vertex = static_cast<std::uint32_t>(out.mesh.vertices.size());
           out.mesh.vertices.push_back(surface_.at(c.uv.x(), c.uv.y()));
@@ -192,6 +202,14 @@ class Patch {
   }
 
  private:
+  bool finite() const {
+    bool all = scale_.allFinite();
+    for (const auto& loop : loops_)
+      for (const Corner& c : loop) all = all && c.uv.allFinite();
+    for (const Vec3& p : surface_.points) all = all && p.allFinite();
+    return all;
+  }
+
   using Vertex = Delaunay::Vertex_handle;
   using Face = Delaunay::Face_handle;
 
@@ -199,7 +217,8 @@ class Patch {
     const auto vertex =
         delaunay_.insert(Kernel::Point_2(corner.uv.x() * scale_.x(), corner.uv.y() * scale_.y()), hint_);
     hint_ = vertex->face();
-    vertex->info() = static_cast<std::uint32_t>(corners_.size());
+    if (vertex->info().corner != no_corner) return vertex;  // there was one already
+    vertex->info().corner = static_cast<std::uint32_t>(corners_.size());
     corners_.push_back(corner);
     return vertex;
   }
@@ -257,7 +276,7 @@ class Patch {
     Vec2 uv[3];
     Vec3 p[3];
     for (int k = 0; k < 3; ++k) {
-      uv[k] = corners_[face->vertex(k)->info()].uv;
+      uv[k] = corners_[face->vertex(k)->info().corner].uv;
       p[k] = surface_.at(uv[k].x(), uv[k].y());
     }
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
@@ -289,7 +308,7 @@ class Patch {
       const Worst worst = worst_place(face);
       if (!(worst.off > deviation_)) return;
       Entry entry{worst.off, {}, face, worst.uv};
-      for (int k = 0; k < 3; ++k) entry.corner[k] = face->vertex(k)->info();
+      for (int k = 0; k < 3; ++k) entry.corner[k] = face->vertex(k)->info().corner;
       queue.push(entry);
     };
     for (const auto face : delaunay_.finite_face_handles())
@@ -299,7 +318,7 @@ class Patch {
       const Entry worst = queue.top();
       queue.pop();
       bool there = true;
-      for (int k = 0; k < 3; ++k) there = there && worst.face->vertex(k)->info() == worst.corner[k];
+      for (int k = 0; k < 3; ++k) there = there && worst.face->vertex(k)->info().corner == worst.corner[k];
       if (!there) continue;
       hint_ = worst.face;
       const std::size_t before = delaunay_.number_of_vertices();

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "core/number.h"
 
@@ -75,6 +76,24 @@ TEST_CASE("trimmed surface: triangles fill the loops, leave out the hole, and li
     CHECK(flat == Approx(36 * 25 - pi * 36).epsilon(std::sqrt(deviation) / 10));
     for (const Vec3& p : made.mesh.vertices) CHECK(p.z() == Approx(p.x() * p.y() / 50).margin(1e-12));
   }
+}
+
+TEST_CASE("trimmed surface: loops that cross or are no numbers give some triangles or none, and nothing worse") {
+  // A bow tie, and a hole that reaches out of its outline.
+  const std::vector<SurfaceTrim> bow = {{line({5, 5}, {30, 25}), 0},
+                                        {line({30, 25}, {30, 5}), 1},
+                                        {line({30, 5}, {5, 25}), 2},
+                                        {line({5, 25}, {5, 5}), 3}};
+  const TrimmedSurface crossed{saddle(), {bow}};
+  const auto made = triangulated(std::span(&crossed, 1), 0.1);
+  for (const auto& t : made.mesh.triangles)
+    for (const auto v : t) CHECK(v < made.mesh.vertices.size());
+  const TrimmedSurface reaching{saddle(),
+                                {rectangle({2, 3}, {38, 28}, {0, 1, 2, 3}), {{circle({36, 15}, 6, false), 4}}}};
+  CHECK_FALSE(triangulated(std::span(&reaching, 1), 0.1).mesh.empty());
+  TrimmedSurface broken{saddle(), {rectangle({2, 3}, {38, 28}, {0, 1, 2, 3})}};
+  broken.surface.points[5].x() = std::numeric_limits<double>::quiet_NaN();
+  CHECK(triangulated(std::span(&broken, 1), 0.1).mesh.empty());
 }
 
 TEST_CASE("trimmed surface: surfaces with common edges become one closed mesh") {

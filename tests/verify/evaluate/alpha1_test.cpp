@@ -268,6 +268,45 @@ Body : shellOfSurfaces( Skin );
   CHECK(half == Approx(whole / 2).epsilon(2e-3));
 }
 
+TEST_CASE("alpha1: a surface within a border has the area inside of it; borders have to close, and shells to fit") {
+  // 40 x 30, flat; u and v run from 0 to 1.
+  const std::string sheet = R"(
+Net : seqCollect {
+  seqCollect { pt( 0.0, 0.0, 5.0 ); pt( 40.0, 0.0, 5.0 ); }
+  seqCollect { pt( 0.0, 30.0, 5.0 ); pt( 40.0, 30.0, 5.0 ); }
+}
+Whole : surface( Linear, "ec_open", "kv_uniform", Linear, "ec_open", "kv_uniform", Net );
+Ends : seqCollect { 0.0; 0.0; 1.0; 1.0; }
+procedure side( A, B ) nurbsCrv( Linear, Ends, seqCollect2( A, B ) );
+procedure seqCollect2( A, B ) seqCollect { A; B; }
+procedure corner( U, V ) pt( U, V, 0.0 );
+Outline : seqCollect {
+  side( corner( 0.1, 0.1 ), corner( 0.9, 0.1 ) ); side( corner( 0.9, 0.1 ), corner( 0.9, 0.9 ) );
+  side( corner( 0.9, 0.9 ), corner( 0.1, 0.9 ) ); side( corner( 0.1, 0.9 ), corner( 0.1, 0.1 ) );
+}
+Window : seqCollect {
+  side( corner( 0.4, 0.4 ), corner( 0.4, 0.6 ) ); side( corner( 0.4, 0.6 ), corner( 0.6, 0.6 ) );
+  side( corner( 0.6, 0.6 ), corner( 0.6, 0.4 ) ); side( corner( 0.6, 0.4 ), corner( 0.4, 0.4 ) );
+}
+Gap : seqCollect { side( corner( 0.1, 0.1 ), corner( 0.9, 0.1 ) ); side( corner( 0.9, 0.1 ), corner( 0.9, 0.9 ) ); }
+Loops : seqCollect { Outline; Window; }
+)";
+  const Evaluation e = run(sheet + "Out : objTransform( trimSurface( Whole, Loops ), rx( 90.0 ) );");
+  CHECK_FALSE(e.failed);
+  CHECK_FALSE(e.solid);
+  CHECK(area(e.mesh) == Approx(40 * 30 * (0.64 - 0.04)));
+  CHECK(e.mesh.bounds().size().y() == Approx(0).margin(1e-9));
+  const auto refused = [&](const std::string& statement) { return refusal(sheet + statement); };
+  CHECK(refused("Open : seqCollect { Gap; } Out : trimSurface( Whole, Open );").find("closed border") !=
+        std::string::npos);
+  CHECK(refused("L : seqCollect { Whole; } M : seqCollect { L; } Out : trimSurface( Whole, M );").find("curves") !=
+        std::string::npos);
+  CHECK(refused("B : box( Origin, vec(1,0,0), vec(0,1,0), vec(0,0,1) ); Out : trimSurface( B, Loops );") != "");
+  CHECK(
+      refused("F : seqCollect { trimSurface( Whole, Loops ); Whole; } Out : shellOfSurfaces( F );").find("whole one") !=
+      std::string::npos);
+}
+
 TEST_CASE("alpha1: the result is the last dump, else the last show, else the last labelled object") {
   const std::string two =
       "A : box( Origin, vec(1,0,0), vec(0,1,0), vec(0,0,1) ); B : box( Origin, vec(2,0,0), vec(0,1,0), vec(0,0,1) );";
