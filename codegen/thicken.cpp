@@ -19,14 +19,16 @@ bool folds(const TriangleMesh& front, const std::vector<Vec3>& normals, double t
   return false;
 }
 
-/// Does the back come so near to the front somewhere that it would stand in front of it or in its way?
-bool crowds(const TriangleMesh& front, const std::vector<Vec3>& normals, double thickness) {
-  const MeshDistance distance(front);
-  for (std::size_t v = 0; v < normals.size(); ++v)
-    if (normals[v].squaredNorm() > 0 &&
-        distance.closest_within(front.vertices[v] - thickness * normals[v], 0.5 * thickness))
-      return true;
-  return false;
+/// Share of the corners whose back comes to lie in front of the sheet, where it would hide it.
+double in_front(const MeshDistance& distance, const TriangleMesh& front, const std::vector<Vec3>& normals,
+                double thickness) {
+  std::vector<Vec3> back;
+  for (std::size_t v = 0; v < normals.size(); ++v) back.push_back(front.vertices[v] - thickness * normals[v]);
+  const auto hits = distance.closest(back, 1);
+  std::size_t hiding = 0;
+  for (std::size_t v = 0; v < back.size(); ++v)
+    hiding += (back[v] - hits[v].point).dot(triangle_normal(front, hits[v].triangle)) > 0.05 * thickness;
+  return double(hiding) / double(std::max<std::size_t>(back.size(), 1));
 }
 
 }  // namespace
@@ -44,9 +46,14 @@ std::vector<Vec3> sheet_normals(const std::vector<std::array<double, 3>>& vertic
     for (const auto v : triangles[t]) cosine[v] = std::min(cosine[v], std::max(n.dot(normals[v]), 0.5));
   }
   for (std::size_t v = 0; v < normals.size(); ++v) normals[v] /= cosine[v];
-  if (folds(mesh, normals, thickness) || crowds(mesh, normals, thickness))
-    if (const Facing common = facing(mesh, 0.02); common.turned_away < 0.01)
-      std::fill(normals.begin(), normals.end(), common.direction);
+  const Facing common = facing(mesh, 0.02);
+  if (common.turned_away < 0.01) {
+    const std::vector<Vec3> alike(normals.size(), common.direction);
+    const MeshDistance distance(mesh);
+    if (folds(mesh, normals, thickness) ||
+        in_front(distance, mesh, normals, thickness) > in_front(distance, mesh, alike, thickness))
+      normals = alike;
+  }
   return normals;
 }
 

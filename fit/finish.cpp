@@ -99,10 +99,11 @@ Result<CheckedModel> completed(const Fallback& fallback, const Attempt& attempt,
 
 }  // namespace
 
-Result<std::optional<CheckedModel>> as_free_form(const Attempt& attempt, const std::vector<Rival>& refused,
-                                                 const Scan& scan, const BuildOptions& options, Context& context) {
+Result<std::optional<CheckedModel>> as_free_form(const Attempt& attempt, Triangulator& triangulator,
+                                                 const std::vector<Rival>& refused, const Scan& scan,
+                                                 const BuildOptions& options, Context& context) {
   context.report("free form", 0.65);
-  const auto fallback = free_form_of(attempt.scan.input, context);
+  const auto fallback = free_form_of(attempt.scan.input, triangulator, context);
   if (context.cancelled) return Error{"cancelled", ErrorKind::stopped};
   if (!fallback) return std::optional<CheckedModel>();
   auto model = completed(*fallback, attempt, refused, scan, options, context);
@@ -110,10 +111,10 @@ Result<std::optional<CheckedModel>> as_free_form(const Attempt& attempt, const s
   return std::optional(std::move(*model));
 }
 
-Result<CheckedModel> triangulated(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
-                                  const BuildOptions& options, Context& context) {
+Result<CheckedModel> triangulated(const Attempt& attempt, Triangulator& triangulator, const std::vector<Rival>& refused,
+                                  const Scan& scan, const BuildOptions& options, Context& context) {
   context.report("triangulation", 0.7);
-  const auto fallback = fallback_of(attempt.scan.input, context);
+  const auto fallback = fallback_of(attempt.scan.input, triangulator, context);
   if (!fallback) return fallback.error();
   return completed(*fallback, attempt, refused, scan, options, context);
 }

@@ -8,6 +8,7 @@
 #include "fit/build.h"
 #include "fit/outliers/set_aside.h"
 #include "fit/search/search.h"
+#include "fit/surface/triangulate.h"
 
 namespace partscribe::fit {
 
@@ -24,12 +25,14 @@ Rival rival_of(const Judged& judged, const CandidateEvidence& evidence, const st
 Result<CheckedModel> finished(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
                               const BuildOptions& options, Context& context);
 
-/// The same for free form, as B-spline surfaces; nothing where they do not describe the attempt's points.
-Result<std::optional<CheckedModel>> as_free_form(const Attempt& attempt, const std::vector<Rival>& refused,
-                                                 const Scan& scan, const BuildOptions& options, Context& context);
+/// The same for free form, as B-spline surfaces of what `triangulator` has of the attempt's points; nothing where they
+/// do not describe the attempt's points.
+Result<std::optional<CheckedModel>> as_free_form(const Attempt& attempt, Triangulator& triangulator,
+                                                 const std::vector<Rival>& refused, const Scan& scan,
+                                                 const BuildOptions& options, Context& context);
 
 /// The same for a triangulation of the attempt's points.
-Result<CheckedModel> triangulated(const Attempt& attempt, const std::vector<Rival>& refused, const Scan& scan,
-                                  const BuildOptions& options, Context& context);
+Result<CheckedModel> triangulated(const Attempt& attempt, Triangulator& triangulator, const std::vector<Rival>& refused,
+                                  const Scan& scan, const BuildOptions& options, Context& context);
 
 }  // namespace partscribe::fit

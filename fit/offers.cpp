@@ -25,8 +25,9 @@ Result<bool> Offers::take(Attempt& attempt) {
 
 Result<bool> Offers::take_mesh(const Attempt& attempt) {
   scan_.cloud.rejected = attempt.scan.rejected;
+  Triangulator triangulator(attempt.scan.input, context_);
   if (options_.force != only_a_mesh) {
-    auto surfaces = as_free_form(attempt, refused_, scan_, options_, context_);
+    auto surfaces = as_free_form(attempt, triangulator, refused_, scan_, options_, context_);
     if (!surfaces) return surfaces.error();
     if (*surfaces) {
       const auto reason = offer(std::move(**surfaces));
@@ -34,7 +35,7 @@ Result<bool> Offers::take_mesh(const Attempt& attempt) {
       if (reason->empty()) return true;
     }
   }
-  auto mesh = triangulated(attempt, refused_, scan_, options_, context_);
+  auto mesh = triangulated(attempt, triangulator, refused_, scan_, options_, context_);
   if (!mesh && (refused_.empty() || mesh.error().kind == ErrorKind::stopped)) return mesh.error();
   if (!mesh) return false;
   const auto reason = offer(std::move(*mesh));

@@ -19,8 +19,7 @@ FitInput dense_input(const FitInput& input, Context& context) {
 
 }  // namespace
 
-std::optional<Fallback> free_form_of(const FitInput& input, Context& context) {
-  Triangulator triangulator(input, context);
+std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triangulator, Context& context) {
   const auto mesh = triangulator.open_surface(input.tolerance);
   if (!mesh || context.cancelled) return std::nullopt;
   auto sheet = spline_sheet(*mesh, input, context);
@@ -31,10 +30,9 @@ std::optional<Fallback> free_form_of(const FitInput& input, Context& context) {
   return Fallback{std::move(*sheet), evidence};
 }
 
-Result<Fallback> fallback_of(const FitInput& input, Context& context) {
+Result<Fallback> fallback_of(const FitInput& input, Triangulator& triangulator, Context& context) {
   const double tolerance = input.tolerance;
   const FitInput dense = dense_input(input, context);
-  Triangulator triangulator(input, context);
   double enough = 0.8 * tolerance;
   std::optional<Fallback> best;
   for (const double share : {1.0, 0.5, 0.25}) {

@@ -5,6 +5,7 @@
 
 #include "core/result.h"
 #include "fit/evidence/evidence.h"
+#include "fit/surface/triangulate.h"
 
 namespace partscribe::fit {
 
@@ -15,11 +16,11 @@ struct Fallback {
 
 /// Trimmed B-spline surfaces where the data span an open surface that they describe within the tolerance. `input` must
 /// come from a scan.
-std::optional<Fallback> free_form_of(const FitInput& input, Context& context);
+std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triangulator, Context& context);
 
 /// The smallest triangulation that lies safely within the tolerance of the scan. It aims at a share of the tolerance.
 /// Where that was not enough it tries again with finer triangles, as long as the triangles and not the surface that
 /// they approximate are the cause. `input` must come from a scan.
-Result<Fallback> fallback_of(const FitInput& input, Context& context);
+Result<Fallback> fallback_of(const FitInput& input, Triangulator& triangulator, Context& context);
 
 }  // namespace partscribe::fit

@@ -233,19 +233,23 @@ std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& 
   const double whole = area(mesh);
   SurfaceSet set;
   int edge = 0;
-  for (const TriangleMesh& piece : connected_pieces(mesh)) {
+  std::vector<std::pair<TriangleMesh, std::vector<Vec2>>> laid_out;
+  for (TriangleMesh& piece : connected_pieces(mesh)) {
     if (area(piece) < 0.002 * whole) break;
-    const auto places = flattened(piece);
+    auto places = flattened(piece);
     if (!places) {
       context.say("free form: a piece of the surface cannot be laid out in a plane");
       return std::nullopt;
     }
+    laid_out.emplace_back(std::move(piece), std::move(*places));
+  }
+  for (const auto& [piece, places] : laid_out) {
     // Corners of the border are points as well: where they come to lie on the surface, it ends.
-    SplineData data = data_on(piece, *places, input, 3 * tolerance, context);
+    SplineData data = data_on(piece, places, input, 3 * tolerance, context);
     const auto border = border_loops(piece);
     const std::size_t first_of_border = data.points.size();
     for (const auto& loop : border)
-      for (const auto v : loop) data.points.push_back(piece.vertices[v]), data.places.push_back((*places)[v]);
+      for (const auto v : loop) data.points.push_back(piece.vertices[v]), data.places.push_back(places[v]);
     SplineFitOptions options;
     options.tolerance = 0.7 * tolerance;
     options.noise = input.sampling.sigma;

@@ -171,6 +171,7 @@ TriangleMesh Triangulator::repaired(double tolerance) const {
 }
 
 TriangleMesh Triangulator::from_points(double tolerance) {
+  if (seen_ && seen_->first == tolerance) return seen_->second;
   if (!surface_) {
     // All points if they are prepared, because averaging many lowers the noise; else the thinned ones.
     const bool full = input_.scan && input_.scan->cloud.normals.size() == input_.scan->cloud.size();
@@ -181,7 +182,10 @@ TriangleMesh Triangulator::from_points(double tolerance) {
     one_side.max_error = 0.6 * tolerance;
     one_side.oriented = input_.oriented;
     const auto views = input_.scan ? input_.scan->views : std::vector<View>();
-    if (auto field = triangulated_height_field(all, views, sampling, one_side, context_)) return std::move(field->mesh);
+    if (auto field = triangulated_height_field(all, views, sampling, one_side, context_)) {
+      seen_.emplace(tolerance, std::move(field->mesh));
+      return seen_->second;
+    }
     if (input_.oriented) {
       surface_ = reconstruct(all, sampling, {}, context_).mesh;
     } else {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "core/result.h"
 #include "fit/candidate.h"
@@ -35,6 +36,7 @@ class Triangulator {
   const FitInput& input_;
   Context& context_;
   std::optional<TriangleMesh> surface_;
+  std::optional<std::pair<double, TriangleMesh>> seen_;  // from one side, for a tolerance
 };
 
 }  // namespace partscribe::fit
