@@ -9,6 +9,7 @@
 #include "fit/surface/border_curves.h"
 #include "fit/surface/flatten.h"
 #include "fit/surface/spline_fit.h"
+#include "fit/surface/triangulate.h"
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/points/kd_tree.h"
 #include "model/surface_patches.h"
@@ -297,13 +298,8 @@ std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& 
   Candidate candidate;
   candidate.procedure = "free form";
   candidate.object_name = "sheet";
-  Parameter thickness;
-  thickness.name = "sheet_thickness";
-  thickness.value = std::max(2.0, std::ceil(3 * tolerance));
-  thickness.fitted = thickness.value;
-  thickness.note = "thickness of the solid made from the open sheet; chosen, not measured";
-  set.thickness = Expr::of(thickness.name);
-  candidate.parameters.push_back(std::move(thickness));
+  candidate.parameters.push_back(sheet_thickness(tolerance));
+  set.thickness = Expr::of(candidate.parameters.back().name);
   for (const auto& patch : set.patches) candidate.extra_numbers += static_cast<int>(3 * patch.control.size());
   candidate.shape = std::move(set);
   return candidate;

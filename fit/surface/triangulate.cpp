@@ -132,13 +132,8 @@ Candidate candidate_of(const TriangleMesh& mesh, double tolerance) {
   if (closed) {
     surface.thickness = 0;
   } else {
-    Parameter thickness;
-    thickness.name = "sheet_thickness";
-    thickness.value = std::max(2.0, std::ceil(3 * tolerance));
-    thickness.fitted = thickness.value;
-    thickness.note = "thickness of the solid made from the open sheet; chosen, not measured";
-    surface.thickness = Expr::of(thickness.name);
-    candidate.parameters.push_back(std::move(thickness));
+    candidate.parameters.push_back(sheet_thickness(tolerance));
+    surface.thickness = Expr::of(candidate.parameters.back().name);
   }
   candidate.extra_numbers = static_cast<int>(3 * surface.vertices.size() + 3 * surface.triangles.size());
   candidate.shape = std::move(surface);
@@ -157,6 +152,14 @@ Candidate candidate_of(FacedMesh faced) {
 }
 
 }  // namespace
+
+Parameter sheet_thickness(double tolerance) {
+  Parameter thickness;
+  thickness.name = "sheet_thickness";
+  thickness.value = thickness.fitted = std::max(2.0, std::ceil(3 * tolerance));
+  thickness.note = "thickness of the solid made from the open sheet; chosen, not measured";
+  return thickness;
+}
 
 TriangleMesh Triangulator::repaired(double tolerance) const {
   RepairOptions options;

@@ -10,6 +10,9 @@
 
 namespace partscribe::fit {
 
+/// The parameter of an open surface that says how thick the solid made from it is; chosen, not measured.
+Parameter sheet_thickness(double tolerance);
+
 /// The surface of one scan, found once and simplified to any tolerance.
 class Triangulator {
  public:
