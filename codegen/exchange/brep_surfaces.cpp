@@ -1,20 +1,17 @@
 #include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
-#include <BRep_Tool.hxx>
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
 #include <TColgp_Array1OfPnt2d.hxx>
 #include <TColgp_Array2OfPnt.hxx>
-#include <TopExp.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
 #include <TopoDS_Wire.hxx>
-#include <algorithm>
 #include <map>
 #include <tuple>
 
@@ -82,13 +79,12 @@ class EdgeMaker {
     Made& made = at->second;
     const Handle(Geom2d_BSplineCurve) curve = occt_curve(trim.curve, !is_new);
     if (is_new) {
-      made.first = surface.at(trim.curve.points.front().x(), trim.curve.points.front().y());
-      made.last = surface.at(trim.curve.points.back().x(), trim.curve.points.back().y());
+      const Vec2 first = trim.curve.points.front(), last = trim.curve.points.back();
       builder_.MakeEdge(made.edge);
       builder_.UpdateEdge(made.edge, curve, on, TopLoc_Location(), 1e-7);
       builder_.Range(made.edge, 0, 1);
-      builder_.Add(made.edge, vertex(made.first).Oriented(TopAbs_FORWARD));
-      builder_.Add(made.edge, vertex(made.last).Oriented(TopAbs_REVERSED));
+      builder_.Add(made.edge, vertex(surface.at(first.x(), first.y())).Oriented(TopAbs_FORWARD));
+      builder_.Add(made.edge, vertex(surface.at(last.x(), last.y())).Oriented(TopAbs_REVERSED));
       BRepLib::BuildCurve3d(made.edge, tolerance_);
       made.on = on, made.curve = curve;
       return made.edge;
@@ -103,7 +99,6 @@ class EdgeMaker {
  private:
   struct Made {
     TopoDS_Edge edge;
-    Vec3 first, last;
     Handle(Geom_BSplineSurface) on;
     Handle(Geom2d_BSplineCurve) curve;
   };

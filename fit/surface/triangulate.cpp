@@ -174,7 +174,6 @@ TriangleMesh Triangulator::repaired(double tolerance) const {
 }
 
 TriangleMesh Triangulator::from_points(double tolerance) {
-  if (seen_ && seen_->first == tolerance) return seen_->second;
   if (!surface_) {
     // All points if they are prepared, because averaging many lowers the noise; else the thinned ones.
     const bool full = input_.scan && input_.scan->cloud.normals.size() == input_.scan->cloud.size();
@@ -185,10 +184,7 @@ TriangleMesh Triangulator::from_points(double tolerance) {
     one_side.max_error = 0.6 * tolerance;
     one_side.oriented = input_.oriented;
     const auto views = input_.scan ? input_.scan->views : std::vector<View>();
-    if (auto field = triangulated_height_field(all, views, sampling, one_side, context_)) {
-      seen_.emplace(tolerance, std::move(field->mesh));
-      return seen_->second;
-    }
+    if (auto field = triangulated_height_field(all, views, sampling, one_side, context_)) return std::move(field->mesh);
     if (input_.oriented) {
       surface_ = reconstruct(all, sampling, {}, context_).mesh;
     } else {
@@ -201,6 +197,14 @@ TriangleMesh Triangulator::from_points(double tolerance) {
   return simplified(*surface_, 0.4 * tolerance, context_);
 }
 
+const TriangleMesh& Triangulator::surface(double tolerance) {
+  if (!last_ || last_->first != tolerance) {
+    const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
+    last_.emplace(tolerance, of_mesh ? repaired(tolerance) : from_points(tolerance));
+  }
+  return last_->second;
+}
+
 Result<Candidate> Triangulator::within(double tolerance) {
   const Error no_surface = bad_input("triangulate: expected points that lie on a surface, found " +
                                      std::to_string(input_.cloud.size()) + " points that span none");
@@ -208,20 +212,19 @@ Result<Candidate> Triangulator::within(double tolerance) {
   const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
   const double max_error = 0.4 * tolerance;
   const double as_faces = 0.15 * tolerance;  // files that hold the faces and files that hold triangles are to agree
-  const TriangleMesh whole = of_mesh ? repaired(tolerance) : TriangleMesh();
+  const TriangleMesh& whole = surface(tolerance);
   if (of_mesh) {
     const TriangleMesh fine = canonical(snapped_mesh(whole, power_of_ten_below(tolerance / 2000)));
     if (auto faced = faced_mesh(fine, tolerance, as_faces, context_)) return candidate_of(std::move(*faced));
   }
-  const TriangleMesh mesh = of_mesh ? simplified(whole, max_error, context_) : from_points(tolerance);
+  const TriangleMesh mesh = of_mesh ? simplified(whole, max_error, context_) : whole;
   if (mesh.empty()) return no_surface;
   return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
 }
 
 std::optional<TriangleMesh> Triangulator::open_surface(double tolerance) {
   if (spans_a_line(input_.cloud.points)) return std::nullopt;
-  const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
-  TriangleMesh mesh = of_mesh ? repaired(tolerance) : from_points(tolerance);
+  const TriangleMesh& mesh = surface(tolerance);
   if (mesh.empty() || topology(mesh).closed()) return std::nullopt;
   return mesh;
 }

@@ -33,13 +33,15 @@ class Triangulator {
   std::optional<Candidate> unsimplified() const;
 
  private:
+  /// The repaired mesh of the scan, or the surface of its points.
+  const TriangleMesh& surface(double tolerance);
   TriangleMesh repaired(double tolerance) const;
   TriangleMesh from_points(double tolerance);
 
   const FitInput& input_;
   Context& context_;
   std::optional<TriangleMesh> surface_;
-  std::optional<std::pair<double, TriangleMesh>> seen_;  // from one side, for a tolerance
+  std::optional<std::pair<double, TriangleMesh>> last_;  // what surface() gave, and for which tolerance
 };
 
 }  // namespace partscribe::fit

@@ -205,7 +205,7 @@ KnotVector with_one_more(const KnotVector& s, double t) {
   return result;
 }
 
-/// Lines of control points that lie `stride` apart, `lines` of them, each after the other by `offset`.
+/// Refines each of `lines` lines of control points; `fastest`: the points of a line stand one after the other.
 template <class Point>
 void insert_once(std::vector<Point>& points, std::vector<double>& weights, const std::vector<double>& shares,
                  std::size_t lines, bool fastest) {

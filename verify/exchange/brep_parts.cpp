@@ -49,6 +49,7 @@
 // Its types are made of OpenCASCADE's: it stands below these.
 // clang-format off
 #include "verify/exchange/brep_parts.h"
+#include "verify/exchange/nurbs_of.h"
 // clang-format on
 
 namespace partscribe::verify {
@@ -56,26 +57,11 @@ namespace {
 
 Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
-KnotVector knots_of(int degree, const TColStd_Array1OfReal& sequence) {
-  KnotVector knots;
-  knots.degree = degree;
-  for (int i = sequence.Lower(); i <= sequence.Upper(); ++i) knots.knots.push_back(sequence(i));
-  return knots;
-}
-
 NurbsSurface spline_of(const Handle(Geom_BSplineSurface) & given) {
   const auto surface = Handle(Geom_BSplineSurface)::DownCast(given->Copy());
   if (surface->IsUPeriodic()) surface->SetUNotPeriodic();
   if (surface->IsVPeriodic()) surface->SetVNotPeriodic();
-  NurbsSurface spline;
-  spline.u = knots_of(surface->UDegree(), surface->UKnotSequence());
-  spline.v = knots_of(surface->VDegree(), surface->VKnotSequence());
-  for (int i = 1; i <= surface->NbUPoles(); ++i)
-    for (int j = 1; j <= surface->NbVPoles(); ++j) {
-      spline.points.push_back(vec(surface->Pole(i, j)));
-      if (surface->IsURational() || surface->IsVRational()) spline.weights.push_back(surface->Weight(i, j));
-    }
-  return spline;
+  return nurbs_of(*surface);
 }
 
 void take_surface(BrepFace& face, Handle(Geom_Surface) surface) {
@@ -124,13 +110,7 @@ bool take_curve(BrepEdge& edge, const TopoDS_Edge& shape) {
   else if (auto circle = Handle(Geom_Circle)::DownCast(curve))
     edge.curve = circle->Circ();
   else if (auto bspline = Handle(Geom_BSplineCurve)::DownCast(curve); bspline && !bspline->IsPeriodic()) {
-    NurbsCurve<3> spline;
-    spline.t = knots_of(bspline->Degree(), bspline->KnotSequence());
-    for (int i = 1; i <= bspline->NbPoles(); ++i) {
-      spline.points.push_back(vec(bspline->Pole(i)));
-      if (bspline->IsRational()) spline.weights.push_back(bspline->Weight(i));
-    }
-    edge.curve = std::move(spline);
+    edge.curve = nurbs_of(*bspline);
   } else
     edge.curve = curve;
   return true;

@@ -9,16 +9,11 @@
 #include <algorithm>
 #include <optional>
 
+#include "verify/exchange/nurbs_of.h"
 #include "verify/scl/scl_shape.h"
 
 namespace partscribe::verify {
 namespace {
-
-KnotVector knots_of(int degree, const TColStd_Array1OfReal& sequence) {
-  KnotVector result{degree, {}};
-  for (int i = sequence.Lower(); i <= sequence.Upper(); ++i) result.knots.push_back(sequence(i));
-  return result;
-}
 
 std::optional<NurbsSurface> surface_of(const SclGeometry& geometry) {
   if (!geometry.shape || !geometry.natural) return std::nullopt;
@@ -26,15 +21,7 @@ std::optional<NurbsSurface> surface_of(const SclGeometry& geometry) {
   if (!faces.More()) return std::nullopt;
   const auto s = Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(TopoDS::Face(faces.Current())));
   if (s.IsNull() || s->IsUPeriodic() || s->IsVPeriodic()) return std::nullopt;
-  NurbsSurface result{knots_of(s->UDegree(), s->UKnotSequence()), knots_of(s->VDegree(), s->VKnotSequence()), {}, {}};
-  const bool rational = s->IsURational() || s->IsVRational();
-  for (int i = 1; i <= s->NbUPoles(); ++i)
-    for (int j = 1; j <= s->NbVPoles(); ++j) {
-      const gp_Pnt p = s->Pole(i, j);
-      result.points.emplace_back(p.X(), p.Y(), p.Z());
-      if (rational) result.weights.push_back(s->Weight(i, j));
-    }
-  return result;
+  return nurbs_of(*s);
 }
 
 std::optional<NurbsCurve<2>> trim_of(const SclGeometry& geometry) {
@@ -42,12 +29,9 @@ std::optional<NurbsCurve<2>> trim_of(const SclGeometry& geometry) {
   double first = 0, last = 0;
   const auto c = Handle(Geom_BSplineCurve)::DownCast(BRep_Tool::Curve(TopoDS::Edge(*geometry.shape), first, last));
   if (c.IsNull()) return std::nullopt;
-  NurbsCurve<2> result{knots_of(c->Degree(), c->KnotSequence()), {}, {}};
-  for (int i = 1; i <= c->NbPoles(); ++i) {
-    const gp_Pnt p = c->Pole(i);
-    result.points.emplace_back(p.X(), p.Y());
-    if (c->IsRational()) result.weights.push_back(c->Weight(i));
-  }
+  const NurbsCurve<3> in_space = nurbs_of(*c);
+  NurbsCurve<2> result{in_space.t, {}, in_space.weights};
+  for (const Vec3& p : in_space.points) result.points.push_back(p.head<2>());
   return result;
 }
 
