@@ -1,9 +1,13 @@
 #include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
 #include <Geom2d_BSplineCurve.hxx>
+#include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <Geom_Curve.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
+#include <TColgp_Array1OfPnt.hxx>
 #include <TColgp_Array1OfPnt2d.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <TopoDS.hxx>
@@ -12,10 +16,12 @@
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
 #include <TopoDS_Wire.hxx>
+#include <algorithm>
 #include <map>
 #include <tuple>
 
 #include "codegen/exchange/brep_shapes.h"
+#include "geometry/surfaces/edge_curve.h"
 #include "model/surface_patches.h"
 
 namespace partscribe::codegen {
@@ -54,6 +60,14 @@ Handle(Geom_BSplineSurface) occt_surface(const NurbsSurface& s) {
                                  s.v.degree);
 }
 
+Handle(Geom_BSplineCurve) occt_curve(const NurbsCurve<3>& c) {
+  const int count = static_cast<int>(c.points.size());
+  TColgp_Array1OfPnt poles(1, count);
+  for (int i = 0; i < count; ++i) poles(i + 1) = point(c.points[static_cast<std::size_t>(i)]);
+  const auto t = OcctKnots::of(c.t);
+  return new Geom_BSplineCurve(poles, t.knots, t.multiplicities, c.t.degree);
+}
+
 /// Over 0 .. 1; `reversed`: from its end to its beginning.
 Handle(Geom2d_BSplineCurve) occt_curve(const NurbsCurve<2>& c, bool reversed) {
   KnotVector unit = c.t;
@@ -71,28 +85,36 @@ Handle(Geom2d_BSplineCurve) occt_curve(const NurbsCurve<2>& c, bool reversed) {
 /// Edges of a set of surfaces: each is one edge of the boundary, with a curve on every surface that has it.
 class EdgeMaker {
  public:
-  explicit EdgeMaker(double tolerance) : tolerance_(tolerance) {}
+  /// Edges in space are within `tolerance` mm of the mean of their sides.
+  EdgeMaker(std::span<const TrimmedSurface> surfaces, double tolerance) : ends_(surfaces) {
+    std::map<int, std::vector<EdgeSide>> sides;
+    for (const auto& surface : surfaces)
+      for (const auto& loop : surface.loops)
+        for (const auto& trim : loop) sides[trim.edge].push_back({&surface.surface, &trim.curve});
+    for (const auto& [edge, of] : sides) curves_.emplace(edge, edge_curve(of, tolerance));
+  }
 
   /// The edge as a loop of this surface runs through it.
-  TopoDS_Edge edge(const SurfaceTrim& trim, const NurbsSurface& surface, const Handle(Geom_BSplineSurface) & on) {
+  TopoDS_Edge edge(const SurfaceTrim& trim, const Handle(Geom_BSplineSurface) & on) {
     const auto [at, is_new] = edges_.try_emplace(trim.edge);
     Made& made = at->second;
     const Handle(Geom2d_BSplineCurve) curve = occt_curve(trim.curve, !is_new);
     if (is_new) {
-      const Vec2 first = trim.curve.points.front(), last = trim.curve.points.back();
       builder_.MakeEdge(made.edge);
       builder_.UpdateEdge(made.edge, curve, on, TopLoc_Location(), 1e-7);
+      builder_.Add(made.edge, vertex(trim.edge, false).Oriented(TopAbs_FORWARD));
+      builder_.Add(made.edge, vertex(trim.edge, true).Oriented(TopAbs_REVERSED));
+      builder_.UpdateEdge(made.edge, occt_curve(curves_.at(trim.edge)), 1e-7);
       builder_.Range(made.edge, 0, 1);
-      builder_.Add(made.edge, vertex(surface.at(first.x(), first.y())).Oriented(TopAbs_FORWARD));
-      builder_.Add(made.edge, vertex(surface.at(last.x(), last.y())).Oriented(TopAbs_REVERSED));
-      BRepLib::BuildCurve3d(made.edge, tolerance_);
       made.on = on, made.curve = curve;
+      cover(made.edge, curve, on);
       return made.edge;
     }
     if (made.on == on)  // a seam: the surface meets itself
       builder_.UpdateEdge(made.edge, made.curve, curve, on, TopLoc_Location(), 1e-7);
     else
       builder_.UpdateEdge(made.edge, curve, on, TopLoc_Location(), 1e-7);
+    cover(made.edge, curve, on);
     return TopoDS::Edge(made.edge.Reversed());
   }
 
@@ -103,20 +125,41 @@ class EdgeMaker {
     Handle(Geom2d_BSplineCurve) curve;
   };
 
-  /// One vertex for all ends that are nearer to each other than the tolerance.
-  TopoDS_Vertex vertex(const Vec3& p) {
-    for (const auto& [place, made] : vertices_)
-      if ((place - p).norm() < tolerance_) return made;
-    TopoDS_Vertex made;
-    builder_.MakeVertex(made, point(p), 1e-7);
-    vertices_.emplace_back(p, made);
-    return made;
+  /// Equal parameters are equal places, so that the edge's tolerance is how far they are apart.
+  void cover(const TopoDS_Edge& edge, const Handle(Geom2d_BSplineCurve) & curve,
+             const Handle(Geom_BSplineSurface) & on) {
+    double first, last, off = 0;
+    const Handle(Geom_Curve) space = BRep_Tool::Curve(edge, first, last);
+    if (space.IsNull()) return;
+    const int samples = 16 * curve->NbKnots();
+    for (int i = 0; i <= samples; ++i) {
+      const double t = first + (last - first) * i / samples;
+      const gp_Pnt2d uv = curve->Value(t);
+      off = std::max(off, space->Value(t).Distance(on->Value(uv.X(), uv.Y())));
+    }
+    builder_.UpdateEdge(edge, std::max(1e-7, 1.1 * off));
+    builder_.SameRange(edge, true), builder_.SameParameter(edge, true);
   }
 
-  double tolerance_;
+  /// One vertex for all ends that are one place: the mean of the edges that end there.
+  TopoDS_Vertex vertex(int edge, bool last) {
+    const int place = ends_.place(edge, last);
+    const auto [at, is_new] = vertices_.try_emplace(place);
+    if (!is_new) return at->second;
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+    for (const auto& [other, curve] : curves_)
+      for (const bool end : {false, true})
+        if (ends_.place(other, end) == place) sum += end ? curve.points.back() : curve.points.front(), ++count;
+    builder_.MakeVertex(at->second, point(sum / count), 1e-7);
+    return at->second;
+  }
+
+  EdgeEnds ends_;
+  std::map<int, NurbsCurve<3>> curves_;
   BRep_Builder builder_;
   std::map<int, Made> edges_;
-  std::vector<std::pair<Vec3, TopoDS_Vertex>> vertices_;
+  std::map<int, TopoDS_Vertex> vertices_;
 };
 
 }  // namespace
@@ -125,23 +168,22 @@ TopoDS_Shape brep_of(const SurfaceSetOf<double>& s, double tolerance) {
   BRep_Builder builder;
   TopoDS_Shell shell;
   builder.MakeShell(shell);
-  EdgeMaker edges(tolerance);
-  for (const auto& patch : s.patches) {
-    const TrimmedSurface trimmed = trimmed_surface(patch);
+  const auto surfaces = trimmed_surfaces(s.patches);
+  EdgeMaker edges(surfaces, tolerance);
+  for (const TrimmedSurface& trimmed : surfaces) {
     const auto surface = occt_surface(trimmed.surface);
     TopoDS_Face face;
     builder.MakeFace(face, surface, 1e-7);
     for (const auto& loop : trimmed.loops) {
       TopoDS_Wire wire;
       builder.MakeWire(wire);
-      for (const auto& trim : loop) builder.Add(wire, edges.edge(trim, trimmed.surface, surface));
+      for (const auto& trim : loop) builder.Add(wire, edges.edge(trim, surface));
       wire.Closed(true);
       builder.Add(face, wire);
     }
     builder.Add(shell, face);
   }
   shell.Closed(s.closed);
-  BRepLib::SameParameter(shell, 1e-7, true);
   BRepLib::UpdateTolerances(shell);
   if (!s.closed) return shell;
   TopoDS_Solid solid;

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "fit/input/prepare.h"
-#include "fit/surface/spline_sheet.h"
+#include "fit/surface/free_form.h"
 #include "fit/surface/triangulate.h"
 
 namespace partscribe::fit {
@@ -20,9 +20,9 @@ FitInput dense_input(const FitInput& input, Context& context) {
 }  // namespace
 
 std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triangulator, Context& context) {
-  const auto mesh = triangulator.open_surface(input.tolerance);
+  const auto mesh = triangulator.surface_of_data(input.tolerance);
   if (!mesh || context.cancelled) return std::nullopt;
-  auto sheet = spline_sheet(*mesh, input, context);
+  auto sheet = free_form(*mesh, input, context);
   if (!sheet || context.cancelled) return std::nullopt;
   const CandidateEvidence evidence = evidence_of(*sheet, dense_input(input, context), context);
   context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));

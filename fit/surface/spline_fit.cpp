@@ -18,12 +18,13 @@ constexpr double fairness = 1e-6;  // of the bending energy, beside the mean squ
 /// Which points have to be averaged with each other so that noise is a small part of the tolerance.
 class Averages {
  public:
-  Averages(const SplineData& data, const SplineFitOptions& options, Context& context) : size_(data.points.size()) {
+  Averages(const SplineData& data, const SplineFitOptions& options, Context& context)
+      : size_(data.points.size() - data.held) {
     const double wanted = std::pow(options.noise / (0.12 * options.tolerance), 2);
     count_ = static_cast<std::size_t>(std::clamp(std::ceil(wanted), 6.0, 30.0));
     if (count_ == 1) return;
     std::vector<Vec3> flat;
-    for (const Vec2& uv : data.places) flat.emplace_back(uv.x(), uv.y(), 0);
+    for (std::size_t i = 0; i < size_; ++i) flat.emplace_back(data.places[i].x(), data.places[i].y(), 0);
     const KdTree tree(flat);
     near_.resize(size_ * count_);
     parallel_for(size_, context.threads, [&](std::size_t begin, std::size_t end) {
@@ -36,7 +37,7 @@ class Averages {
   }
 
   std::vector<double> operator()(const std::vector<double>& values) const {
-    std::vector<double> result(size_);
+    std::vector<double> result = values;
     for (std::size_t i = 0; i < size_; ++i) {
       double sum = 0;
       for (std::size_t k = 0; k < count_; ++k) sum += values[near_[i * count_ + k]];
@@ -51,8 +52,7 @@ class Averages {
 };
 
 /// The least-squares net of given knots.
-std::optional<NurbsSurface> solved(const SplineData& data, const std::vector<Vec2>& places, const KnotVector& u,
-                                   const KnotVector& v) {
+std::optional<NurbsSurface> fitted_net(const SplineData& data, const KnotVector& u, const KnotVector& v) {
   using Sparse = Eigen::SparseMatrix<double>;
   const int columns = v.count(), unknowns = u.count() * columns;
   constexpr int width = degree + 1;
@@ -74,9 +74,9 @@ std::optional<NurbsSurface> solved(const SplineData& data, const std::vector<Vec
   };
   BasisValues nu, nv;
   for (std::size_t i = 0; i < data.points.size(); ++i) {
-    basis(u, places[i].x(), 0, nu);
-    basis(v, places[i].y(), 0, nv);
-    add(nu, nu.value[0], nv, nv.value[0], 1, &data.points[i]);
+    basis(u, data.places[i].x(), 0, nu);
+    basis(v, data.places[i].y(), 0, nv);
+    add(nu, nu.value[0], nv, nv.value[0], i < data.weights.size() ? data.weights[i] : 1, &data.points[i]);
   }
   // Bending energy at two by two Gauss points of each cell, in units of the cell.
   const auto us = u.breaks(), vs = v.breaks();
@@ -123,30 +123,40 @@ struct Residuals {
 class Fitter {
  public:
   Fitter(const SplineData& data, const SplineFitOptions& options, Context& context)
-      : data_(data), options_(options), context_(context), averages_(data, options, context), places_(data.places) {}
+      : data_(data), options_(options), context_(context), averages_(data, options, context) {}
 
   std::optional<SplineFit> fit() {
     KnotVector u = clamped(degree, {options_.low.x(), options_.high.x()});
     KnotVector v = clamped(degree, {options_.low.y(), options_.high.y()});
-    if (!set(u, v, 3)) return std::nullopt;
+    if (!set(u, v, 3) || !refine()) return std::nullopt;
+    remove_knots();
+    return SplineFit{surface_, data_.places, now_.worst};
+  }
+
+  std::optional<SplineFit> fit_again(const NurbsSurface& before) {
+    if (!set(before.u, before.v, 1) || !refine()) return std::nullopt;
+    return SplineFit{surface_, data_.places, now_.worst};
+  }
+
+ private:
+  /// Knots are inserted until the tolerance is kept.
+  bool refine() {
     const double most = std::min(double(options_.most_controls), double(data_.points.size()) / 3);
     for (int round = 0; now_.worst > options_.tolerance; ++round) {
       context_.say("free form: " + std::to_string(surface_.u.count()) + " x " + std::to_string(surface_.v.count()) +
                    " control points, off by " + print_number(snapped(now_.worst, options_.tolerance / 1000)) + " mm");
-      if (round == 40 || context_.cancelled) return std::nullopt;
+      if (round == 40 || context_.cancelled) return false;
       auto [more_u, more_v] = refined();
-      if (double(more_u.count()) * more_v.count() > most) return std::nullopt;
-      if (!set(more_u, more_v, 2)) return std::nullopt;
+      if (double(more_u.count()) * more_v.count() > most) return false;
+      if (!set(more_u, more_v, 2)) return false;
     }
-    remove_knots();
-    return SplineFit{surface_, places_, now_.worst};
+    return true;
   }
 
- private:
   /// Solves for a net with these knots and corrects the parameters, some times over.
   bool set(const KnotVector& u, const KnotVector& v, int rounds) {
     for (int i = 0; i < rounds; ++i) {
-      auto next = solved(data_, places_, u, v);
+      auto next = fitted_net(data_, u, v);
       if (!next) return false;
       surface_ = std::move(*next);
       now_ = residuals();
@@ -158,10 +168,10 @@ class Fitter {
   Residuals residuals() {
     Residuals r;
     r.single.resize(data_.points.size());
-    std::vector<Vec2> feet(places_.size());
+    std::vector<Vec2> feet(data_.places.size());
     parallel_for(data_.points.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const SplineFoot foot = foot_near(surface_, data_.points[i], places_[i].x(), places_[i].y());
+        const SplineFoot foot = foot_near(surface_, data_.points[i], data_.places[i].x(), data_.places[i].y());
         feet[i] = {foot.u, foot.v};
         const Vec3 normal = surface_.derivatives(foot.u, foot.v).normal();
         const double side = (data_.points[i] - foot.point).dot(normal);
@@ -169,8 +179,11 @@ class Fitter {
       }
     });
     r.mean = averages_(r.single);
+    // Held points are compared with the same bound as the others.
+    for (std::size_t i = r.mean.size() - data_.held; i < r.mean.size(); ++i)
+      r.mean[i] *= options_.tolerance / options_.held_tolerance;
     for (const double d : r.mean) r.worst = std::max(r.worst, std::abs(d));
-    if (r.worst < 4 * options_.tolerance) places_ = std::move(feet);
+    if (r.worst < 4 * options_.tolerance) data_.places = std::move(feet);
     return r;
   }
 
@@ -187,8 +200,8 @@ class Fitter {
       const auto at = std::upper_bound(breaks.begin() + 1, breaks.end() - 1, t) - breaks.begin();
       return static_cast<std::size_t>(at - 1);
     };
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      Cell& cell = cells[span(us, places_[i].x()) * columns + span(vs, places_[i].y())];
+    for (std::size_t i = 0; i < data_.places.size(); ++i) {
+      Cell& cell = cells[span(us, data_.places[i].x()) * columns + span(vs, data_.places[i].y())];
       cell.worst = std::max(cell.worst, std::abs(now_.mean[i]));
       cell.points.push_back(i);
     }
@@ -224,7 +237,7 @@ class Fitter {
     for (const std::size_t i : points) {
       mean += now_.mean[i] / double(points.size());
       for (int axis = 0; axis < 2; ++axis) {
-        const double share = (places_[i][axis] - low[axis]) / (high[axis] - low[axis]);
+        const double share = (data_.places[i][axis] - low[axis]) / (high[axis] - low[axis]);
         const auto strip = static_cast<std::size_t>(std::clamp(share * double(strips), 0.0, double(strips) - 1));
         sum[axis][strip] += now_.mean[i], count[axis][strip] += 1;
       }
@@ -273,7 +286,7 @@ class Fitter {
       for (const Knot& knot : knots) {
         if (refused == 6 || context_.cancelled) break;
         const auto surface = surface_;
-        const auto places = places_;
+        const auto places = data_.places;
         const auto now = now_;
         KnotVector u = surface_.u, v = surface_.v;
         auto& list = (knot.along_u ? u : v).knots;
@@ -282,18 +295,17 @@ class Fitter {
           ++removed;
           continue;
         }
-        surface_ = surface, places_ = places, now_ = now;
+        surface_ = surface, data_.places = places, now_ = now;
         ++refused;
       }
       if (removed == 0) break;
     }
   }
 
-  const SplineData& data_;
+  SplineData data_;  // its places are moved to the feet
   const SplineFitOptions& options_;
   Context& context_;
   Averages averages_;
-  std::vector<Vec2> places_;
   NurbsSurface surface_;
   Residuals now_;
 };
@@ -303,6 +315,11 @@ class Fitter {
 std::optional<SplineFit> fit_spline(const SplineData& data, const SplineFitOptions& options, Context& context) {
   if (data.points.size() < 16) return std::nullopt;
   return Fitter(data, options, context).fit();
+}
+
+std::optional<SplineFit> fit_spline_again(const SplineData& data, const NurbsSurface& before,
+                                          const SplineFitOptions& options, Context& context) {
+  return Fitter(data, options, context).fit_again(before);
 }
 
 }  // namespace partscribe::fit

@@ -12,7 +12,10 @@ namespace partscribe::fit {
 /// Points and where each is to lie in the plane of the parameters, mm both.
 struct SplineData {
   std::vector<Vec3> points;
-  std::vector<Vec2> places;  ///< (u, v), distances in it roughly those on the surface
+  std::vector<Vec2> places;     ///< (u, v), distances in it roughly those on the surface
+  std::vector<double> weights;  ///< of the points; those beyond its end count once
+  /// How many of the last points are to be met closely: each by itself, within `held_tolerance`.
+  std::size_t held = 0;
 };
 
 struct SplineFitOptions {
@@ -20,6 +23,7 @@ struct SplineFitOptions {
   double noise = 0;                              ///< mm, of a point; decides how many neighbours are averaged
   Vec2 low = Vec2::Zero(), high = Vec2::Ones();  ///< the domain; must hold all places
   int most_controls = 20000;
+  double held_tolerance = 0.01;  ///< mm, of each held point
 };
 
 struct SplineFit {
@@ -35,5 +39,9 @@ struct SplineFit {
 /// A small part of the bending energy makes the net fair where there are no points. Nothing if the tolerance would need
 /// more control points than allowed, or than a third of the points.
 std::optional<SplineFit> fit_spline(const SplineData& data, const SplineFitOptions& options, Context& context);
+
+/// The same beginning with the knots of a surface that was fitted before; none are taken out.
+std::optional<SplineFit> fit_spline_again(const SplineData& data, const NurbsSurface& before,
+                                          const SplineFitOptions& options, Context& context);
 
 }  // namespace partscribe::fit

@@ -7,8 +7,9 @@
 
 #include "core/number.h"
 #include "fit/surface/border_curves.h"
+#include "fit/surface/curve_fit.h"
 #include "fit/surface/flatten.h"
-#include "fit/surface/spline_fit.h"
+#include "fit/surface/piece_fit.h"
 #include "fit/surface/triangulate.h"
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/points/kd_tree.h"
@@ -16,39 +17,6 @@
 
 namespace partscribe::fit {
 namespace {
-
-/// The connected pieces of a mesh, the largest first.
-std::vector<TriangleMesh> connected_pieces(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> root(mesh.vertices.size());
-  for (std::uint32_t i = 0; i < root.size(); ++i) root[i] = i;
-  const auto find = [&](std::uint32_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (const auto& t : mesh.triangles)
-    for (std::size_t k = 1; k < 3; ++k) {
-      const auto a = find(t[0]), b = find(t[k]);
-      root[std::max(a, b)] = std::min(a, b);
-    }
-  std::vector<TriangleMesh> pieces;
-  std::vector<std::uint32_t> piece_of(root.size(), ~0u), index(root.size(), ~0u);
-  for (const auto& t : mesh.triangles) {
-    const auto r = find(t[0]);
-    if (piece_of[r] == ~0u) piece_of[r] = static_cast<std::uint32_t>(pieces.size()), pieces.emplace_back();
-    TriangleMesh& piece = pieces[piece_of[r]];
-    auto& corners = piece.triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (index[t[k]] == ~0u) {
-        index[t[k]] = static_cast<std::uint32_t>(piece.vertices.size());
-        piece.vertices.push_back(mesh.vertices[t[k]]);
-      }
-      corners[k] = index[t[k]];
-    }
-  }
-  std::stable_sort(pieces.begin(), pieces.end(),
-                   [](const TriangleMesh& a, const TriangleMesh& b) { return area(a) > area(b); });
-  return pieces;
-}
 
 double signed_area(const std::vector<Vec2>& loop) {
   double sum = 0;
@@ -67,14 +35,8 @@ SplineData data_on(const TriangleMesh& piece, const std::vector<Vec2>& places, c
   SplineData data;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (hits[i].distance > reach) continue;
-    const auto& t = piece.triangles[hits[i].triangle];
-    const Vec3 a = piece.vertices[t[0]], ab = piece.vertices[t[1]] - a, ac = piece.vertices[t[2]] - a,
-               d = hits[i].point - a;
-    const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac);
-    const double det = std::max(bb * cc - bc * bc, 1e-300);
-    const double s = (cc * d.dot(ab) - bc * d.dot(ac)) / det, r = (bb * d.dot(ac) - bc * d.dot(ab)) / det;
     data.points.push_back(input.cloud.points[i]);
-    data.places.push_back(places[t[0]] + s * (places[t[1]] - places[t[0]]) + r * (places[t[2]] - places[t[0]]));
+    data.places.push_back(place_on(piece, places, hits[i].triangle, hits[i].point));
   }
   return data;
 }
@@ -156,21 +118,10 @@ std::vector<std::vector<SurfaceTrim>> trims_of(const std::vector<std::vector<Vec
   return loops;
 }
 
-/// The same closed line with corners no farther apart than `step`.
-std::vector<Vec2> denser(const std::vector<Vec2>& loop, double step) {
-  std::vector<Vec2> result;
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec2 d = loop[(i + 1) % loop.size()] - loop[i];
-    const int pieces = std::clamp(static_cast<int>(std::ceil(d.norm() / step)), 1, 1000);
-    for (int k = 0; k < pieces; ++k) result.push_back(loop[i] + k * d / pieces);
-  }
-  return result;
-}
-
 /// A mesh of scattered points ends before the last of them, at a ragged border. The trims are smooth at the distance of
 /// the points, and no point lies farther outside than half of the tolerance.
 std::vector<std::vector<SurfaceTrim>> trims_around(std::vector<std::vector<Vec2>> outlines,
-                                                   const std::vector<Vec2>& places, const FitInput& input, int& edge) {
+                                                   const std::vector<Vec2>& places, const FitInput& input) {
   const bool drawn = input.scan && !input.scan->mesh.empty();
   const double spacing = drawn ? 0 : input.thin_spacing;
   const double smooth = std::max(0.5 * input.tolerance, 1.2 * spacing), most = 4 * input.thin_spacing;
@@ -180,7 +131,7 @@ std::vector<std::vector<SurfaceTrim>> trims_around(std::vector<std::vector<Vec2>
   outlines.erase(std::remove_if(outlines.begin() + 1, outlines.end(),
                                 [&](const auto& loop) { return std::abs(signed_area(loop)) < smooth * smooth; }),
                  outlines.end());
-  for (auto& loop : outlines) loop = denser(loop, smooth);
+  for (auto& loop : outlines) loop = denser(loop, smooth, true);
   {
     const Outlines ragged(outlines);
     outlines = ragged.grown(ragged.beyond(places, most), 2 * spacing);
@@ -207,102 +158,39 @@ std::vector<std::vector<SurfaceTrim>> trims_around(std::vector<std::vector<Vec2>
     if (all) break;
     outlines = Outlines(outlines).grown(by, 0);
   }
+  int edge = 0;
   for (auto& loop : loops)
     for (auto& trim : loop) trim.edge = ++edge;
   return loops;
 }
 
-/// Numbers as they are printed: control points to a hundredth of the tolerance, parameters likewise.
-void round_numbers(TrimmedSurface& trimmed, double tolerance) {
-  const double step = power_of_ten_below(tolerance / 50);
-  for (Vec3& p : trimmed.surface.points)
-    for (int k = 0; k < 3; ++k) p[k] = snapped(p[k], step);
-  for (KnotVector* t : {&trimmed.surface.u, &trimmed.surface.v})
-    for (double& knot : t->knots) knot = snapped(knot, step);
-  for (auto& loop : trimmed.loops)
-    for (auto& trim : loop) {
-      for (Vec2& p : trim.curve.points) p = {snapped(p.x(), step), snapped(p.y(), step)};
-      for (double& knot : trim.curve.t.knots) knot = snapped(knot, 1e-6);
-    }
-}
-
 }  // namespace
 
-std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& input, Context& context) {
-  if (mesh.empty() || topology(mesh).closed()) return std::nullopt;
-  const double tolerance = input.tolerance;
-  const double whole = area(mesh);
-  SurfaceSet set;
-  int edge = 0;
-  std::vector<std::pair<TriangleMesh, std::vector<Vec2>>> laid_out;
-  for (TriangleMesh& piece : connected_pieces(mesh)) {
-    if (area(piece) < 0.002 * whole) break;
-    auto places = flattened(piece);
-    if (!places) {
-      context.say("free form: a piece of the surface cannot be laid out in a plane");
-      return std::nullopt;
-    }
-    laid_out.emplace_back(std::move(piece), std::move(*places));
+std::optional<TrimmedSurface> spline_sheet(const TriangleMesh& mesh, const std::vector<Vec2>& places,
+                                           const FitInput& input, Context& context) {
+  // Corners of the border are points as well: where they come to lie on the surface, it ends.
+  SplineData data = data_on(mesh, places, input, 3 * input.tolerance, context);
+  const auto border = border_loops(mesh);
+  const std::size_t first_of_border = data.points.size();
+  for (const auto& loop : border)
+    for (const auto v : loop) data.points.push_back(mesh.vertices[v]), data.places.push_back(places[v]);
+  auto fit = fit_piece(data, input, context);
+  if (!fit) return std::nullopt;
+  std::vector<std::vector<Vec2>> outlines;
+  std::size_t next = first_of_border;
+  for (const auto& loop : border) {
+    const auto from = fit->places.begin() + static_cast<std::ptrdiff_t>(next);
+    outlines.emplace_back(from, from + static_cast<std::ptrdiff_t>(loop.size()));
+    next += loop.size();
   }
-  for (const auto& [piece, places] : laid_out) {
-    // Corners of the border are points as well: where they come to lie on the surface, it ends.
-    SplineData data = data_on(piece, places, input, 3 * tolerance, context);
-    const auto border = border_loops(piece);
-    const std::size_t first_of_border = data.points.size();
-    for (const auto& loop : border)
-      for (const auto v : loop) data.points.push_back(piece.vertices[v]), data.places.push_back(places[v]);
-    SplineFitOptions options;
-    options.tolerance = 0.7 * tolerance;
-    options.noise = input.sampling.sigma;
-    options.low = Vec2::Constant(1e300), options.high = Vec2::Constant(-1e300);
-    for (const Vec2& p : data.places) options.low = options.low.cwiseMin(p), options.high = options.high.cwiseMax(p);
-    // A little beyond the border, which is free to move while parameters are corrected; whole hundredths of a
-    // tolerance.
-    const double step = power_of_ten_below(tolerance / 50),
-                 margin = 2 * tolerance + 0.01 * (options.high - options.low).norm();
-    for (int k = 0; k < 2; ++k) {
-      options.low[k] = step * std::floor((options.low[k] - margin) / step);
-      options.high[k] = step * std::ceil((options.high[k] + margin) / step);
-    }
-    context.say("free form: " + std::to_string(data.points.size()) + " points over " +
-                print_number(snapped(options.high.x() - options.low.x(), tolerance)) + " x " +
-                print_number(snapped(options.high.y() - options.low.y(), tolerance)) + " mm");
-    auto fit = fit_spline(data, options, context);
-    if (!fit) {
-      context.say("free form: it would take too many control points");
-      return std::nullopt;
-    }
-    std::vector<std::vector<Vec2>> outlines;
-    std::size_t next = first_of_border;
-    for (const auto& loop : border) {
-      const auto from = fit->places.begin() + static_cast<std::ptrdiff_t>(next);
-      outlines.emplace_back(from, from + static_cast<std::ptrdiff_t>(loop.size()));
-      next += loop.size();
-    }
-    const std::vector<Vec2> points(fit->places.begin(),
-                                   fit->places.begin() + static_cast<std::ptrdiff_t>(first_of_border));
-    auto loops = trims_around(std::move(outlines), points, input, edge);
-    if (loops.empty()) {
-      context.say("free form: its border cannot be drawn");
-      return std::nullopt;
-    }
-    TrimmedSurface trimmed{std::move(fit->surface), std::move(loops)};
-    round_numbers(trimmed, tolerance);
-    context.say("free form: " + std::to_string(trimmed.surface.u.count()) + " x " +
-                std::to_string(trimmed.surface.v.count()) + " control points, deviation " +
-                print_number(snapped(fit->worst, tolerance / 1000)) + " mm");
-    set.patches.push_back(trimmed_patch(trimmed, "surface " + std::to_string(set.patches.size() + 1)));
+  const std::vector<Vec2> points(fit->places.begin(),
+                                 fit->places.begin() + static_cast<std::ptrdiff_t>(first_of_border));
+  auto loops = trims_around(std::move(outlines), points, input);
+  if (loops.empty()) {
+    context.say("free form: its border cannot be drawn");
+    return std::nullopt;
   }
-  if (set.patches.empty()) return std::nullopt;
-  if (set.patches.size() == 1) set.patches[0].name = "surface";
-  Candidate candidate;
-  candidate.procedure = "free form";
-  candidate.object_name = "sheet";
-  candidate.parameters.push_back(sheet_thickness(tolerance));
-  set.thickness = Expr::of(candidate.parameters.back().name);
-  for (const auto& patch : set.patches) candidate.extra_numbers += static_cast<int>(3 * patch.control.size());
-  candidate.shape = std::move(set);
-  return candidate;
+  return TrimmedSurface{std::move(fit->surface), std::move(loops)};
 }
 
 }  // namespace partscribe::fit

@@ -1,18 +1,20 @@
-/// Free form as trimmed B-spline surfaces.
+/// An open surface that can be laid out in a plane as one trimmed B-spline surface.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "core/context.h"
 #include "fit/candidate.h"
 #include "geometry/mesh/triangle_mesh.h"
+#include "geometry/surfaces/trimmed_surface.h"
 
 namespace partscribe::fit {
 
-/// An open surface as trimmed B-spline surfaces, one for each connected piece: `mesh` says where there is surface and
-/// how it is laid out, the points of the scan where exactly it lies. A candidate whose shape is a SurfaceSet, all
-/// control points in the scan's frame. Nothing for closed meshes, for pieces that cannot be laid out in a plane, and
-/// where the tolerance would need so many control points that triangles say it as shortly.
-std::optional<Candidate> spline_sheet(const TriangleMesh& mesh, const FitInput& input, Context& context);
+/// The surface through the points of the scan that lie near `mesh`, whose vertices go to `places` (mm) of the
+/// parameters' plane; its trims, with edges numbered from 1, follow the border of the mesh and hold the points. Nothing
+/// where that would take too many control points.
+std::optional<TrimmedSurface> spline_sheet(const TriangleMesh& mesh, const std::vector<Vec2>& places,
+                                           const FitInput& input, Context& context);
 
 }  // namespace partscribe::fit

@@ -222,11 +222,11 @@ Result<Candidate> Triangulator::within(double tolerance) {
   return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
 }
 
-std::optional<TriangleMesh> Triangulator::open_surface(double tolerance) {
+std::optional<TriangleMesh> Triangulator::surface_of_data(double tolerance) {
   if (spans_a_line(input_.cloud.points)) return std::nullopt;
   const TriangleMesh& mesh = surface(tolerance);
-  if (mesh.empty() || topology(mesh).closed()) return std::nullopt;
-  return mesh;
+  if (mesh.empty()) return std::nullopt;
+  return surface_ && topology(*surface_).closed() ? *surface_ : mesh;
 }
 
 std::optional<Candidate> Triangulator::unsimplified() const {

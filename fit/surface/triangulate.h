@@ -25,8 +25,8 @@ class Triangulator {
   /// closed if the data bound a solid. Points that span no surface are an error.
   Result<Candidate> within(double tolerance);
 
-  /// A surface that bounds no solid, as finely as it is known; nothing where the data bound one.
-  std::optional<TriangleMesh> open_surface(double tolerance);
+  /// The surface that the data span, as finely as it is known if it is closed; nothing where they span none.
+  std::optional<TriangleMesh> surface_of_data(double tolerance);
 
   /// The surface itself, before anything was simplified; nothing where it is made for a tolerance only (points seen
   /// from one side, meshes).

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <queue>
+#include <set>
 
 #include "geometry/mesh/mesh_distance.h"
 
@@ -91,25 +92,6 @@ class EdgeSampler {
   std::span<const TrimmedSurface> surfaces_;
   const Edge& edge_;
   double deviation_;
-};
-
-/// The ends of the edges, those that are one corner united.
-class Ends {
- public:
-  int end(int edge, bool last) {
-    const auto [at, is_new] = numbers_.try_emplace({edge, last}, static_cast<int>(parent_.size()));
-    if (is_new) parent_.push_back(at->second);
-    return root(at->second);
-  }
-  void unite(int a, int b) { parent_[std::size_t(std::max(a, b))] = std::min(a, b); }
-
- private:
-  int root(int i) const {
-    while (parent_[std::size_t(i)] != i) i = parent_[std::size_t(i)];
-    return i;
-  }
-  std::map<std::pair<int, bool>, int> numbers_;
-  std::vector<int> parent_;
 };
 
 // ---- one surface ------------------------------------------------------------------------------------------------
@@ -372,6 +354,31 @@ TrimmedSurface turned_over(const TrimmedSurface& given) {
   return result;
 }
 
+EdgeEnds::EdgeEnds(std::span<const TrimmedSurface> surfaces) {
+  std::vector<int> parent;
+  const auto root = [&](int i) {
+    while (parent[std::size_t(i)] != i) i = parent[std::size_t(i)];
+    return i;
+  };
+  const auto number = [&](int edge, bool last) {
+    const auto [at, is_new] = places_.try_emplace({edge, last}, static_cast<int>(parent.size()));
+    if (is_new) parent.push_back(at->second);
+    return root(at->second);
+  };
+  std::set<int> used;
+  for (const auto& surface : surfaces)
+    for (const auto& loop : surface.loops) {
+      std::vector<char> against;
+      for (const auto& trim : loop) against.push_back(!used.insert(trim.edge).second);
+      for (std::size_t c = 0; c < loop.size(); ++c) {
+        const std::size_t after = (c + 1) % loop.size();
+        const int a = number(loop[c].edge, !against[c]), b = number(loop[after].edge, against[after]);
+        parent[std::size_t(std::max(a, b))] = std::min(a, b);
+      }
+    }
+  for (auto& [end, place] : places_) place = root(place);
+}
+
 SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double deviation) {
   SurfaceTriangles result;
   std::map<int, Edge> edges;
@@ -384,15 +391,7 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
     const BorderUse& first = edges[surfaces[p].loops[l][c].edge].uses.front();
     return first.patch == p && first.loop == l && first.curve == c;
   };
-  Ends ends;
-  for (std::uint32_t p = 0; p < surfaces.size(); ++p)
-    for (std::uint32_t l = 0; l < surfaces[p].loops.size(); ++l) {
-      const auto& loop = surfaces[p].loops[l];
-      for (std::uint32_t c = 0; c < loop.size(); ++c) {
-        const std::uint32_t after = (c + 1) % static_cast<std::uint32_t>(loop.size());
-        ends.unite(ends.end(loop[c].edge, forward(p, l, c)), ends.end(loop[after].edge, !forward(p, l, after)));
-      }
-    }
+  const EdgeEnds ends(surfaces);
   std::map<int, std::uint32_t> corner_of_end;
   for (auto& [number, edge] : edges) {
     edge.shares = EdgeSampler(surfaces, edge, 0.8 * deviation).shares();
@@ -402,7 +401,7 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
       const bool at_end = i == 0 || i + 1 == edge.shares.size();
       const auto next = static_cast<std::uint32_t>(result.mesh.vertices.size());
       if (at_end) {
-        const auto [at, is_new] = corner_of_end.try_emplace(ends.end(number, i > 0), next);
+        const auto [at, is_new] = corner_of_end.try_emplace(ends.place(number, i > 0), next);
         edge.corners.push_back(at->second);
         if (!is_new) continue;
       } else {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -29,6 +30,17 @@ struct TrimmedSurface {
 
 /// The same surface with its front where its back was: u runs the other way, and so do the loops.
 TrimmedSurface turned_over(const TrimmedSurface& surface);
+
+/// Which ends of edges are one place: those that a loop passes from one of its curves to the next.
+class EdgeEnds {
+ public:
+  explicit EdgeEnds(std::span<const TrimmedSurface> surfaces);
+  /// A number of the place where an edge begins, or ends (`last`), as its first curve runs.
+  int place(int edge, bool last) const { return places_.at({edge, last}); }
+
+ private:
+  std::map<std::pair<int, bool>, int> places_;
+};
 
 /// Triangles of several trimmed surfaces; along common edges they have the same corners.
 struct SurfaceTriangles {

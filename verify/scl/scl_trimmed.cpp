@@ -88,7 +88,7 @@ SclMade trimmed_shell(const std::vector<SclGeometryPtr>& surfaces) {
         trim.edge = number++;
         sides.push_back({&trim, at(0), at(0.5), at(1)});
       }
-  // Borders that are clearly nearer to each other than they are long are one edge; the nearest pairs come first.
+  // Borders that are nearer to each other than they are long are one edge; the nearest pairs come first.
   struct Pair {
     double gap;
     std::size_t a, b;
@@ -99,7 +99,7 @@ SclMade trimmed_shell(const std::vector<SclGeometryPtr>& surfaces) {
       const double length = (sides[a].middle - sides[a].first).norm() + (sides[a].last - sides[a].middle).norm();
       const double gap = std::max({(sides[a].first - sides[b].last).norm(), (sides[a].last - sides[b].first).norm(),
                                    (sides[a].middle - sides[b].middle).norm()});
-      if (gap < 0.05 * length) pairs.push_back({gap, a, b});
+      if (gap < 0.3 * length) pairs.push_back({gap, a, b});
     }
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.gap < b.gap; });
   std::vector<char> taken(sides.size(), 0);

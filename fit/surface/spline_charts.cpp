@@ -1,0 +1,591 @@
+#include "fit/surface/spline_charts.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <queue>
+#include <string>
+
+#include "core/number.h"
+#include "fit/surface/charts.h"
+#include "fit/surface/curve_fit.h"
+#include "fit/surface/flatten.h"
+#include "fit/surface/piece_fit.h"
+#include "geometry/mesh/mesh_distance.h"
+#include "geometry/mesh/mesh_neighbours.h"
+
+namespace partscribe::fit {
+namespace {
+
+constexpr double strip_steep = 0.45;  // cosine between a triangle of the strip and the direction of its chart
+constexpr double edge_gap = 0.1;      // of the tolerance: how closely surfaces are to meet the mean of their edge
+constexpr double edge_weight = 30;    // of a place on an edge, against that of a point
+constexpr double beside_weight = 10;  // of a place beside it
+constexpr int rounds = 6;             // of drawing neighbours together
+
+/// A chart with the strip around it, laid out and fitted.
+struct Piece {
+  TriangleMesh mesh;
+  std::map<std::uint32_t, std::uint32_t> local;  // number of a vertex of the whole mesh in this one
+  std::vector<std::uint32_t> triangles;          // of the whole mesh
+  std::vector<Vec2> places;
+  SplineData data;
+  NurbsSurface surface;
+
+  SplineFoot foot(const Vec3& p, const Vec2& near) const { return foot_near(surface, p, near.x(), near.y()); }
+};
+
+/// A border between charts as a curve in space and in the plane of each side.
+struct Joint {
+  ChartBorder border;
+  std::vector<Vec3> places;           // at equal shares
+  std::vector<Vec2> uv[2];            // the same on the left and on the right surface
+  NurbsCurve<2> trim[2];              // both run as the left chart's border does
+  bool smooth = true;                 // no crease
+  std::vector<Vec3> across[2];        // at the same shares, a little to either side
+  std::vector<Vec2> across_uv[2][2];  // of these, on either surface
+};
+
+class ChartFitter {
+ public:
+  ChartFitter(const TriangleMesh& mesh, const FitInput& input, Context& context)
+      : mesh_(mesh), input_(input), context_(context), neighbours_(mesh_neighbours(mesh)) {
+    const MeshDistance distance(mesh, context.threads);
+    const auto hits = distance.closest(input.cloud.points, context.threads);
+    on_.resize(mesh.triangles.size());
+    for (std::uint32_t i = 0; i < hits.size(); ++i)
+      if (hits[i].distance < 3 * input.tolerance)
+        on_[hits[i].triangle].emplace_back(input.cloud.points[i], hits[i].point);
+    if (input.scan && !input.scan->mesh.empty())
+      add_facets();
+    else
+      add_unseen();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) normals_.push_back(triangle_normal(mesh, t));
+  }
+
+  std::vector<TrimmedSurface> surfaces() {
+    Charts charts = charts_of(mesh_, context_);
+    for (int round = 0; round < 100 && charts.count > 0 && !context_.cancelled; ++round) {
+      context_.say("free form: " + std::to_string(charts.count) + " charts, " + std::to_string(charts.borders.size()) +
+                   " borders");
+      pieces_.clear();
+      int failed = -1;
+      for (int c = 0; c < charts.count && failed < 0; ++c) {
+        auto piece = fitted(charts, c);
+        if (!piece)
+          failed = c;
+        else
+          pieces_.push_back(piece);
+        if (context_.cancelled) return {};
+      }
+      if (failed < 0) return joined(charts);
+      charts = with_chart_split(mesh_, charts, failed);
+    }
+    return {};
+  }
+
+ private:
+  /// Large facets of a mesh that is the scan are data as well, not their corners alone.
+  void add_facets() {
+    const double step = std::max(0.7 * input_.thin_spacing, 2 * input_.tolerance);
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const Vec3 a = mesh_.corner(t, 0), ab = mesh_.corner(t, 1) - a, ac = mesh_.corner(t, 2) - a;
+      const int n = static_cast<int>(std::max({ab.norm(), ac.norm(), (ac - ab).norm()}) / step);
+      if (n < 2) continue;
+      for (int i = 0; i <= n; ++i)
+        for (int j = 0; i + j <= n; ++j) {
+          const Vec3 p = a + (i + 1.0 / 3) / (n + 1) * ab + (j + 1.0 / 3) / (n + 1) * ac;
+          on_[t].emplace_back(p, p);
+        }
+    }
+  }
+
+  /// Where there are no points the mesh alone says how the surface goes on.
+  void add_unseen() {
+    const auto seen = on_;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      bool near = !seen[t].empty();
+      for (const auto other : neighbours_[t]) near = near || (other != no_neighbour && !seen[other].empty());
+      const Vec3 middle = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;
+      if (!near) on_[t].emplace_back(middle, middle);
+    }
+  }
+
+  /// The triangles of a chart and of the strip around it that one can still see from where the chart is seen.
+  std::vector<std::uint32_t> with_strip(const std::vector<std::uint32_t>& chart) const {
+    Vec3 direction = Vec3::Zero();
+    double size = 0;
+    for (const auto t : chart) {
+      const double a =
+          0.5 * (mesh_.corner(t, 1) - mesh_.corner(t, 0)).cross(mesh_.corner(t, 2) - mesh_.corner(t, 0)).norm();
+      direction += a * normals_[t], size += a;
+    }
+    direction.normalize();
+    const double width = std::max(6 * input_.tolerance, 0.1 * std::sqrt(size));
+    const auto middle = [&](std::uint32_t t) {
+      return Vec3((mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3);
+    };
+    std::map<std::uint32_t, double> away;
+    std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>, std::greater<>>
+        queue;
+    for (const auto t : chart) away[t] = 0, queue.push({0, t});
+    while (!queue.empty()) {
+      const auto [d, t] = queue.top();
+      queue.pop();
+      if (d > away[t]) continue;
+      for (const auto other : neighbours_[t]) {
+        if (other == no_neighbour) continue;
+        const double next = d + (middle(other) - middle(t)).norm();
+        const auto known = away.find(other);
+        if (known != away.end() ? next >= known->second : d > width) continue;
+        if (normals_[other].dot(normals_[t]) < sharp_cosine || normals_[other].dot(direction) < strip_steep) continue;
+        away[other] = next, queue.push({next, other});
+      }
+    }
+    std::vector<std::uint32_t> result;
+    for (const auto& [t, d] : away) result.push_back(t);
+    return result;
+  }
+
+  std::shared_ptr<const Piece> fitted(const Charts& charts, int chart) {
+    std::vector<std::uint32_t> own;
+    for (std::uint32_t t = 0; t < charts.of.size(); ++t)
+      if (charts.of[t] == chart) own.push_back(t);
+    auto& known = fitted_[own];
+    if (known) return known;
+    Piece piece;
+    piece.triangles = with_strip(own);
+    for (const auto t : piece.triangles) {
+      auto& corners = piece.mesh.triangles.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto v = mesh_.triangles[t][k];
+        const auto [at, is_new] = piece.local.try_emplace(v, static_cast<std::uint32_t>(piece.mesh.vertices.size()));
+        if (is_new) piece.mesh.vertices.push_back(mesh_.vertices[v]);
+        corners[k] = at->second;
+      }
+    }
+    auto places = flattened(piece.mesh);
+    if (!places) {
+      context_.say("free form: a chart cannot be laid out in a plane");
+      return nullptr;
+    }
+    piece.places = std::move(*places);
+    for (std::size_t t = 0; t < piece.triangles.size(); ++t)
+      for (const auto& [point, foot] : on_[piece.triangles[t]]) {
+        piece.data.points.push_back(point);
+        piece.data.places.push_back(place_on(piece.mesh, piece.places, t, foot));
+      }
+    // Where the chart ends is said by vertices.
+    for (const auto& loop : border_loops(piece.mesh))
+      for (const auto v : loop)
+        piece.data.points.push_back(piece.mesh.vertices[v]), piece.data.places.push_back(piece.places[v]);
+    auto fit = fit_piece(piece.data, input_, context_);
+    if (!fit) return nullptr;
+    piece.data.places = std::move(fit->places);
+    piece.surface = std::move(fit->surface);
+    context_.say("free form: chart " + std::to_string(chart + 1) + ": " + std::to_string(piece.surface.u.count()) +
+                 " x " + std::to_string(piece.surface.v.count()) + " control points");
+    return known = std::make_shared<Piece>(std::move(piece));
+  }
+
+  std::vector<TrimmedSurface> joined(const Charts& charts) {
+    current_.clear();
+    for (const auto& piece : pieces_) current_.push_back(*piece);
+    joints_.clear();
+    for (const auto& border : charts.borders) joints_.push_back(started(border));
+    gather_nodes();
+    for (int round = 0; round < rounds; ++round) {
+      settle();
+      context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
+      if (!draw_together(round + 2 < rounds ? 1e300 : edge_gap * input_.tolerance)) return {};
+    }
+    settle();
+    context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
+    for (auto& joint : joints_) trim(joint);
+    if (!uncrossed()) {
+      context_.say("free form: edges cross each other");
+      return {};
+    }
+    return with_loops();
+  }
+
+  static int chart_of(const Joint& joint, int s) { return s == 0 ? joint.border.left : joint.border.right; }
+  const Piece* side(const Joint& joint, int s) const {
+    const int chart = chart_of(joint, s);
+    return chart < 0 ? nullptr : &current_[std::size_t(chart)];
+  }
+
+  /// The zigzag of triangles' edges, smoothed.
+  Joint started(const ChartBorder& border) const {
+    Joint joint;
+    joint.border = border;
+    std::vector<Vec3> line;
+    double length = 0, longest = 0;
+    for (const auto v : border.vertices) {
+      if (!line.empty())
+        length += (mesh_.vertices[v] - line.back()).norm(),
+            longest = std::max(longest, (mesh_.vertices[v] - line.back()).norm());
+      line.push_back(mesh_.vertices[v]);
+    }
+    const double mean = length / double(line.size() - 1);
+    joint.smooth = !creased(border);
+    const double smooth =
+        joint.smooth && border.right >= 0 ? std::max(0.7 * mean, 0.5 * input_.tolerance) : 0.3 * input_.tolerance;
+    const NurbsCurve<3> curve = fitted_curve<3>(line, smooth);
+    const int count = std::clamp(std::max(8 * static_cast<int>(curve.t.breaks().size() - 1),
+                                          static_cast<int>(length / std::max(2 * input_.tolerance, 0.5 * mean))),
+                                 12, 600);
+    // Places in the planes from the polyline, at the same share of its length.
+    std::vector<double> along = {0};
+    for (std::size_t i = 1; i < line.size(); ++i)
+      along.push_back(along.back() + (line[i] - line[i - 1]).norm() / std::max(length, 1e-300));
+    for (int i = 0; i <= count; ++i) {
+      const double share = double(i) / count;
+      joint.places.push_back(curve.at(share));
+      const auto next = std::size_t(std::clamp<std::ptrdiff_t>(
+          std::upper_bound(along.begin(), along.end(), share) - along.begin(), 1, std::ptrdiff_t(along.size()) - 1));
+      const double part = (share - along[next - 1]) / std::max(along[next] - along[next - 1], 1e-300);
+      for (int s = 0; s < 2; ++s) {
+        const Piece* piece = side(joint, s);
+        if (!piece) continue;
+        const Vec2 &a = piece->places[piece->local.at(border.vertices[next - 1])],
+                   &b = piece->places[piece->local.at(border.vertices[next])];
+        joint.uv[s].push_back(a + std::clamp(part, 0.0, 1.0) * (b - a));
+      }
+    }
+    return joint;
+  }
+
+  /// Do the surfaces on both sides meet at an angle?
+  bool creased(const ChartBorder& border) const {
+    if (border.right < 0) return false;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, double> wanted;
+    double sharp = 0, all = 0;
+    for (std::size_t i = 1; i < border.vertices.size(); ++i) wanted[{border.vertices[i - 1], border.vertices[i]}] = 0;
+    for (const auto t : current_[std::size_t(border.left)].triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (!wanted.count({mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]}) ||
+            neighbours_[t][k] == no_neighbour)
+          continue;
+        const double length = (mesh_.corner(t, int(k)) - mesh_.corner(t, int((k + 1) % 3))).norm();
+        all += length;
+        if (normals_[t].dot(normals_[neighbours_[t][k]]) < sharp_cosine) sharp += length;
+      }
+    return sharp > 0.5 * all;
+  }
+
+  /// Ends of joints that are one place, and one place in each plane.
+  void gather_nodes() {
+    nodes_.clear();
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      for (const bool last : {false, true}) {
+        const auto& b = joints_[j].border;
+        nodes_[last ? b.vertices.back() : b.vertices.front()].emplace_back(j, last);
+      }
+  }
+
+  /// Edges go to the mean of the two surfaces' feet, some times over: where these cross, or lie between them.
+  void settle() {
+    for (int round = 0; round < 4; ++round) {
+      for (const auto& [vertex, ends] : nodes_) settle_node(ends);
+      for (auto& joint : joints_)
+        for (std::size_t i = 1; i + 1 < joint.places.size(); ++i) {
+          Vec3 sum = Vec3::Zero();
+          int sides = 0;
+          for (int s = 0; s < 2; ++s)
+            if (const Piece* piece = side(joint, s)) {
+              const SplineFoot foot = piece->foot(joint.places[i], joint.uv[s][i]);
+              joint.uv[s][i] = {foot.u, foot.v};
+              sum += foot.point, ++sides;
+            }
+          joint.places[i] = sum / sides;
+        }
+    }
+    beside();
+  }
+
+  /// The mean of all charts there, each counted once; the joints that end there follow along their whole length.
+  void settle_node(const std::vector<std::pair<std::size_t, bool>>& ends) {
+    const auto end_of = [](auto& list, bool last) -> auto& { return last ? list.back() : list.front(); };
+    std::map<int, Vec2> uv;
+    Vec3 mean = Vec3::Zero();
+    for (const auto& [j, last] : ends) {
+      mean += end_of(joints_[j].places, last) / double(ends.size());
+      for (int s = 0; s < 2; ++s)
+        if (side(joints_[j], s)) uv.try_emplace(chart_of(joints_[j], s), end_of(joints_[j].uv[s], last));
+    }
+    Vec3 sum = Vec3::Zero();
+    for (auto& [chart, at] : uv) {
+      const SplineFoot foot = current_[std::size_t(chart)].foot(mean, at);
+      at = {foot.u, foot.v}, sum += foot.point;
+    }
+    const Vec3 node = sum / double(uv.size());
+    for (const auto& [j, last] : ends) {
+      Joint& joint = joints_[j];
+      const Vec3 shift = node - end_of(joint.places, last);
+      const double count = double(joint.places.size() - 1);
+      for (std::size_t i = 0; i < joint.places.size(); ++i)
+        joint.places[i] += (last ? double(i) : count - double(i)) / count * shift;
+      end_of(joint.places, last) = node;
+      for (int s = 0; s < 2; ++s)
+        if (side(joint, s)) end_of(joint.uv[s], last) = uv[chart_of(joint, s)];
+    }
+  }
+
+  /// Places a little to either side of smooth joints, between the surfaces: there they are to have one tangent plane.
+  void beside() {
+    for (auto& joint : joints_) {
+      for (auto& list : joint.across) list.clear();
+      if (!joint.smooth || joint.border.right < 0) continue;
+      const double off = std::max(2 * input_.tolerance, 0.02 * (joint.places.back() - joint.places.front()).norm());
+      for (int way = 0; way < 2; ++way)
+        for (int s = 0; s < 2; ++s) joint.across_uv[way][s].clear();
+      for (std::size_t i = 1; i + 1 < joint.places.size(); ++i) {
+        const Vec3 along = (joint.places[i + 1] - joint.places[i - 1]).normalized();
+        const Vec3 normal = side(joint, 0)->surface.derivatives(joint.uv[0][i].x(), joint.uv[0][i].y()).normal() +
+                            side(joint, 1)->surface.derivatives(joint.uv[1][i].x(), joint.uv[1][i].y()).normal();
+        const Vec3 out = along.cross(normal).normalized();
+        if (!out.allFinite()) continue;
+        for (int way = 0; way < 2; ++way) {
+          const Vec3 start = joint.places[i] + (way == 0 ? off : -off) * out;
+          SplineFoot feet[2];
+          for (int s = 0; s < 2; ++s) feet[s] = side(joint, s)->foot(start, joint.uv[s][i]);
+          joint.across[way].push_back(0.5 * (feet[0].point + feet[1].point));
+          for (int s = 0; s < 2; ++s) joint.across_uv[way][s].emplace_back(feet[s].u, feet[s].v);
+        }
+      }
+    }
+  }
+
+  /// How far the two sides of a joint are apart at the most.
+  double gap() const {
+    double most = 0;
+    for (const auto& joint : joints_)
+      for (std::size_t i = 0; i < joint.places.size(); ++i)
+        for (int s = 0; s < 2; ++s)
+          if (const Piece* piece = side(joint, s))
+            most = std::max(most, (piece->surface.at(joint.uv[s][i].x(), joint.uv[s][i].y()) - joint.places[i]).norm());
+    return 2 * most;
+  }
+
+  /// Fits every surface once more, to its points and to the places where it meets its neighbours.
+  bool draw_together(double held_tolerance) {
+    for (std::size_t c = 0; c < current_.size(); ++c) {
+      Piece& piece = current_[c];
+      SplineData data = piece.data;
+      data.weights.assign(data.points.size(), 1);
+      const auto add = [&](const Vec3& p, const Vec2& uv, double weight) {
+        data.points.push_back(p), data.places.push_back(uv), data.weights.push_back(weight);
+      };
+      const auto each = [&](auto&& visit) {
+        for (const auto& joint : joints_)
+          for (int s = 0; s < 2; ++s)
+            if (chart_of(joint, s) == int(c) && joint.border.right >= 0) visit(joint, s);
+      };
+      each([&](const Joint& joint, int s) {
+        for (int way = 0; way < 2; ++way)
+          for (std::size_t i = 0; i < joint.across[way].size(); ++i)
+            add(joint.across[way][i], joint.across_uv[way][s][i], beside_weight);
+      });
+      each([&](const Joint& joint, int s) {
+        for (std::size_t i = 0; i < joint.places.size(); ++i)
+          add(joint.places[i], joint.uv[s][i], edge_weight), ++data.held;
+      });
+      auto fit = fit_piece_again(data, piece.surface, held_tolerance, input_, context_);
+      if (!fit) return false;
+      piece.surface = std::move(fit->surface);
+      fit->places.resize(piece.data.points.size());
+      piece.data.places = std::move(fit->places);
+    }
+    return true;
+  }
+
+  /// Curves of a joint in both planes, with the same knots: equal shares are equal places.
+  void trim(Joint& joint) const {
+    const std::size_t count = joint.places.size();
+    std::vector<double> at(count);
+    for (std::size_t i = 0; i < count; ++i) at[i] = double(i) / double(count - 1);
+    const double enough = input_.tolerance / 10;
+    std::vector<double> breaks = {0, 1};
+    for (int degree = 1;;) {
+      const KnotVector knots = clamped(degree, breaks);
+      std::vector<char> failing(breaks.size() - 1, 0);
+      for (int s = 0; s < 2; ++s) {
+        const Piece* piece = side(joint, s);
+        if (!piece) continue;
+        joint.trim[s] = curve_through<2>(joint.uv[s], at, knots);
+        for (std::size_t i = 0; i < count; ++i) {
+          const Vec2 uv = joint.trim[s].at(at[i]);
+          if ((piece->surface.at(uv.x(), uv.y()) - piece->surface.at(joint.uv[s][i].x(), joint.uv[s][i].y())).norm() <
+              enough)
+            continue;
+          failing[std::size_t(std::upper_bound(breaks.begin() + 1, breaks.end() - 1, at[i]) - breaks.begin() - 1)] = 1;
+        }
+      }
+      if (std::count(failing.begin(), failing.end(), 1) == 0) return;
+      if (degree == 1) {
+        degree = 3;
+        continue;
+      }
+      std::vector<double> finer = {0};
+      for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+        if (failing[i]) finer.push_back(0.5 * (breaks[i] + breaks[i + 1]));
+        finer.push_back(breaks[i + 1]);
+      }
+      if (finer.size() > count / 2) return;  // as near as places are known
+      breaks = std::move(finer);
+    }
+  }
+
+  /// A piece of a chart's border between two places.
+  struct Stretch {
+    Vec2 from, to;
+    std::size_t joint;
+    double share;
+  };
+
+  std::vector<Stretch> stretches_of(int chart) const {
+    std::vector<Stretch> result;
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      for (int s = 0; s < 2; ++s) {
+        if (chart_of(joints_[j], s) != chart) continue;
+        const auto& curve = joints_[j].trim[s];
+        const int count = 20 * static_cast<int>(curve.t.breaks().size());
+        Vec2 last = curve.at(0);
+        for (int i = 1; i <= count; ++i) {
+          const Vec2 next = curve.at(double(i) / count);
+          result.push_back({last, next, j, (i - 0.5) / count});
+          last = next;
+        }
+      }
+    std::stable_sort(result.begin(), result.end(), [](const Stretch& a, const Stretch& b) {
+      return std::min(a.from.x(), a.to.x()) < std::min(b.from.x(), b.to.x());
+    });
+    return result;
+  }
+
+  static bool cross(const Stretch& a, const Stretch& b) {
+    const auto side = [](const Vec2& p, const Vec2& q, const Vec2& r) {
+      return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
+    };
+    return side(a.from, a.to, b.from) * side(a.from, a.to, b.to) < 0 &&
+           side(b.from, b.to, a.from) * side(b.from, b.to, a.to) < 0;
+  }
+
+  /// Edges that leave a node in nearly the same direction may cross close to it: there both become straight.
+  bool uncrossed() {
+    for (int round = 0; round < 12; ++round) {
+      std::map<std::pair<std::size_t, bool>, double> straight;  // joint and its end: up to which share
+      bool crossing = false;
+      for (std::size_t c = 0; c < current_.size(); ++c) {
+        const auto list = stretches_of(int(c));
+        for (std::size_t i = 0; i < list.size(); ++i)
+          for (std::size_t k = i + 1; k < list.size() && std::min(list[k].from.x(), list[k].to.x()) <=
+                                                             std::max(list[i].from.x(), list[i].to.x());
+               ++k) {
+            if (!cross(list[i], list[k])) continue;
+            crossing = true;
+            for (const Stretch* s : {&list[i], &list[k]}) {
+              const bool last = s->share > 0.5;
+              double& share = straight[{s->joint, last}];
+              share = std::max(share, last ? 1 - s->share : s->share);
+            }
+          }
+      }
+      if (!crossing) return true;
+      for (const auto& [end, share] : straight) straighten(joints_[end.first], end.second, share);
+    }
+    return false;
+  }
+
+  void straighten(Joint& joint, bool last, double share) const {
+    const std::size_t count = joint.places.size() - 1;
+    const auto upto = std::min(count, static_cast<std::size_t>(std::ceil(1.5 * share * double(count))) + 2);
+    const std::size_t from = last ? count - upto : 0, to = last ? count : upto;
+    for (std::size_t i = from + 1; i < to; ++i) {
+      const double t = double(i - from) / double(to - from);
+      joint.places[i] = joint.places[from] + t * (joint.places[to] - joint.places[from]);
+      for (int s = 0; s < 2; ++s)
+        if (side(joint, s)) joint.uv[s][i] = joint.uv[s][from] + t * (joint.uv[s][to] - joint.uv[s][from]);
+    }
+    trim(joint);
+  }
+
+  static NurbsCurve<2> reversed(NurbsCurve<2> curve) {
+    std::reverse(curve.points.begin(), curve.points.end());
+    std::reverse(curve.t.knots.begin(), curve.t.knots.end());
+    for (double& knot : curve.t.knots) knot = 1 - knot;
+    return curve;
+  }
+
+  std::vector<TrimmedSurface> with_loops() const {
+    std::vector<TrimmedSurface> result;
+    for (std::size_t c = 0; c < current_.size(); ++c) {
+      // The pieces of this chart's border by the node they begin at.
+      std::map<std::uint32_t, std::vector<std::pair<SurfaceTrim, std::uint32_t>>> from;
+      for (std::size_t j = 0; j < joints_.size(); ++j)
+        for (int s = 0; s < 2; ++s) {
+          const auto& b = joints_[j].border;
+          if (chart_of(joints_[j], s) != int(c)) continue;
+          const auto edge = static_cast<int>(j + 1);
+          if (s == 0)
+            from[b.vertices.front()].push_back({{joints_[j].trim[0], edge}, b.vertices.back()});
+          else
+            from[b.vertices.back()].push_back({{reversed(joints_[j].trim[1]), edge}, b.vertices.front()});
+        }
+      TrimmedSurface trimmed{current_[c].surface, {}};
+      while (!from.empty()) {
+        auto& loop = trimmed.loops.emplace_back();
+        const std::uint32_t start = from.begin()->first;
+        for (auto at = start;;) {
+          const auto found = from.find(at);
+          if (found == from.end()) return {};
+          auto [trim, to] = std::move(found->second.back());
+          found->second.pop_back();
+          if (found->second.empty()) from.erase(found);
+          loop.push_back(std::move(trim));
+          if (to == start) break;
+          at = to;
+        }
+      }
+      std::stable_sort(trimmed.loops.begin(), trimmed.loops.end(),
+                       [](const auto& a, const auto& b) { return enclosed(a) > enclosed(b); });
+      result.push_back(std::move(trimmed));
+    }
+    return result;
+  }
+
+  /// Signed area of a loop.
+  static double enclosed(const std::vector<SurfaceTrim>& loop) {
+    double sum = 0;
+    for (const auto& trim : loop)
+      for (int i = 0; i < 64; ++i) {
+        const Vec2 a = trim.curve.at(i / 64.0), b = trim.curve.at((i + 1) / 64.0);
+        sum += 0.5 * (a.x() * b.y() - a.y() * b.x());
+      }
+    return sum;
+  }
+
+  const TriangleMesh& mesh_;
+  const FitInput& input_;
+  Context& context_;
+  std::vector<std::array<std::uint32_t, 3>> neighbours_;
+  std::vector<Vec3> normals_;
+  std::vector<std::vector<std::pair<Vec3, Vec3>>> on_;  // points of the scan by triangle, and the place on it
+  std::map<std::vector<std::uint32_t>, std::shared_ptr<const Piece>> fitted_;  // by the triangles of the chart
+  std::vector<std::shared_ptr<const Piece>> pieces_;
+  std::vector<Piece> current_;
+  std::vector<Joint> joints_;
+  std::map<std::uint32_t, std::vector<std::pair<std::size_t, bool>>> nodes_;  // joints that end at a vertex
+};
+
+}  // namespace
+
+std::vector<TrimmedSurface> spline_charts(const TriangleMesh& mesh, const FitInput& input, Context& context) {
+  return ChartFitter(mesh, input, context).surfaces();
+}
+
+}  // namespace partscribe::fit

@@ -1,0 +1,93 @@
+#include "fit/surface/spline_charts.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+
+#include "core/number.h"
+#include "fit/input/prepare.h"
+#include "geometry/surfaces/edge_curve.h"
+#include "testing/free_forms.h"
+#include "testing/meshes.h"
+
+using namespace partscribe::core;
+using namespace partscribe::fit;
+
+namespace {
+
+std::vector<TrimmedSurface> charts_over(const TriangleMesh& mesh, double tolerance) {
+  Context context;
+  Scan scan;
+  scan.mesh = mesh;
+  scan.cloud.points = mesh.vertices;
+  const auto input = prepare(scan, tolerance, context);
+  REQUIRE(input.ok());
+  return spline_charts(mesh, *input, context);
+}
+
+struct Meeting {
+  double gap = 0, angle = 0;  // mm and radians, the largest
+};
+
+Meeting meeting_of(const std::vector<TrimmedSurface>& surfaces) {
+  std::map<int, std::vector<std::pair<const TrimmedSurface*, const SurfaceTrim*>>> edges;
+  for (const auto& s : surfaces)
+    for (const auto& loop : s.loops)
+      for (const auto& trim : loop) edges[trim.edge].emplace_back(&s, &trim);
+  Meeting result;
+  for (const auto& [number, sides] : edges) {
+    REQUIRE(sides.size() == 2);
+    for (int i = 0; i <= 40; ++i) {
+      SurfacePoint at[2];
+      for (std::size_t k = 0; k < 2; ++k) {
+        const auto& curve = sides[k].second->curve;
+        const double share = k == 0 ? i / 40.0 : 1 - i / 40.0;
+        const Vec2 uv = curve.at(curve.t.low() + share * (curve.t.high() - curve.t.low()));
+        at[k] = sides[k].first->surface.derivatives(uv.x(), uv.y());
+      }
+      result.gap = std::max(result.gap, (at[0].p - at[1].p).norm());
+      result.angle = std::max(result.angle, std::acos(std::min(1.0, at[0].normal().dot(at[1].normal()))));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("spline charts: surfaces of a smooth lump meet within a fifth of the tolerance and some degrees") {
+  const auto surfaces = charts_over(partscribe::testing::pebble(40), 0.2);
+  REQUIRE(surfaces.size() >= 4);
+  const Meeting meeting = meeting_of(surfaces);
+  CHECK(meeting.gap < 0.04);
+  CHECK(meeting.angle < 6 * pi / 180);
+}
+
+TEST_CASE("spline charts: a block becomes six planes that meet in its corners") {
+  // Facets of 2 mm, so that charts may end anywhere.
+  const auto block = partscribe::testing::box({0, 0, 0}, {30, 20, 10});
+  TriangleMesh fine = block;
+  for (int round = 0; round < 3; ++round) {
+    TriangleMesh next;
+    for (std::size_t t = 0; t < fine.triangles.size(); ++t) {
+      const auto first = static_cast<std::uint32_t>(next.vertices.size());
+      for (int k = 0; k < 3; ++k) next.vertices.push_back(fine.corner(t, k));
+      for (int k = 0; k < 3; ++k) next.vertices.push_back(0.5 * (fine.corner(t, k) + fine.corner(t, (k + 1) % 3)));
+      next.triangles.push_back({first, first + 3, first + 5});
+      next.triangles.push_back({first + 3, first + 1, first + 4});
+      next.triangles.push_back({first + 5, first + 4, first + 2});
+      next.triangles.push_back({first + 3, first + 4, first + 5});
+    }
+    fine = welded(next, 0);
+  }
+  const auto surfaces = charts_over(fine, 0.1);
+  REQUIRE(surfaces.size() == 6);
+  for (const auto& s : surfaces) {
+    CHECK(s.surface.points.size() == 16);
+    REQUIRE(s.loops.size() == 1);
+    CHECK(s.loops[0].size() == 4);
+  }
+  CHECK(meeting_of(surfaces).gap < 0.02);
+  const auto triangles = triangulated(surfaces, 0.02);
+  CHECK(topology(triangles.mesh).closed());
+  CHECK(volume(triangles.mesh) == Approx(6000).epsilon(0.002));
+}
