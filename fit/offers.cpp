@@ -45,6 +45,7 @@ Result<bool> Offers::take_mesh(const Attempt& attempt) {
 Result<std::string> Offers::offer(CheckedModel model) {
   auto reason = options_.refusal ? options_.refusal(model) : Result<std::string>(std::string());
   if (!reason) return reason;
+  if (!reason->empty()) context_.say("refused: " + *reason);
   if (reason->empty()) {
     answer_ = std::move(model);
   } else if (!first_) {

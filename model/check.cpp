@@ -7,6 +7,7 @@
 
 #include "core/number.h"
 #include "geometry/mesh/convex.h"
+#include "geometry/surfaces/edge_curve.h"
 #include "model/draft.h"
 #include "model/lower/edges.h"
 #include "model/lower/lower.h"
@@ -337,28 +338,9 @@ struct Check {
 
   /// Where two patches have an edge in common they have to meet.
   void check_edges(const std::string& where, const SurfaceSetOf<double>& s) {
-    struct Side {
-      const TrimmedSurface* surface;
-      const SurfaceTrim* trim;
-    };
     const auto surfaces = trimmed_surfaces(s.patches);
-    std::map<int, std::vector<Side>> edges;
-    for (const auto& surface : surfaces)
-      for (const auto& loop : surface.loops)
-        for (const auto& trim : loop) edges[trim.edge].push_back({&surface, &trim});
-    for (const auto& [number, sides] : edges) {
-      if (sides.size() != 2) continue;
-      double gap = 0;
-      for (int i = 0; i <= 16; ++i) {
-        Vec3 place[2];
-        for (std::size_t k = 0; k < 2; ++k) {
-          const auto& t = sides[k].trim->curve.t;
-          const double share = k == 0 ? i / 16.0 : 1 - i / 16.0;
-          const Vec2 uv = sides[k].trim->curve.at(t.low() + share * (t.high() - t.low()));
-          place[k] = sides[k].surface->surface.at(uv.x(), uv.y());
-        }
-        gap = std::max(gap, (place[0] - place[1]).norm());
-      }
+    for (const auto& [number, sides] : edge_sides(surfaces)) {
+      const double gap = edge_gap(sides, 16);
       if (gap > model.tolerance)
         complain(where + ": edge " + std::to_string(number) + ": its two sides are " +
                  print_number(snapped(gap, 1e-4)) + " mm apart");

@@ -87,11 +87,7 @@ class EdgeMaker {
  public:
   /// Edges in space are within `tolerance` mm of the mean of their sides.
   EdgeMaker(std::span<const TrimmedSurface> surfaces, double tolerance) : ends_(surfaces) {
-    std::map<int, std::vector<EdgeSide>> sides;
-    for (const auto& surface : surfaces)
-      for (const auto& loop : surface.loops)
-        for (const auto& trim : loop) sides[trim.edge].push_back({&surface.surface, &trim.curve});
-    for (const auto& [edge, of] : sides) curves_.emplace(edge, edge_curve(of, tolerance));
+    for (const auto& [edge, of] : edge_sides(surfaces)) curves_.emplace(edge, edge_curve(of, tolerance));
   }
 
   /// The edge as a loop of this surface runs through it.

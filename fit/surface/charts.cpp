@@ -13,6 +13,7 @@ namespace partscribe::fit {
 namespace {
 
 constexpr double widest = 0.57;          // cosine of the angle between a triangle's normal and its chart's
+constexpr double widest_small = 0.25;    // the same for a small chart and the one it joins
 constexpr double most_wide = 0.001;      // share of a chart's area that may be steeper
 constexpr std::size_t least_piece = 12;  // triangles that creases may cut off
 constexpr double least_share = 2e-4;     // of the area, likewise
@@ -181,7 +182,8 @@ std::vector<int> settled(const Surface& surface, std::vector<std::uint32_t>& see
 }
 
 /// Pairs of neighbouring charts become one as long as that one lies open, those first whose normals are most alike.
-void unite(const Surface& surface, std::vector<int>& of, std::size_t count) {
+/// Small ones join another even where that is steeper, or beyond a crease.
+void unite(const Surface& surface, std::vector<int>& of, std::size_t count, double small) {
   for (;;) {
     struct Pair {
       int edges = 0, open = 0;  // open: no crease
@@ -205,8 +207,9 @@ void unite(const Surface& surface, std::vector<int>& of, std::size_t count) {
     std::pair<int, int> best{-1, -1};
     double least = 1e300;
     for (const auto& [pair, p] : pairs) {
-      if (2 * p.open < p.edges) continue;
       const auto a = std::size_t(pair.first), b = std::size_t(pair.second);
+      const bool either_small = std::min(areas[a], areas[b]) < small;
+      if (2 * p.open < p.edges && !either_small) continue;
       const Vec3 direction = (sums[a] + sums[b]).normalized();
       // What is spread about the common normal: area less the length of the sum.
       const double spread = areas[a] + areas[b] - (sums[a] + sums[b]).norm();
@@ -214,7 +217,8 @@ void unite(const Surface& surface, std::vector<int>& of, std::size_t count) {
       double wide = 0;
       for (const auto c : {a, b})
         for (const auto t : members[c])
-          if (surface.normals[t].dot(direction) < widest + 0.03) wide += surface.areas[t];
+          if (surface.normals[t].dot(direction) < (either_small ? widest_small : widest + 0.03))
+            wide += surface.areas[t];
       if (wide > 0.5 * most_wide * (areas[a] + areas[b])) continue;
       least = spread, best = pair;
     }
@@ -277,13 +281,14 @@ class Cleaner {
     return changed;
   }
 
+  /// Does one crease run straight through a vertex? Others end there, or are noise.
   bool at_crease(std::uint32_t v) const {
+    std::vector<Vec3> out;
     for (const auto t : around_[v])
       for (int k = 0; k < 3; ++k)
-        if ((surface_.from(t, k) == v || surface_.to(t, k) == v) &&
-            surface_.open[t][std::size_t(k)] != surface_.neighbours[t][std::size_t(k)])
-          return true;
-    return false;
+        if (surface_.from(t, k) == v && surface_.open[t][std::size_t(k)] != surface_.neighbours[t][std::size_t(k)])
+          out.push_back((surface_.mesh().vertices[surface_.to(t, k)] - surface_.mesh().vertices[v]).normalized());
+    return out.size() == 2 && out[0].dot(out[1]) < -0.7;
   }
 
   /// Each chart keeps its largest connected piece; the others join the chart they share the longest border with.
@@ -436,7 +441,7 @@ Charts numbered(const Surface& surface, std::vector<int> of) {
 
 }  // namespace
 
-Charts charts_of(const TriangleMesh& mesh, Context& context) {
+Charts charts_of(const TriangleMesh& mesh, double small, Context& context) {
   const Surface surface(mesh);
   std::vector<std::uint32_t> seeds;
   for (const auto& piece : surface.pieces()) seeds.push_back(piece.front());
@@ -451,7 +456,7 @@ Charts charts_of(const TriangleMesh& mesh, Context& context) {
       if (wide[c] > most_wide) seeds.push_back(worst[c]);
     if (seeds.size() == before || seeds.size() > most_charts) break;
   }
-  unite(surface, of, seeds.size());
+  unite(surface, of, seeds.size(), small);
   if (!Cleaner(surface, of).clean()) return {};
   return numbered(surface, std::move(of));
 }

@@ -27,8 +27,9 @@ struct Charts {
 
 /// Charts grow around mean normals [Cohen-Steiner, Alliez and Desbrun 2004, the metric L2,1], more of them until none
 /// turns away from its own by more than some 55 degrees, and none across a crease; then those that can be united are.
-/// No chart touches itself at a vertex. `mesh` must be manifold and consistently oriented.
-Charts charts_of(const TriangleMesh& mesh, Context& context);
+/// Charts of less than `small` mm^2 join another in any case. No chart touches itself at a vertex. `mesh` must be
+/// manifold and consistently oriented.
+Charts charts_of(const TriangleMesh& mesh, double small, Context& context);
 
 /// The same with one chart cut in two across its longest direction.
 Charts with_chart_split(const TriangleMesh& mesh, const Charts& charts, int chart);

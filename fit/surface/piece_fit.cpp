@@ -62,7 +62,10 @@ void round_numbers(TrimmedSurface& trimmed, double tolerance) {
     for (double& knot : t->knots) knot = snapped(knot, step);
   for (auto& loop : trimmed.loops)
     for (auto& trim : loop)
-      for (Vec2& p : trim.curve.points) p = {snapped(p.x(), step), snapped(p.y(), step)};
+      for (Vec2& p : trim.curve.points) {
+        const KnotVector &u = trimmed.surface.u, &v = trimmed.surface.v;
+        p = {std::clamp(snapped(p.x(), step), u.low(), u.high()), std::clamp(snapped(p.y(), step), v.low(), v.high())};
+      }
 }
 
 }  // namespace partscribe::fit

@@ -24,7 +24,8 @@ std::optional<SplineFit> fit_piece(const SplineData& data, const FitInput& input
 std::optional<SplineFit> fit_piece_again(const SplineData& data, const NurbsSurface& before, double held_tolerance,
                                          const FitInput& input, Context& context);
 
-/// Numbers as they are printed: control points and parameters to some hundredth of the tolerance.
+/// Numbers as they are printed: control points and parameters to some hundredth of the tolerance; trims stay
+/// inside of the domain.
 void round_numbers(TrimmedSurface& trimmed, double tolerance);
 
 }  // namespace partscribe::fit

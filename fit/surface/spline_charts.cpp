@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <queue>
+#include <set>
 #include <string>
 
 #include "core/number.h"
@@ -16,12 +17,14 @@
 #include "fit/surface/piece_fit.h"
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/mesh/mesh_neighbours.h"
+#include "geometry/points/kd_tree.h"
+#include "geometry/surfaces/edge_curve.h"
 
 namespace partscribe::fit {
 namespace {
 
-constexpr double strip_steep = 0.45;  // cosine between a triangle of the strip and the direction of its chart
-constexpr double edge_gap = 0.1;      // of the tolerance: how closely surfaces are to meet the mean of their edge
+constexpr double strip_steep = 0.2;   // cosine between a triangle of the strip and the direction of its chart
+constexpr double meeting = 0.1;       // of the tolerance: how closely surfaces are to meet the mean of their edge
 constexpr double edge_weight = 30;    // of a place on an edge, against that of a point
 constexpr double beside_weight = 10;  // of a place beside it
 constexpr int rounds = 6;             // of drawing neighbours together
@@ -41,7 +44,8 @@ struct Piece {
 /// A border between charts as a curve in space and in the plane of each side.
 struct Joint {
   ChartBorder border;
-  std::vector<Vec3> places;           // at equal shares
+  std::vector<Vec3> guide;            // the border of the charts, smoothed, at equal shares
+  std::vector<Vec3> places;           // where the edge is at these shares
   std::vector<Vec2> uv[2];            // the same on the left and on the right surface
   NurbsCurve<2> trim[2];              // both run as the left chart's border does
   bool smooth = true;                 // no crease
@@ -59,15 +63,15 @@ class ChartFitter {
     for (std::uint32_t i = 0; i < hits.size(); ++i)
       if (hits[i].distance < 3 * input.tolerance)
         on_[hits[i].triangle].emplace_back(input.cloud.points[i], hits[i].point);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) normals_.push_back(triangle_normal(mesh, t));
     if (input.scan && !input.scan->mesh.empty())
       add_facets();
     else
       add_unseen();
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) normals_.push_back(triangle_normal(mesh, t));
   }
 
   std::vector<TrimmedSurface> surfaces() {
-    Charts charts = charts_of(mesh_, context_);
+    Charts charts = charts_of(mesh_, std::pow(5 * input_.tolerance, 2), context_);
     for (int round = 0; round < 100 && charts.count > 0 && !context_.cancelled; ++round) {
       context_.say("free form: " + std::to_string(charts.count) + " charts, " + std::to_string(charts.borders.size()) +
                    " borders");
@@ -103,15 +107,40 @@ class ChartFitter {
     }
   }
 
-  /// Where there are no points the mesh alone says how the surface goes on.
+  Vec3 middle(std::size_t t) const { return (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3; }
+
+  /// Where there are no points the mesh alone says how the surface goes on: as smoothly as it can.
   void add_unseen() {
-    const auto seen = on_;
+    std::vector<char> seen(mesh_.vertices.size(), 0);
+    const KdTree points(input_.cloud.points);
+    for (std::size_t v = 0; v < seen.size(); ++v)
+      seen[v] = points.nearest_one(mesh_.vertices[v]).sq_distance < std::pow(2 * input_.thin_spacing, 2);
+    smooth(seen);
+    // As dense as the points are elsewhere.
+    std::set<std::array<int, 3>> taken;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      bool near = !seen[t].empty();
-      for (const auto other : neighbours_[t]) near = near || (other != no_neighbour && !seen[other].empty());
-      const Vec3 middle = (mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3;
-      if (!near) on_[t].emplace_back(middle, middle);
+      const auto& c = mesh_.triangles[t];
+      if (seen[c[0]] || seen[c[1]] || seen[c[2]]) continue;
+      const Vec3 p = middle(t);
+      std::array<int, 3> cell;
+      for (std::size_t k = 0; k < 3; ++k) cell[k] = static_cast<int>(std::floor(p[int(k)] / input_.thin_spacing));
+      if (taken.insert(cell).second) on_[t].emplace_back(p, p);
     }
+  }
+
+  /// Vertices that are not `fixed` go to the mean of their neighbours, many times over.
+  void smooth(const std::vector<char>& fixed) {
+    for (int round = 0; round < 200; ++round) {
+      std::vector<Vec3> sum(mesh_.vertices.size(), Vec3::Zero());
+      std::vector<int> count(sum.size(), 0);
+      for (const auto& t : mesh_.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+          if (!fixed[t[k]])
+            sum[t[k]] += mesh_.vertices[t[(k + 1) % 3]] + mesh_.vertices[t[(k + 2) % 3]], count[t[k]] += 2;
+      for (std::size_t v = 0; v < sum.size(); ++v)
+        if (count[v] > 0) mesh_.vertices[v] = 0.5 * (mesh_.vertices[v] + sum[v] / count[v]);
+    }
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) normals_[t] = triangle_normal(mesh_, t);
   }
 
   /// The triangles of a chart and of the strip around it that one can still see from where the chart is seen.
@@ -125,9 +154,6 @@ class ChartFitter {
     }
     direction.normalize();
     const double width = std::max(6 * input_.tolerance, 0.1 * std::sqrt(size));
-    const auto middle = [&](std::uint32_t t) {
-      return Vec3((mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3);
-    };
     std::map<std::uint32_t, double> away;
     std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>, std::greater<>>
         queue;
@@ -200,7 +226,7 @@ class ChartFitter {
     for (int round = 0; round < rounds; ++round) {
       settle();
       context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
-      if (!draw_together(round + 2 < rounds ? 1e300 : edge_gap * input_.tolerance)) return {};
+      if (!draw_together(round + 2 < rounds ? 1e300 : meeting * input_.tolerance)) return {};
     }
     settle();
     context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
@@ -209,7 +235,12 @@ class ChartFitter {
       context_.say("free form: edges cross each other");
       return {};
     }
-    return with_loops();
+    auto result = with_loops();
+    double apart = 0;
+    for (const auto& [edge, sides] : edge_sides(result)) apart = std::max(apart, edge_gap(sides, 200));
+    context_.say("free form: edges as they are drawn are up to " + print_number(snapped(apart, 1e-4)) + " mm apart");
+    if (apart > 0.7 * input_.tolerance) return {};
+    return result;
   }
 
   static int chart_of(const Joint& joint, int s) { return s == 0 ? joint.border.left : joint.border.right; }
@@ -232,12 +263,12 @@ class ChartFitter {
     }
     const double mean = length / double(line.size() - 1);
     joint.smooth = !creased(border);
-    const double smooth =
-        joint.smooth && border.right >= 0 ? std::max(0.7 * mean, 0.5 * input_.tolerance) : 0.3 * input_.tolerance;
+    const double smooth = joint.smooth && border.right >= 0 ? std::max(mean, 0.5 * input_.tolerance)
+                                                            : std::max(0.2 * mean, 0.3 * input_.tolerance);
     const NurbsCurve<3> curve = fitted_curve<3>(line, smooth);
-    const int count = std::clamp(std::max(8 * static_cast<int>(curve.t.breaks().size() - 1),
-                                          static_cast<int>(length / std::max(2 * input_.tolerance, 0.5 * mean))),
-                                 12, 600);
+    const int count = std::clamp(std::max(20 * static_cast<int>(curve.t.breaks().size() - 1),
+                                          static_cast<int>(length / std::max(input_.tolerance, 0.2 * mean))),
+                                 24, 1500);
     // Places in the planes from the polyline, at the same share of its length.
     std::vector<double> along = {0};
     for (std::size_t i = 1; i < line.size(); ++i)
@@ -256,6 +287,7 @@ class ChartFitter {
         joint.uv[s].push_back(a + std::clamp(part, 0.0, 1.0) * (b - a));
       }
     }
+    joint.guide = joint.places;
     return joint;
   }
 
@@ -301,10 +333,33 @@ class ChartFitter {
               joint.uv[s][i] = {foot.u, foot.v};
               sum += foot.point, ++sides;
             }
-          joint.places[i] = sum / sides;
+          // Places slide sideways only: where surfaces disagree their feet would run together.
+          const Vec3 along = (joint.guide[i + 1] - joint.guide[i - 1]).normalized();
+          const Vec3 off = sum / sides - joint.guide[i];
+          joint.places[i] = joint.guide[i] + off - off.dot(along) * along;
         }
     }
+    for (auto& joint : joints_) {
+      even_out(joint);
+      for (std::size_t i = 1; i + 1 < joint.places.size(); ++i)
+        for (int s = 0; s < 2; ++s)
+          if (const Piece* piece = side(joint, s)) {
+            const SplineFoot foot = piece->foot(joint.places[i], joint.uv[s][i]);
+            joint.uv[s][i] = {foot.u, foot.v};
+          }
+    }
     beside();
+  }
+
+  /// Surfaces that are wrinkled where they end move places to and fro: that is taken out, without shortening the edge
+  /// [Taubin 1995].
+  static void even_out(Joint& joint) {
+    for (int round = 0; round < 6; ++round) {
+      const auto before = joint.places;
+      const double share = round % 2 == 0 ? 0.5 : -0.53;
+      for (std::size_t i = 1; i + 1 < before.size(); ++i)
+        joint.places[i] += share * (0.5 * (before[i - 1] + before[i + 1]) - before[i]);
+    }
   }
 
   /// The mean of all charts there, each counted once; the joints that end there follow along their whole length.
@@ -328,7 +383,8 @@ class ChartFitter {
       const Vec3 shift = node - end_of(joint.places, last);
       const double count = double(joint.places.size() - 1);
       for (std::size_t i = 0; i < joint.places.size(); ++i)
-        joint.places[i] += (last ? double(i) : count - double(i)) / count * shift;
+        for (auto* list : {&joint.places, &joint.guide})
+          (*list)[i] += (last ? double(i) : count - double(i)) / count * shift;
       end_of(joint.places, last) = node;
       for (int s = 0; s < 2; ++s)
         if (side(joint, s)) end_of(joint.uv[s], last) = uv[chart_of(joint, s)];
@@ -338,6 +394,7 @@ class ChartFitter {
   /// Places a little to either side of smooth joints, between the surfaces: there they are to have one tangent plane.
   void beside() {
     for (auto& joint : joints_) {
+      even_out(joint);
       for (auto& list : joint.across) list.clear();
       if (!joint.smooth || joint.border.right < 0) continue;
       const double off = std::max(2 * input_.tolerance, 0.02 * (joint.places.back() - joint.places.front()).norm());
@@ -430,12 +487,14 @@ class ChartFitter {
         degree = 3;
         continue;
       }
+      // Pieces with few places would swing between them.
       std::vector<double> finer = {0};
       for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-        if (failing[i]) finer.push_back(0.5 * (breaks[i] + breaks[i + 1]));
+        if (failing[i] && (breaks[i + 1] - breaks[i]) * double(count - 1) > 5)
+          finer.push_back(0.5 * (breaks[i] + breaks[i + 1]));
         finer.push_back(breaks[i + 1]);
       }
-      if (finer.size() > count / 2) return;  // as near as places are known
+      if (finer.size() == breaks.size()) return;  // as near as places are known
       breaks = std::move(finer);
     }
   }
@@ -475,43 +534,47 @@ class ChartFitter {
            side(b.from, b.to, a.from) * side(b.from, b.to, a.to) < 0;
   }
 
-  /// Edges that leave a node in nearly the same direction may cross close to it: there both become straight.
+  /// Edges that leave a node in nearly the same direction may cross close to it, and one that turns sharply may cross
+  /// itself: there they become straight.
   bool uncrossed() {
-    for (int round = 0; round < 12; ++round) {
-      std::map<std::pair<std::size_t, bool>, double> straight;  // joint and its end: up to which share
-      bool crossing = false;
+    for (int round = 0; round < 20; ++round) {
+      std::map<std::size_t, std::vector<std::pair<double, double>>> straight;  // stretches of joints, in shares
       for (std::size_t c = 0; c < current_.size(); ++c) {
         const auto list = stretches_of(int(c));
         for (std::size_t i = 0; i < list.size(); ++i)
           for (std::size_t k = i + 1; k < list.size() && std::min(list[k].from.x(), list[k].to.x()) <=
                                                              std::max(list[i].from.x(), list[i].to.x());
                ++k) {
-            if (!cross(list[i], list[k])) continue;
-            crossing = true;
-            for (const Stretch* s : {&list[i], &list[k]}) {
-              const bool last = s->share > 0.5;
-              double& share = straight[{s->joint, last}];
-              share = std::max(share, last ? 1 - s->share : s->share);
+            const Stretch &a = list[i], &b = list[k];
+            if (!cross(a, b)) continue;
+            if (a.joint == b.joint && std::abs(a.share - b.share) < 0.5) {
+              straight[a.joint].emplace_back(std::min(a.share, b.share), std::max(a.share, b.share));
+            } else {
+              for (const Stretch* s : {&a, &b})
+                straight[s->joint].emplace_back(s->share > 0.5 ? s->share : 0, s->share > 0.5 ? 1 : s->share);
             }
           }
       }
-      if (!crossing) return true;
-      for (const auto& [end, share] : straight) straighten(joints_[end.first], end.second, share);
+      if (straight.empty()) return true;
+      for (const auto& [joint, stretches] : straight) {
+        for (const auto& [from, to] : stretches) straighten(joints_[joint], from, to, 1 + round);
+        trim(joints_[joint]);
+      }
     }
     return false;
   }
 
-  void straighten(Joint& joint, bool last, double share) const {
-    const std::size_t count = joint.places.size() - 1;
-    const auto upto = std::min(count, static_cast<std::size_t>(std::ceil(1.5 * share * double(count))) + 2);
-    const std::size_t from = last ? count - upto : 0, to = last ? count : upto;
+  /// Between two shares and some way beyond.
+  void straighten(Joint& joint, double low, double high, int more_of) const {
+    const double count = double(joint.places.size() - 1), more = more_of * (0.25 * (high - low) + 2 / count);
+    const auto from = static_cast<std::size_t>(std::max(std::floor((low - more) * count), 0.0));
+    const auto to = static_cast<std::size_t>(std::min(std::ceil((high + more) * count), count));
     for (std::size_t i = from + 1; i < to; ++i) {
       const double t = double(i - from) / double(to - from);
       joint.places[i] = joint.places[from] + t * (joint.places[to] - joint.places[from]);
       for (int s = 0; s < 2; ++s)
         if (side(joint, s)) joint.uv[s][i] = joint.uv[s][from] + t * (joint.uv[s][to] - joint.uv[s][from]);
     }
-    trim(joint);
   }
 
   static NurbsCurve<2> reversed(NurbsCurve<2> curve) {
@@ -569,7 +632,7 @@ class ChartFitter {
     return sum;
   }
 
-  const TriangleMesh& mesh_;
+  TriangleMesh mesh_;
   const FitInput& input_;
   Context& context_;
   std::vector<std::array<std::uint32_t, 3>> neighbours_;

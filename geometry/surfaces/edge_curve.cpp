@@ -46,6 +46,29 @@ void halved(std::span<const EdgeSide> sides, double from, double to, double devi
 
 }  // namespace
 
+std::map<int, std::vector<EdgeSide>> edge_sides(std::span<const TrimmedSurface> surfaces) {
+  std::map<int, std::vector<EdgeSide>> sides;
+  for (const auto& surface : surfaces)
+    for (const auto& loop : surface.loops)
+      for (const auto& trim : loop) sides[trim.edge].push_back({&surface.surface, &trim.curve});
+  return sides;
+}
+
+double edge_gap(std::span<const EdgeSide> sides, int pieces) {
+  double gap = 0;
+  for (int i = 0; sides.size() == 2 && i <= pieces; ++i) {
+    Vec3 place[2];
+    for (std::size_t k = 0; k < 2; ++k) {
+      const KnotVector& t = sides[k].trim->t;
+      const double share = double(k == 0 ? i : pieces - i) / pieces;
+      const Vec2 uv = sides[k].trim->at(t.low() + share * (t.high() - t.low()));
+      place[k] = sides[k].surface->at(uv.x(), uv.y());
+    }
+    gap = std::max(gap, (place[0] - place[1]).norm());
+  }
+  return gap;
+}
+
 void edge_place(std::span<const EdgeSide> sides, double share, bool below, Vec3& place, Vec3& derivative) {
   place = derivative = Vec3::Zero();
   for (std::size_t i = 0; i < sides.size(); ++i) {

@@ -51,7 +51,7 @@ void check_charts(const TriangleMesh& mesh, const Charts& charts) {
 TEST_CASE("charts: a lump and a ring are cut into few charts that each lie open") {
   Context context;
   const auto lump = partscribe::testing::pebble(40), ring = partscribe::testing::wavy_ring(120);
-  const Charts of_lump = charts_of(lump, context), of_ring = charts_of(ring, context);
+  const Charts of_lump = charts_of(lump, 1, context), of_ring = charts_of(ring, 1, context);
   check_charts(lump, of_lump), check_charts(ring, of_ring);
   CHECK(of_lump.count >= 4);
   CHECK(of_lump.count <= 12);
@@ -63,7 +63,7 @@ TEST_CASE("charts: a lump and a ring are cut into few charts that each lie open"
 TEST_CASE("charts: a sheet that lies open is one chart with its two borders") {
   Context context;
   const auto sheet = partscribe::testing::hood();
-  const Charts charts = charts_of(sheet, context);
+  const Charts charts = charts_of(sheet, 1, context);
   CHECK(charts.count == 1);
   REQUIRE(charts.borders.size() == 2);
   for (const auto& b : charts.borders) {
@@ -75,7 +75,7 @@ TEST_CASE("charts: a sheet that lies open is one chart with its two borders") {
 TEST_CASE("charts: a chart is split across its longest direction, the others stay") {
   Context context;
   const auto mesh = partscribe::testing::pebble(40);
-  const Charts charts = charts_of(mesh, context), more = with_chart_split(mesh, charts, 1);
+  const Charts charts = charts_of(mesh, 1, context), more = with_chart_split(mesh, charts, 1);
   check_charts(mesh, more);
   CHECK(more.count == charts.count + 1);
   // What was together elsewhere is together still, but for a few triangles beside the cut.

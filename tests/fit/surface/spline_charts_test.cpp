@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <map>
 
 #include "core/number.h"
 #include "fit/input/prepare.h"
@@ -30,23 +29,19 @@ struct Meeting {
 };
 
 Meeting meeting_of(const std::vector<TrimmedSurface>& surfaces) {
-  std::map<int, std::vector<std::pair<const TrimmedSurface*, const SurfaceTrim*>>> edges;
-  for (const auto& s : surfaces)
-    for (const auto& loop : s.loops)
-      for (const auto& trim : loop) edges[trim.edge].emplace_back(&s, &trim);
   Meeting result;
-  for (const auto& [number, sides] : edges) {
+  for (const auto& [number, sides] : edge_sides(surfaces)) {
     REQUIRE(sides.size() == 2);
+    result.gap = std::max(result.gap, edge_gap(sides, 40));
     for (int i = 0; i <= 40; ++i) {
-      SurfacePoint at[2];
+      Vec3 normal[2];
       for (std::size_t k = 0; k < 2; ++k) {
-        const auto& curve = sides[k].second->curve;
+        const auto& t = sides[k].trim->t;
         const double share = k == 0 ? i / 40.0 : 1 - i / 40.0;
-        const Vec2 uv = curve.at(curve.t.low() + share * (curve.t.high() - curve.t.low()));
-        at[k] = sides[k].first->surface.derivatives(uv.x(), uv.y());
+        const Vec2 uv = sides[k].trim->at(t.low() + share * (t.high() - t.low()));
+        normal[k] = sides[k].surface->derivatives(uv.x(), uv.y()).normal();
       }
-      result.gap = std::max(result.gap, (at[0].p - at[1].p).norm());
-      result.angle = std::max(result.angle, std::acos(std::min(1.0, at[0].normal().dot(at[1].normal()))));
+      result.angle = std::max(result.angle, std::acos(std::min(1.0, normal[0].dot(normal[1]))));
     }
   }
   return result;

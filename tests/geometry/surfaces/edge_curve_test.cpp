@@ -30,6 +30,8 @@ TEST_CASE("edge curve: it is the mean of its sides at equal shares, and has thei
     CHECK((place - Vec3(x, 5, 0.1 + x * x / 40)).norm() < 1e-9);
     CHECK((derivative - Vec3(20, 0, 20 * x / 20)).norm() < 1e-6);
   }
+  CHECK(edge_gap(sides, 10) == Approx(std::hypot(10, 0.2)));
+  CHECK(edge_gap(std::span(sides, 1), 10) == 0);
   const auto curve = edge_curve(sides, 1e-6);
   for (int i = 0; i <= 50; ++i) {
     const double x = 20 * i / 50.0;
