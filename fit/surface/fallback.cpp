@@ -20,14 +20,16 @@ FitInput dense_input(const FitInput& input, Context& context) {
 }  // namespace
 
 std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triangulator, Context& context) {
+  // A mesh of planes and cylinders says more by its faces.
+  if (triangulator.of_faces(input.tolerance)) return std::nullopt;
   const auto mesh = triangulator.surface_of_data(input.tolerance);
   if (!mesh || context.cancelled) return std::nullopt;
-  auto sheet = free_form(*mesh, input, context);
-  if (!sheet || context.cancelled) return std::nullopt;
-  const CandidateEvidence evidence = evidence_of(*sheet, dense_input(input, context), context);
+  auto surfaces = free_form(*mesh, input, context);
+  if (!surfaces || context.cancelled) return std::nullopt;
+  const CandidateEvidence evidence = evidence_of(*surfaces, dense_input(input, context), context);
   context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));
   if (!(evidence.local_max < input.tolerance)) return std::nullopt;
-  return Fallback{std::move(*sheet), evidence};
+  return Fallback{std::move(*surfaces), evidence};
 }
 
 Result<Fallback> fallback_of(const FitInput& input, Triangulator& triangulator, Context& context) {

@@ -23,11 +23,12 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr double strip_steep = 0.2;   // cosine between a triangle of the strip and the direction of its chart
-constexpr double meeting = 0.1;       // of the tolerance: how closely surfaces are to meet the mean of their edge
-constexpr double edge_weight = 30;    // of a place on an edge, against that of a point
-constexpr double beside_weight = 10;  // of a place beside it
-constexpr int rounds = 6;             // of drawing neighbours together
+constexpr double strip_steep = 0.2;        // cosine between a triangle of the strip and the direction of its chart
+constexpr double meeting = 0.1;            // of the tolerance: how closely surfaces are to meet the mean of their edge
+constexpr double edge_weight = 30;         // of a place on an edge, against that of a point
+constexpr double beside_weight = 10;       // of a place beside it
+constexpr std::size_t chart_points = 200;  // of a chart
+constexpr int rounds = 6;                  // of drawing neighbours together
 
 /// A chart with the strip around it, laid out and fitted.
 struct Piece {
@@ -64,14 +65,13 @@ class ChartFitter {
       if (hits[i].distance < 3 * input.tolerance)
         on_[hits[i].triangle].emplace_back(input.cloud.points[i], hits[i].point);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) normals_.push_back(triangle_normal(mesh, t));
-    if (input.scan && !input.scan->mesh.empty())
-      add_facets();
-    else
-      add_unseen();
+    if (!(input.scan && !input.scan->mesh.empty())) add_unseen();
+    add_facets();
   }
 
   std::vector<TrimmedSurface> surfaces() {
     Charts charts = charts_of(mesh_, std::pow(5 * input_.tolerance, 2), context_);
+    const int first = charts.count;
     for (int round = 0; round < 100 && charts.count > 0 && !context_.cancelled; ++round) {
       context_.say("free form: " + std::to_string(charts.count) + " charts, " + std::to_string(charts.borders.size()) +
                    " borders");
@@ -86,13 +86,15 @@ class ChartFitter {
         if (context_.cancelled) return {};
       }
       if (failed < 0) return joined(charts);
-      charts = with_chart_split(mesh_, charts, failed);
+      Charts more = with_chart_split(mesh_, charts, failed);
+      if (more.of == charts.of || more.count > 2 * first) break;  // what is cut off goes back to where it was
+      charts = std::move(more);
     }
     return {};
   }
 
  private:
-  /// Large facets of a mesh that is the scan are data as well, not their corners alone.
+  /// Large facets are data as well, not their corners alone.
   void add_facets() {
     const double step = std::max(0.7 * input_.thin_spacing, 2 * input_.tolerance);
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
@@ -144,7 +146,7 @@ class ChartFitter {
   }
 
   /// The triangles of a chart and of the strip around it that one can still see from where the chart is seen.
-  std::vector<std::uint32_t> with_strip(const std::vector<std::uint32_t>& chart) const {
+  std::vector<std::uint32_t> with_strip(const std::vector<std::uint32_t>& chart, double share) const {
     Vec3 direction = Vec3::Zero();
     double size = 0;
     for (const auto t : chart) {
@@ -153,11 +155,12 @@ class ChartFitter {
       direction += a * normals_[t], size += a;
     }
     direction.normalize();
-    const double width = std::max(6 * input_.tolerance, 0.1 * std::sqrt(size));
+    const double width = share * std::max(6 * input_.tolerance, 0.1 * std::sqrt(size));
     std::map<std::uint32_t, double> away;
     std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>, std::greater<>>
         queue;
     for (const auto t : chart) away[t] = 0, queue.push({0, t});
+    if (width == 0) queue = {};
     while (!queue.empty()) {
       const auto [d, t] = queue.top();
       queue.pop();
@@ -176,14 +179,10 @@ class ChartFitter {
     return result;
   }
 
-  std::shared_ptr<const Piece> fitted(const Charts& charts, int chart) {
-    std::vector<std::uint32_t> own;
-    for (std::uint32_t t = 0; t < charts.of.size(); ++t)
-      if (charts.of[t] == chart) own.push_back(t);
-    auto& known = fitted_[own];
-    if (known) return known;
+  /// Without places where these triangles cannot be laid out.
+  Piece laid_out(std::vector<std::uint32_t> triangles) const {
     Piece piece;
-    piece.triangles = with_strip(own);
+    piece.triangles = std::move(triangles);
     for (const auto t : piece.triangles) {
       auto& corners = piece.mesh.triangles.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
@@ -193,17 +192,43 @@ class ChartFitter {
         corners[k] = at->second;
       }
     }
-    auto places = flattened(piece.mesh);
-    if (!places) {
+    if (auto places = flattened(piece.mesh)) piece.places = std::move(*places);
+    return piece;
+  }
+
+  /// A small piece has fewer points than a surface takes; the mesh has as many as one likes.
+  static void add_lattice(Piece& piece) {
+    const int n = static_cast<int>(std::ceil(std::sqrt(double(chart_points) / double(piece.mesh.triangles.size()))));
+    for (std::size_t t = 0; t < piece.mesh.triangles.size(); ++t)
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; i + j < n; ++j) {
+          const Vec3 a = piece.mesh.corner(t, 0);
+          const Vec3 p =
+              a + (i + 1.0 / 3) / n * (piece.mesh.corner(t, 1) - a) + (j + 1.0 / 3) / n * (piece.mesh.corner(t, 2) - a);
+          piece.data.points.push_back(p), piece.data.places.push_back(place_on(piece.mesh, piece.places, t, p));
+        }
+  }
+
+  std::shared_ptr<const Piece> fitted(const Charts& charts, int chart) {
+    std::vector<std::uint32_t> own;
+    for (std::uint32_t t = 0; t < charts.of.size(); ++t)
+      if (charts.of[t] == chart) own.push_back(t);
+    auto& known = fitted_[own];
+    if (known) return known;
+    // A strip that goes round a bend may not lie open: a narrower one, or none.
+    Piece piece;
+    for (const double width : {1.0, 0.4, 0.0})
+      if (piece = laid_out(with_strip(own, width)); !piece.places.empty()) break;
+    if (piece.places.empty()) {
       context_.say("free form: a chart cannot be laid out in a plane");
       return nullptr;
     }
-    piece.places = std::move(*places);
     for (std::size_t t = 0; t < piece.triangles.size(); ++t)
       for (const auto& [point, foot] : on_[piece.triangles[t]]) {
         piece.data.points.push_back(point);
         piece.data.places.push_back(place_on(piece.mesh, piece.places, t, foot));
       }
+    if (piece.data.points.size() < chart_points) add_lattice(piece);
     // Where the chart ends is said by vertices.
     for (const auto& loop : border_loops(piece.mesh))
       for (const auto v : loop)

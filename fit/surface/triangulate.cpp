@@ -211,15 +211,21 @@ Result<Candidate> Triangulator::within(double tolerance) {
   if (spans_a_line(input_.cloud.points)) return no_surface;
   const bool of_mesh = input_.scan && !input_.scan->mesh.empty();
   const double max_error = 0.4 * tolerance;
-  const double as_faces = 0.15 * tolerance;  // files that hold the faces and files that hold triangles are to agree
   const TriangleMesh& whole = surface(tolerance);
-  if (of_mesh) {
-    const TriangleMesh fine = canonical(snapped_mesh(whole, power_of_ten_below(tolerance / 2000)));
-    if (auto faced = faced_mesh(fine, tolerance, as_faces, context_)) return candidate_of(std::move(*faced));
-  }
+  if (const auto& faced = of_faces(tolerance)) return *faced;
   const TriangleMesh mesh = of_mesh ? simplified(whole, max_error, context_) : whole;
   if (mesh.empty()) return no_surface;
   return candidate_of(canonical(snapped_mesh(mesh, power_of_ten_below(tolerance / 20))), tolerance);
+}
+
+const std::optional<Candidate>& Triangulator::of_faces(double tolerance) {
+  if (faced_ && faced_->first == tolerance) return faced_->second;
+  faced_.emplace(tolerance, std::nullopt);
+  if (!input_.scan || input_.scan->mesh.empty()) return faced_->second;
+  const double as_faces = 0.15 * tolerance;  // files that hold the faces and files that hold triangles are to agree
+  const TriangleMesh fine = canonical(snapped_mesh(surface(tolerance), power_of_ten_below(tolerance / 2000)));
+  if (auto faced = faced_mesh(fine, tolerance, as_faces, context_)) faced_->second = candidate_of(std::move(*faced));
+  return faced_->second;
 }
 
 std::optional<TriangleMesh> Triangulator::surface_of_data(double tolerance) {

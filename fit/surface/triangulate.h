@@ -25,6 +25,10 @@ class Triangulator {
   /// closed if the data bound a solid. Points that span no surface are an error.
   Result<Candidate> within(double tolerance);
 
+  /// The source mesh as a body whose triangles stand for planes, cylinders and the like; nothing for points, and for
+  /// meshes that are mostly free form.
+  const std::optional<Candidate>& of_faces(double tolerance);
+
   /// The surface that the data span, as finely as it is known if it is closed; nothing where they span none.
   std::optional<TriangleMesh> surface_of_data(double tolerance);
 
@@ -41,6 +45,7 @@ class Triangulator {
   const FitInput& input_;
   Context& context_;
   std::optional<TriangleMesh> surface_;
+  std::optional<std::pair<double, std::optional<Candidate>>> faced_;
   std::optional<std::pair<double, TriangleMesh>> last_;  // what surface() gave, and for which tolerance
 };
 

@@ -19,6 +19,12 @@ double sum_of(double first, std::size_t from, std::size_t to, Ratio ratio) {
   return std::min(sum, 1.0);
 }
 
+/// std::lgamma leaves the sign in a variable that all threads share.
+double log_gamma(double x) {
+  int sign = 0;
+  return lgamma_r(x, &sign);
+}
+
 }  // namespace
 
 double poisson_tail(std::size_t count, double mean) {
@@ -26,7 +32,7 @@ double poisson_tail(std::size_t count, double mean) {
   if (!(mean > 0)) return 0;
   const auto k = static_cast<double>(count);
   if (k <= mean) return 1;  // not worth telling apart: no alarm is below its own mean
-  const double first = std::exp(k * std::log(mean) - mean - std::lgamma(k + 1));
+  const double first = std::exp(k * std::log(mean) - mean - log_gamma(k + 1));
   return sum_of(first, count, count + 100000, [&](std::size_t i) { return mean / static_cast<double>(i + 1); });
 }
 
@@ -35,7 +41,7 @@ double binomial_tail(std::size_t count, std::size_t tries, double p) {
   if (count > tries || !(p > 0)) return 0;
   const auto k = static_cast<double>(count), n = static_cast<double>(tries);
   if (p >= 1 || k <= n * p) return 1;
-  const double first = std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) + k * std::log(p) +
+  const double first = std::exp(log_gamma(n + 1) - log_gamma(k + 1) - log_gamma(n - k + 1) + k * std::log(p) +
                                 (n - k) * std::log1p(-p));
   return sum_of(first, count, tries, [&](std::size_t i) {
     return (n - static_cast<double>(i)) / (static_cast<double>(i) + 1) * p / (1 - p);

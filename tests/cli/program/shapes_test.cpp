@@ -50,8 +50,8 @@ void expect_found(const std::string& part, const std::string& kind, const std::v
   CHECK(verdict.at("artifacts").size() == 4);
 }
 
-/// Moves a control point in the middle of a surface by 2 mm in the OpenSCAD script: that one is refused, the script as it
-/// was is not. There a point moves the surface by a good third of its own way.
+/// Moves a control point in the middle of a surface by 2 mm in the OpenSCAD script: that one is refused, the script as
+/// it was is not. There a point moves the surface by a good third of its own way.
 void check_moved_point(const nlohmann::json& patch, const Path& out, const Path& scan, const char* tolerance) {
   std::string script = bytes_of(out / "part.scad");
   const auto& p = patch.at("control")[patch.at("control").size() / 2 + 2];
