@@ -6,17 +6,17 @@
 #include <cmath>
 #include <map>
 #include <queue>
+#include <set>
 
 #include "geometry/mesh/mesh_neighbours.h"
 
 namespace partscribe::fit {
 namespace {
 
-constexpr double widest = 0.57;          // cosine of the angle between a triangle's normal and its chart's
-constexpr double widest_small = 0.25;    // the same for a small chart and the one it joins
-constexpr double most_wide = 0.001;      // share of a chart's area that may be steeper
-constexpr std::size_t least_piece = 12;  // triangles that creases may cut off
-constexpr double least_share = 2e-4;     // of the area, likewise
+constexpr double widest = 0.57;        // cosine of the angle between a triangle's normal and its chart's
+constexpr double widest_small = 0.25;  // the same for a small chart and the one it joins
+constexpr double most_wide = 0.001;    // share of a chart's area that may be steeper
+constexpr double least_share = 5e-4;   // of the area: what creases cut off and is smaller is noise
 constexpr int most_charts = 400;
 constexpr std::uint32_t none = no_neighbour;
 
@@ -58,7 +58,7 @@ class Surface {
   std::vector<Vec3> normals;
 
  private:
-  /// No chart grows over a crease. Those round a few triangles are noise.
+  /// No chart grows over a crease. Those round little surface are noise.
   void close_creases() {
     const auto sharp = [&](std::uint32_t t, std::size_t k) {
       const auto other = neighbours[t][k];
@@ -72,7 +72,7 @@ class Surface {
     for (const auto& piece : pieces()) {
       double piece_area = 0;
       for (const auto t : piece) piece_area += areas[t];
-      if (piece.size() > least_piece && piece_area > least_share * all) continue;
+      if (piece_area > least_share * all) continue;
       for (const auto t : piece)
         for (std::size_t k = 0; k < 3; ++k) {
           const auto other = open[t][k] = neighbours[t][k];
@@ -410,7 +410,7 @@ std::vector<ChartBorder> traced(const Surface& surface, const std::vector<int>& 
   const auto trace = [&](std::uint32_t start) {
     while (!out[start].empty()) {
       const Half first = out[start].front();
-      ChartBorder border{first.left, first.right, {start}};
+      ChartBorder border{first.left, first.right, false, {start}};
       for (auto at = take(start, first.left, first.right); at != none;) {
         border.vertices.push_back(at);
         if (at == start || degree[at] != 2) break;
@@ -426,6 +426,21 @@ std::vector<ChartBorder> traced(const Surface& surface, const std::vector<int>& 
   // What is left are closed borders.
   for (auto& [vertex, list] : out)
     if (!list.empty()) trace(vertex);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> creases;
+  for (std::uint32_t t = 0; t < surface.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (surface.open[t][std::size_t(k)] != surface.neighbours[t][std::size_t(k)])
+        creases.insert({surface.from(t, k), surface.to(t, k)});
+  for (ChartBorder& border : result) {
+    double sharp = 0, all = 0;
+    for (std::size_t i = 1; i < border.vertices.size(); ++i) {
+      const auto a = border.vertices[i - 1], b = border.vertices[i];
+      const double length = (surface.mesh().vertices[a] - surface.mesh().vertices[b]).norm();
+      all += length;
+      if (creases.count({a, b})) sharp += length;
+    }
+    border.crease = sharp > 0.5 * all;
+  }
   return result;
 }
 

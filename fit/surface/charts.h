@@ -16,6 +16,7 @@ inline constexpr double sharp_cosine = 0.8;
 /// three of them (or a border) meet to the next.
 struct ChartBorder {
   int left = -1, right = -1;            ///< charts; right is -1 at the border of the mesh
+  bool crease = false;                  ///< most of it lies where the surface bends sharply
   std::vector<std::uint32_t> vertices;  ///< as the left chart's triangles run through it; closed: the first again last
 };
 

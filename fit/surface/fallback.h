@@ -14,8 +14,8 @@ struct Fallback {
   CandidateEvidence evidence;  ///< of up to 400,000 points
 };
 
-/// Trimmed B-spline surfaces where they describe the surface of the data within the tolerance, unless the faces of a mesh
-/// are known. `input` must come from a scan.
+/// Trimmed B-spline surfaces where they describe the surface of the data within the tolerance, unless the faces of a
+/// mesh are known. `input` must come from a scan.
 std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triangulator, Context& context);
 
 /// The smallest triangulation that lies safely within the tolerance of the scan. It aims at a share of the tolerance.

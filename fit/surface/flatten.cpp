@@ -15,7 +15,8 @@ namespace partscribe::fit {
 namespace {
 
 constexpr double steepest = 0.42;      // cosine of the angle between a triangle and the plane
-constexpr double most_turned = 0.002;  // share of the area
+constexpr double most_turned = 0.002;  // share of the area that may be steeper
+constexpr double most_over = 0.01;     // share of the area that may turn over; noise folds single triangles
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Entries = std::vector<Eigen::Triplet<double>>;
@@ -228,7 +229,7 @@ std::optional<std::vector<Vec2>> flattened(const TriangleMesh& mesh) {
     places = made_rigid(disc, *start);
     if (!places) return std::nullopt;
     places->resize(mesh.vertices.size());
-    if (turned_share(mesh, *places) > most_turned) return std::nullopt;
+    if (turned_share(mesh, *places) > most_over) return std::nullopt;
   }
   straighten(*places);
   return places;

@@ -41,8 +41,8 @@ double binomial_tail(std::size_t count, std::size_t tries, double p) {
   if (count > tries || !(p > 0)) return 0;
   const auto k = static_cast<double>(count), n = static_cast<double>(tries);
   if (p >= 1 || k <= n * p) return 1;
-  const double first = std::exp(log_gamma(n + 1) - log_gamma(k + 1) - log_gamma(n - k + 1) + k * std::log(p) +
-                                (n - k) * std::log1p(-p));
+  const double first =
+      std::exp(log_gamma(n + 1) - log_gamma(k + 1) - log_gamma(n - k + 1) + k * std::log(p) + (n - k) * std::log1p(-p));
   return sum_of(first, count, tries, [&](std::size_t i) {
     return (n - static_cast<double>(i)) / (static_cast<double>(i) + 1) * p / (1 - p);
   });

@@ -9,6 +9,7 @@
 
 #include "core/number.h"
 #include "testing/free_forms.h"
+#include "testing/meshes.h"
 
 using namespace partscribe::core;
 using namespace partscribe::geometry;
@@ -57,7 +58,15 @@ TEST_CASE("charts: a lump and a ring are cut into few charts that each lie open"
   CHECK(of_lump.count <= 12);
   CHECK(of_ring.count >= 8);
   CHECK(of_ring.count <= 32);
-  for (const auto& b : of_ring.borders) CHECK(b.right >= 0);
+  for (const auto& b : of_ring.borders) CHECK((b.right >= 0 && !b.crease));
+}
+
+TEST_CASE("charts: the faces of a block are charts, all its edges creases") {
+  Context context;
+  const Charts charts = charts_of(partscribe::testing::box({0, 0, 0}, {30, 20, 10}), 1, context);
+  CHECK(charts.count == 6);
+  CHECK(charts.borders.size() == 12);
+  for (const auto& b : charts.borders) CHECK(b.crease);
 }
 
 TEST_CASE("charts: a sheet that lies open is one chart with its two borders") {
