@@ -129,17 +129,10 @@ class Joiner {
       for (const auto& [vertex, ends] : nodes_) settle_node(ends);
       for (auto& joint : joints_)
         for (std::size_t i = 1; i + 1 < joint.places.size(); ++i) {
-          Vec3 sum = Vec3::Zero();
-          int sides = 0;
-          for (int s = 0; s < 2; ++s)
-            if (const ChartPiece* piece = side(joint, s)) {
-              const SplineFoot foot = foot_on(*piece, joint.places[i], joint.uv[s][i]);
-              joint.uv[s][i] = {foot.u, foot.v};
-              sum += foot.point, ++sides;
-            }
+          to_feet(joint, i);
           // Places slide sideways only: where surfaces disagree their feet would run together.
           const Vec3 along = (joint.guide[i + 1] - joint.guide[i - 1]).normalized();
-          const Vec3 off = sum / sides - joint.guide[i];
+          const Vec3 off = joint.places[i] - joint.guide[i];
           joint.places[i] = joint.guide[i] + off - off.dot(along) * along;
         }
     }
@@ -153,6 +146,34 @@ class Joiner {
           }
     }
     beside();
+  }
+
+  /// Twice as many places: those between are the mean of their feet.
+  void densify(Joint& joint) const {
+    const auto with_middles = [](auto& list) {
+      auto before = std::move(list);
+      list.clear();
+      for (std::size_t i = 0; i < before.size(); ++i) {
+        if (i > 0) list.push_back(0.5 * (before[i - 1] + before[i]));
+        list.push_back(before[i]);
+      }
+    };
+    with_middles(joint.guide), with_middles(joint.places);
+    for (auto& uv : joint.uv) with_middles(uv);
+    for (std::size_t i = 1; i < joint.places.size(); i += 2) to_feet(joint, i);
+  }
+
+  /// A place goes to the mean of its feet.
+  void to_feet(Joint& joint, std::size_t i) const {
+    Vec3 sum = Vec3::Zero();
+    int sides = 0;
+    for (int s = 0; s < 2; ++s)
+      if (const ChartPiece* piece = side(joint, s)) {
+        const SplineFoot foot = foot_on(*piece, joint.places[i], joint.uv[s][i]);
+        joint.uv[s][i] = {foot.u, foot.v};
+        sum += foot.point, ++sides;
+      }
+    joint.places[i] = sum / sides;
   }
 
   /// Surfaces that are wrinkled where they end move places to and fro: that is taken out, without shortening the edge
@@ -266,9 +287,14 @@ class Joiner {
 
   /// Curves of a joint in both planes, with the same knots: equal shares are equal places.
   void trim(Joint& joint) const {
-    const std::size_t count = joint.places.size();
-    std::vector<double> at(count);
-    for (std::size_t i = 0; i < count; ++i) at[i] = double(i) / double(count - 1);
+    std::size_t count = 0;
+    std::vector<double> at;
+    const auto share_out = [&] {
+      count = joint.places.size(), at.resize(count);
+      for (std::size_t i = 0; i < count; ++i) at[i] = double(i) / double(count - 1);
+    };
+    share_out();
+    int densified = 0;
     const double enough = input_.tolerance / 10;
     std::vector<double> breaks = {0, 1};
     for (int degree = 1;;) {
@@ -294,11 +320,14 @@ class Joiner {
       // Pieces with few places would swing between them.
       std::vector<double> finer = {0};
       for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-        if (failing[i] && (breaks[i + 1] - breaks[i]) * double(count - 1) > 5)
+        if (failing[i] && (breaks[i + 1] - breaks[i]) * double(count - 1) > 3)
           finer.push_back(0.5 * (breaks[i] + breaks[i + 1]));
         finer.push_back(breaks[i + 1]);
       }
-      if (finer.size() == breaks.size()) return;  // as near as places are known
+      if (finer.size() == breaks.size()) {
+        if (++densified > 3) return;  // as near as the surfaces are to each other
+        densify(joint), share_out();
+      }
       breaks = std::move(finer);
     }
   }
