@@ -410,13 +410,6 @@ class Joiner {
     }
   }
 
-  static NurbsCurve<2> reversed(NurbsCurve<2> curve) {
-    std::reverse(curve.points.begin(), curve.points.end());
-    std::reverse(curve.t.knots.begin(), curve.t.knots.end());
-    for (double& knot : curve.t.knots) knot = 1 - knot;
-    return curve;
-  }
-
   std::vector<TrimmedSurface> with_loops() const {
     std::vector<TrimmedSurface> result;
     for (std::size_t c = 0; c < current_.size(); ++c) {

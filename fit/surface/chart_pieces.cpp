@@ -11,6 +11,7 @@
 #include "fit/surface/piece_fit.h"
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/mesh/mesh_neighbours.h"
+#include "geometry/mesh/mesh_part.h"
 #include "geometry/points/kd_tree.h"
 
 namespace partscribe::fit {
@@ -137,15 +138,8 @@ std::vector<std::uint32_t> ChartPieces::with_strip(const std::vector<std::uint32
 ChartPiece ChartPieces::laid_out(std::vector<std::uint32_t> triangles) const {
   ChartPiece piece;
   piece.triangles = std::move(triangles);
-  for (const auto t : piece.triangles) {
-    auto& corners = piece.mesh.triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto v = mesh_.triangles[t][k];
-      const auto [at, is_new] = piece.local.try_emplace(v, static_cast<std::uint32_t>(piece.mesh.vertices.size()));
-      if (is_new) piece.mesh.vertices.push_back(mesh_.vertices[v]);
-      corners[k] = at->second;
-    }
-  }
+  MeshPart part = part_of(mesh_, piece.triangles);
+  piece.mesh = std::move(part.mesh), piece.local = std::move(part.local);
   if (auto places = flattened(piece.mesh)) piece.places = std::move(*places);
   return piece;
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "geometry/mesh/mesh_neighbours.h"
+#include "geometry/mesh/mesh_part.h"
 
 namespace partscribe::fit {
 namespace {
@@ -69,7 +70,7 @@ class Surface {
         if (sharp(t, k)) open[t][k] = none;
     double all = 0;
     for (const double a : areas) all += a;
-    for (const auto& piece : pieces()) {
+    for (const auto& piece : connected_pieces(open)) {
       double piece_area = 0;
       for (const auto t : piece) piece_area += areas[t];
       if (piece_area > least_share * all) continue;
@@ -83,23 +84,6 @@ class Surface {
     }
   }
 
- public:
-  /// Connected without crossing creases.
-  std::vector<std::vector<std::uint32_t>> pieces() const {
-    std::vector<char> seen(size(), 0);
-    std::vector<std::vector<std::uint32_t>> result;
-    for (std::uint32_t t = 0; t < size(); ++t) {
-      if (seen[t]) continue;
-      auto& piece = result.emplace_back(1, t);
-      seen[t] = 1;
-      for (std::size_t i = 0; i < piece.size(); ++i)
-        for (const auto other : open[piece[i]])
-          if (other != none && !seen[other]) seen[other] = 1, piece.push_back(other);
-    }
-    return result;
-  }
-
- private:
   const TriangleMesh& mesh_;
 };
 
@@ -293,17 +277,11 @@ class Cleaner {
 
   /// Each chart keeps its largest connected piece; the others join the chart they share the longest border with.
   bool join_pieces() {
-    std::vector<std::uint32_t> piece(surface_.size(), none);
-    std::vector<std::vector<std::uint32_t>> pieces;
-    for (std::uint32_t t = 0; t < surface_.size(); ++t) {
-      if (piece[t] != none) continue;
-      auto& members = pieces.emplace_back(1, t);
-      piece[t] = static_cast<std::uint32_t>(pieces.size() - 1);
-      for (std::size_t i = 0; i < members.size(); ++i)
-        for (const auto other : surface_.neighbours[members[i]])
-          if (other != none && piece[other] == none && of_[other] == of_[t])
-            piece[other] = piece[t], members.push_back(other);
-    }
+    auto within = surface_.neighbours;
+    for (std::uint32_t t = 0; t < surface_.size(); ++t)
+      for (auto& other : within[t])
+        if (other != none && of_[other] != of_[t]) other = none;
+    const auto pieces = connected_pieces(within);
     const auto size = [&](const auto& members) {
       double sum = 0;
       for (const auto t : members) sum += surface_.areas[t];
@@ -459,7 +437,7 @@ Charts numbered(const Surface& surface, std::vector<int> of) {
 Charts charts_of(const TriangleMesh& mesh, double small, Context& context) {
   const Surface surface(mesh);
   std::vector<std::uint32_t> seeds;
-  for (const auto& piece : surface.pieces()) seeds.push_back(piece.front());
+  for (const auto& piece : connected_pieces(surface.open)) seeds.push_back(piece.front());
   std::vector<int> of;
   for (int round = 0; round < 60 && !context.cancelled; ++round) {
     of = settled(surface, seeds, 5);

@@ -8,39 +8,17 @@
 #include "fit/surface/spline_charts.h"
 #include "fit/surface/spline_sheet.h"
 #include "fit/surface/triangulate.h"
+#include "geometry/mesh/mesh_neighbours.h"
+#include "geometry/mesh/mesh_part.h"
 #include "model/surface_patches.h"
 
 namespace partscribe::fit {
 namespace {
 
 /// The connected pieces of a mesh, the largest first.
-std::vector<TriangleMesh> connected_pieces(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> root(mesh.vertices.size());
-  for (std::uint32_t i = 0; i < root.size(); ++i) root[i] = i;
-  const auto find = [&](std::uint32_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (const auto& t : mesh.triangles)
-    for (std::size_t k = 1; k < 3; ++k) {
-      const auto a = find(t[0]), b = find(t[k]);
-      root[std::max(a, b)] = std::min(a, b);
-    }
+std::vector<TriangleMesh> pieces_of(const TriangleMesh& mesh) {
   std::vector<TriangleMesh> pieces;
-  std::vector<std::uint32_t> piece_of(root.size(), ~0u), index(root.size(), ~0u);
-  for (const auto& t : mesh.triangles) {
-    const auto r = find(t[0]);
-    if (piece_of[r] == ~0u) piece_of[r] = static_cast<std::uint32_t>(pieces.size()), pieces.emplace_back();
-    TriangleMesh& piece = pieces[piece_of[r]];
-    auto& corners = piece.triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (index[t[k]] == ~0u) {
-        index[t[k]] = static_cast<std::uint32_t>(piece.vertices.size());
-        piece.vertices.push_back(mesh.vertices[t[k]]);
-      }
-      corners[k] = index[t[k]];
-    }
-  }
+  for (const auto& triangles : connected_pieces(mesh_neighbours(mesh))) pieces.push_back(part_of(mesh, triangles).mesh);
   std::stable_sort(pieces.begin(), pieces.end(),
                    [](const TriangleMesh& a, const TriangleMesh& b) { return area(a) > area(b); });
   return pieces;
@@ -65,7 +43,7 @@ std::optional<Candidate> free_form(const TriangleMesh& mesh, const FitInput& inp
   SurfaceSet set;
   set.closed = topology(mesh).closed();
   int edges = 0;
-  for (const TriangleMesh& piece : connected_pieces(mesh)) {
+  for (const TriangleMesh& piece : pieces_of(mesh)) {
     if (!set.closed && area(piece) < 0.002 * whole) break;
     auto surfaces = surfaces_of(piece, input, context);
     if (surfaces.empty() || context.cancelled) return std::nullopt;

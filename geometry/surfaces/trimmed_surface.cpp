@@ -326,12 +326,22 @@ class Patch {
 
 }  // namespace
 
+namespace {
+
+KnotVector backwards(const KnotVector& t) {
+  KnotVector result{t.degree, {t.knots.rbegin(), t.knots.rend()}};
+  for (double& knot : result.knots) knot = t.low() + t.high() - knot;
+  return result;
+}
+
+}  // namespace
+
+NurbsCurve<2> reversed(const NurbsCurve<2>& curve) {
+  return {
+      backwards(curve.t), {curve.points.rbegin(), curve.points.rend()}, {curve.weights.rbegin(), curve.weights.rend()}};
+}
+
 TrimmedSurface turned_over(const TrimmedSurface& given) {
-  const auto backwards = [](const KnotVector& t) {
-    KnotVector result{t.degree, {t.knots.rbegin(), t.knots.rend()}};
-    for (double& knot : result.knots) knot = t.low() + t.high() - knot;
-    return result;
-  };
   TrimmedSurface result = given;
   NurbsSurface& s = result.surface;
   s.u = backwards(s.u);
@@ -345,9 +355,7 @@ TrimmedSurface turned_over(const TrimmedSurface& given) {
   for (auto& loop : result.loops) {
     std::reverse(loop.begin(), loop.end());
     for (auto& trim : loop) {
-      trim.curve.t = backwards(trim.curve.t);
-      std::reverse(trim.curve.points.begin(), trim.curve.points.end());
-      std::reverse(trim.curve.weights.begin(), trim.curve.weights.end());
+      trim.curve = reversed(trim.curve);
       for (Vec2& p : trim.curve.points) p.x() = s.u.low() + s.u.high() - p.x();
     }
   }
