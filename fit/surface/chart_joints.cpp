@@ -15,10 +15,11 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr double meeting = 0.1;       // of the tolerance: how closely surfaces are to meet the mean of their edge
-constexpr double edge_weight = 30;    // of a place on an edge, against that of a point
-constexpr double beside_weight = 10;  // of a place beside it
-constexpr int rounds = 6;             // of drawing neighbours together
+constexpr double meeting = 0.1;           // of the tolerance: how closely surfaces are to meet the mean of their edge
+constexpr double edge_weight = 30;        // of a place on an edge, against that of a point
+constexpr double beside_weight = 10;      // of a place beside it
+constexpr int rounds = 6;                 // of drawing neighbours together
+constexpr std::size_t most_pieces = 200;  // of an edge's curve
 
 SplineFoot foot_on(const ChartPiece& piece, const Vec3& p, const Vec2& near) {
   return foot_near(piece.surface, p, near.x(), near.y());
@@ -328,6 +329,7 @@ class Joiner {
         if (++densified > 3) return;  // as near as the surfaces are to each other
         densify(joint), share_out();
       }
+      if (finer.size() > most_pieces) return;
       breaks = std::move(finer);
     }
   }

@@ -1,5 +1,7 @@
 #include "geometry/mesh/mesh_part.h"
 
+#include <algorithm>
+
 #include "geometry/mesh/mesh_neighbours.h"
 
 namespace partscribe::geometry {
@@ -28,6 +30,7 @@ std::vector<std::vector<std::uint32_t>> connected_pieces(const std::vector<std::
     for (std::size_t i = 0; i < piece.size(); ++i)
       for (const auto other : neighbours[piece[i]])
         if (other != no_neighbour && !taken[other]) taken[other] = 1, piece.push_back(other);
+    std::sort(piece.begin(), piece.end());
   }
   return result;
 }

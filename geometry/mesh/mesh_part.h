@@ -17,8 +17,8 @@ struct MeshPart {
 };
 MeshPart part_of(const TriangleMesh& mesh, const std::vector<std::uint32_t>& triangles);
 
-/// The triangles of each piece that is connected by `neighbours` (mesh_neighbours, or fewer of them), in the order in
-/// which the pieces are met.
+/// The triangles of each piece that is connected by `neighbours` (mesh_neighbours, or fewer of them), ascending; pieces
+/// by their first triangle.
 std::vector<std::vector<std::uint32_t>> connected_pieces(const std::vector<std::array<std::uint32_t, 3>>& neighbours);
 
 }  // namespace partscribe::geometry
