@@ -5,8 +5,17 @@
 
 #include "core/number.h"
 #include "geometry/mesh/triangle_mesh.h"
+#include "geometry/points/point_cloud.h"
 
 namespace partscribe::testing {
+
+/// A mesh as a scan: its corners are the points.
+inline geometry::Scan scan_of(const geometry::TriangleMesh& mesh) {
+  geometry::Scan scan;
+  scan.mesh = mesh;
+  scan.cloud.points = mesh.vertices;
+  return scan;
+}
 
 /// Closed over a net of (columns x rows) cells of two angles, `at` saying where each corner lies; its triangles face
 /// the side that u x v does.

@@ -32,7 +32,6 @@ struct Joint {
   std::vector<Vec3> places;           // where the edge is at these shares
   std::vector<Vec2> uv[2];            // the same on the left and on the right surface
   NurbsCurve<2> trim[2];              // both run as the left chart's border does
-  bool smooth = true;                 // no crease
   std::vector<Vec3> across[2];        // at the same shares, a little to either side
   std::vector<Vec2> across_uv[2][2];  // of these, on either surface
 };
@@ -85,9 +84,8 @@ class Joiner {
       line.push_back(mesh_.vertices[v]);
     }
     const double mean = length / double(line.size() - 1);
-    joint.smooth = !border.crease;
-    const double smooth = joint.smooth && border.right >= 0 ? std::max(mean, 0.5 * input_.tolerance)
-                                                            : std::max(0.2 * mean, 0.3 * input_.tolerance);
+    const double smooth = !border.crease && border.right >= 0 ? std::max(mean, 0.5 * input_.tolerance)
+                                                              : std::max(0.2 * mean, 0.3 * input_.tolerance);
     const NurbsCurve<3> curve = fitted_curve<3>(line, smooth);
     const int count = std::clamp(std::max(20 * static_cast<int>(curve.t.breaks().size() - 1),
                                           static_cast<int>(length / std::max(input_.tolerance, 0.2 * mean))),
@@ -116,7 +114,6 @@ class Joiner {
 
   /// Ends of joints that are one place, and one place in each plane.
   void gather_nodes() {
-    nodes_.clear();
     for (std::size_t j = 0; j < joints_.size(); ++j)
       for (const bool last : {false, true}) {
         const auto& b = joints_[j].border;
@@ -130,21 +127,15 @@ class Joiner {
       for (const auto& [vertex, ends] : nodes_) settle_node(ends);
       for (auto& joint : joints_)
         for (std::size_t i = 1; i + 1 < joint.places.size(); ++i) {
-          to_feet(joint, i);
           // Places slide sideways only: where surfaces disagree their feet would run together.
           const Vec3 along = (joint.guide[i + 1] - joint.guide[i - 1]).normalized();
-          const Vec3 off = joint.places[i] - joint.guide[i];
+          const Vec3 off = to_feet(joint, i) - joint.guide[i];
           joint.places[i] = joint.guide[i] + off - off.dot(along) * along;
         }
     }
     for (auto& joint : joints_) {
       even_out(joint);
-      for (std::size_t i = 1; i + 1 < joint.places.size(); ++i)
-        for (int s = 0; s < 2; ++s)
-          if (const ChartPiece* piece = side(joint, s)) {
-            const SplineFoot foot = foot_on(*piece, joint.places[i], joint.uv[s][i]);
-            joint.uv[s][i] = {foot.u, foot.v};
-          }
+      for (std::size_t i = 1; i + 1 < joint.places.size(); ++i) to_feet(joint, i);
     }
     beside();
   }
@@ -161,11 +152,11 @@ class Joiner {
     };
     with_middles(joint.guide), with_middles(joint.places);
     for (auto& uv : joint.uv) with_middles(uv);
-    for (std::size_t i = 1; i < joint.places.size(); i += 2) to_feet(joint, i);
+    for (std::size_t i = 1; i < joint.places.size(); i += 2) joint.places[i] = to_feet(joint, i);
   }
 
-  /// A place goes to the mean of its feet.
-  void to_feet(Joint& joint, std::size_t i) const {
+  /// The parameters of a place go to its feet, whose mean is returned.
+  Vec3 to_feet(Joint& joint, std::size_t i) const {
     Vec3 sum = Vec3::Zero();
     int sides = 0;
     for (int s = 0; s < 2; ++s)
@@ -174,7 +165,7 @@ class Joiner {
         joint.uv[s][i] = {foot.u, foot.v};
         sum += foot.point, ++sides;
       }
-    joint.places[i] = sum / sides;
+    return sum / sides;
   }
 
   /// Surfaces that are wrinkled where they end move places to and fro: that is taken out, without shortening the edge
@@ -222,7 +213,7 @@ class Joiner {
     for (auto& joint : joints_) {
       even_out(joint);
       for (auto& list : joint.across) list.clear();
-      if (!joint.smooth || joint.border.right < 0) continue;
+      if (joint.border.crease || joint.border.right < 0) continue;
       const double off = std::max(2 * input_.tolerance, 0.02 * (joint.places.back() - joint.places.front()).norm());
       for (int way = 0; way < 2; ++way)
         for (int s = 0; s < 2; ++s) joint.across_uv[way][s].clear();

@@ -152,7 +152,7 @@ std::vector<double> wide_shares(const Surface& surface, const std::vector<int>& 
   return wide;
 }
 
-/// Charts around seeds, settled: grown, their normals and middles found anew, grown again.
+/// Charts around seeds, settled: grown, their normals found anew, grown again.
 std::vector<int> settled(const Surface& surface, std::vector<std::uint32_t>& seeds, int rounds) {
   std::vector<Vec3> directions;
   for (const auto s : seeds) directions.push_back(surface.normals[s]);
@@ -212,7 +212,7 @@ void unite(const Surface& surface, std::vector<int>& of, std::size_t count, doub
   }
 }
 
-/// Borders straightened by majority, pieces cut off and charts that touch themselves at a vertex mended.
+/// Borders made shorter, pieces cut off and charts that touch themselves at a vertex mended.
 class Cleaner {
  public:
   Cleaner(const Surface& surface, std::vector<int>& of) : surface_(surface), of_(of) {

@@ -1,6 +1,7 @@
 #include "fit/surface/piece_fit.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "core/number.h"

@@ -1,7 +1,9 @@
 #include "fit/surface/spline_charts.h"
 
 #include <cmath>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "fit/surface/chart_joints.h"
 #include "fit/surface/chart_pieces.h"
@@ -16,11 +18,15 @@ std::vector<TrimmedSurface> spline_charts(const TriangleMesh& mesh, const FitInp
   while (charts.count > 0 && !context.cancelled) {
     context.say("free form: " + std::to_string(charts.count) + " charts, " + std::to_string(charts.borders.size()) +
                 " borders");
-    std::vector<ChartPiece> fitted;
+    std::vector<std::shared_ptr<const ChartPiece>> fitted;
     for (int c = 0; c < charts.count && fitted.size() == std::size_t(c); ++c)
-      if (const auto piece = pieces.fitted(charts, c)) fitted.push_back(*piece);
+      if (auto piece = pieces.fitted(charts, c)) fitted.push_back(std::move(piece));
     const auto failed = static_cast<int>(fitted.size());
-    if (failed == charts.count) return joined(pieces.mesh(), charts, std::move(fitted), input, context);
+    if (failed == charts.count) {
+      std::vector<ChartPiece> to_join;
+      for (const auto& piece : fitted) to_join.push_back(*piece);
+      return joined(pieces.mesh(), charts, std::move(to_join), input, context);
+    }
     Charts more = with_chart_split(pieces.mesh(), charts, failed);
     if (more.of == charts.of || more.count > most) break;  // what is cut off goes back to where it was
     charts = std::move(more);

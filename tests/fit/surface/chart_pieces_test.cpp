@@ -9,9 +9,7 @@ using namespace partscribe::fit;
 
 TEST_CASE("chart pieces: a piece reaches beyond its chart, holds its points, and is fitted once") {
   Context context;
-  Scan scan;
-  scan.mesh = partscribe::testing::pebble(40);
-  scan.cloud.points = scan.mesh.vertices;
+  Scan scan = partscribe::testing::scan_of(partscribe::testing::pebble(40));
   const auto input = prepare(scan, 0.2, context);
   REQUIRE(input.ok());
   ChartPieces pieces(scan.mesh, *input, context);

@@ -19,9 +19,7 @@ struct Made {
 
 Made free_form_of(const TriangleMesh& mesh, double tolerance) {
   Context context;
-  Scan scan;
-  scan.mesh = mesh;
-  scan.cloud.points = mesh.vertices;
+  Scan scan = partscribe::testing::scan_of(mesh);
   const auto input = prepare(scan, tolerance, context);
   REQUIRE(input.ok());
   const auto candidate = free_form(mesh, *input, context);

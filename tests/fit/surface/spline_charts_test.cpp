@@ -16,9 +16,7 @@ namespace {
 
 std::vector<TrimmedSurface> charts_over(const TriangleMesh& mesh, double tolerance) {
   Context context;
-  Scan scan;
-  scan.mesh = mesh;
-  scan.cloud.points = mesh.vertices;
+  Scan scan = partscribe::testing::scan_of(mesh);
   const auto input = prepare(scan, tolerance, context);
   REQUIRE(input.ok());
   return spline_charts(mesh, *input, context);

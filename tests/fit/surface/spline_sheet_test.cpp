@@ -11,9 +11,7 @@ using namespace partscribe::fit;
 
 TEST_CASE("spline sheet: a sheet with a window becomes one surface with an outline and a hole of four lines each") {
   Context context;
-  Scan scan;
-  scan.mesh = partscribe::testing::hood();
-  scan.cloud.points = scan.mesh.vertices;
+  Scan scan = partscribe::testing::scan_of(partscribe::testing::hood());
   const auto input = prepare(scan, 0.05, context);
   REQUIRE(input.ok());
   const auto places = flattened(scan.mesh);
