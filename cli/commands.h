@@ -30,6 +30,7 @@ Command explain_command();
 Command measure_command();
 Command simulate_command();
 Command views_command();
+Command paper_command();
 
 /// Parses, runs one command and returns the exit code. Prints nothing but what the commands print and one line
 /// `partscribe: ...` on standard error for an error.

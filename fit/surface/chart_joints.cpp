@@ -211,7 +211,6 @@ class Joiner {
   /// Places a little to either side of smooth joints, between the surfaces: there they are to have one tangent plane.
   void beside() {
     for (auto& joint : joints_) {
-      even_out(joint);
       for (auto& list : joint.across) list.clear();
       if (joint.border.crease || joint.border.right < 0) continue;
       const double off = std::max(2 * input_.tolerance, 0.02 * (joint.places.back() - joint.places.front()).norm());

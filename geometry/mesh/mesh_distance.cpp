@@ -114,6 +114,19 @@ std::optional<MeshHit> MeshDistance::closest_within(const Vec3& query, double bo
   return parts_->hit_at(query, best, Sign::none);
 }
 
+bool MeshDistance::comes_within(const Vec3& query, double bound, MeshHint& hint) const {
+  if (!(bound >= 0)) return false;
+  NearestSlot best;
+  best.sq_distance = std::min(bound * bound, std::numeric_limits<double>::max());
+  NearestSlot before;
+  before.triangle = hint.triangle, before.leaf = hint.leaf;
+  if (start_from(parts_->tree, query, before).sq_distance <= best.sq_distance) return true;
+  search_nearest(parts_->tree, query, best);
+  if (best.triangle == no_triangle) return false;
+  hint = {best.triangle, best.leaf};
+  return true;
+}
+
 double MeshDistance::signed_distance(const Vec3& query) const {
   MeshHit hit;
   return signed_distance(query, hit);

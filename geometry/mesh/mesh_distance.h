@@ -20,6 +20,11 @@ struct MeshHit {
   Vec3 point = Vec3::Zero();
 };
 
+/// Where a query ended, as a start for one close to it; belongs to one MeshDistance.
+struct MeshHint {
+  std::uint32_t triangle = ~0u, leaf = ~0u;
+};
+
 enum class Sign { none, inside_negative };
 
 /// Built once over a mesh that the caller keeps alive; queries may run on many threads.
@@ -33,6 +38,8 @@ class MeshDistance {
   MeshHit closest(const Vec3& query) const;
   /// As closest, when the answer is no farther than `bound`; nothing otherwise.
   std::optional<MeshHit> closest_within(const Vec3& query, double bound) const;
+  /// Does the mesh come within `bound` of the query? Quick for queries close to the one that left the hint.
+  bool comes_within(const Vec3& query, double bound, MeshHint& hint) const;
   /// Negative inside a closed, outward-facing mesh (angle-weighted pseudonormals, Baerentzen & Aanaes 2005).
   double signed_distance(const Vec3& query) const;
   /// The same, and where the nearest place is.

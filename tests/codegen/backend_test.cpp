@@ -5,7 +5,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <set>
+#include <sstream>
 
 #include "codegen/describe.h"
 #include "codegen/emit.h"
@@ -419,6 +421,30 @@ TEST_CASE("iges: the boolean tree stands beside the body and names the steps") {
   CHECK(contains(text, "     186 "));
   for (const char* name : {"4Hfoot", "4Hwall", "6Hbore_1", "3Heye", "7Hbracket"}) CHECK(contains(text, name));
   CHECK_FALSE(contains(emitted(golden("superellipsoid"), "iges").files[0].bytes, "     180 "));
+}
+
+TEST_CASE("iges: an open free form is trimmed surfaces, each with its borders on the surface and in space") {
+  // Entity 144 on a B-spline surface, 128; each border is 142 with a curve in the parameter plane, 126.
+  const auto entities = [](const std::string& text) {
+    std::map<int, int> count;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+      if (line.size() >= 80 && line[72] == 'D') ++count[std::stoi(line.substr(0, 8))];
+    for (auto& [kind, twice] : count) twice /= 2;  // an entry has two lines
+    return count;
+  };
+  const Model& model = golden("cowl");
+  std::size_t loops = 0, curves = 0;
+  const auto surfaces = trimmed_surfaces(cowl().patches);
+  for (const auto& s : surfaces)
+    for (const auto& loop : s.loops) ++loops, curves += loop.size();
+  auto count = entities(emitted(model, "iges").files[0].bytes);
+  CHECK(count[144] == static_cast<int>(surfaces.size()));
+  CHECK(count[128] == static_cast<int>(surfaces.size()));
+  CHECK(count[142] == static_cast<int>(loops));
+  CHECK(count[126] >= static_cast<int>(curves));
+  CHECK(loops > surfaces.size());  // it has a window
+  CHECK(entities(emitted(golden("box"), "iges").files[0].bytes).count(144) == 0);
 }
 
 TEST_CASE("iges and step: no clock, user or machine in the file") {

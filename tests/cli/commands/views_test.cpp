@@ -75,6 +75,31 @@ TEST_CASE("views: the plan is that of a regular polyhedron, and a part seen all 
   CHECK(all.out.find("No further view") != std::string::npos);
 }
 
+TEST_CASE("views: who says nothing of the part gets an octahedron's six directions, and is scanned from these") {
+  const auto plan = run_partscribe({"views", "--json"});
+  REQUIRE(plan.exit_code == 0);
+  CHECK(plan.out == run_partscribe({"views", "--plan", "octahedron", "--json"}).out);
+  CHECK(nlohmann::json::parse(plan.out).at("views").size() == 6);
+  const TemporaryDirectory folder;
+  const auto scan = nlohmann::json::parse(bytes_of(rough_scan("tie_bar", folder.path() / "scan", {})));
+  const auto& views = scan.at("views");
+  REQUIRE(views.size() == 6);
+  // Sensors look along the third column: of any two of an octahedron's, square to each other or opposite.
+  const auto along = [](const nlohmann::json& view, std::size_t k) {
+    return view.at("camera_to_world").at(k).at(2).get<double>();
+  };
+  for (std::size_t a = 0; a < 6; ++a) {
+    int opposite = 0;
+    for (std::size_t b = 0; b < 6; ++b) {
+      double cosine = 0;
+      for (std::size_t k = 0; k < 3; ++k) cosine += along(views[a], k) * along(views[b], k);
+      if (a != b) CHECK((std::abs(cosine) < 1e-9 || std::abs(cosine + 1) < 1e-9));
+      opposite += std::abs(cosine + 1) < 1e-9;
+    }
+    CHECK(opposite == 1);
+  }
+}
+
 TEST_CASE("views: where half of the views are missing, more are named") {
   const TemporaryDirectory folder;
   const Path from = source_file("corpus/tie_bar/scan");

@@ -12,6 +12,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "model/distance/distance.h"
+#include "scan/simulate/simulate.h"
 
 using namespace partscribe::fit;
 
@@ -229,8 +230,134 @@ TEST_CASE("superellipsoid: the class follows equation (5), not the printed Table
   CHECK(suggested_procedure({10, 10, 30, 0.1, 1.0, 0, 0}, 0.05, 66) == "cylinder");
   CHECK(suggested_procedure({10, 10, 30, 1.0, 0.1, 0, 0}, 0.05, 66) != "cylinder");
   CHECK(suggested_procedure({10, 20, 30, 0.1, 0.1, 0, 0}, 0.05, 75) == "box");
+  CHECK(suggested_procedure({10, 10, 30, 0.1, 2.0, 0, 0}, 0.05, 66) == "box");  // over its diagonals
+  CHECK(suggested_procedure({10, 10, 30, 2.0, 0.1, 0, 0}, 0.05, 66) != "box");  // a double pyramid
   CHECK(suggested_procedure({10, 10, 30, 0.1, 1.0, 0, 0}, 2.5, 66) == "surface of revolution");
   CHECK(suggested_procedure({10, 10, 10, 1.0, 1.0, 0, 0}, 9, 35) == "none");
+}
+
+TEST_CASE("superellipsoid: exponents and taper are those that equation (5) gives the solids of Table 1") {
+  Context context;
+  // Ball, ellipsoid, block, rod, disc, frustum, wedge, as in solids().
+  std::vector<SuperellipsoidOf<double>> fitted;
+  for (const Solid& solid : solids())
+    fitted.push_back(recover_superellipsoid(sampled(solid, 1500, 0.02, 0, 5), context).shape);
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    const auto& s = fitted[k];
+    INFO(k << ": e " << s.e1 << " " << s.e2 << ", taper " << s.taper_x << " " << s.taper_y);
+    const double most = std::max(std::abs(s.taper_x), std::abs(s.taper_y));
+    if (k < 2) {  // round both ways
+      CHECK(s.e1 == Approx(1).margin(0.05));
+      CHECK(s.e2 == Approx(1).margin(0.05));
+    } else if (k == 2 || k == 6) {  // square both ways, or a block over its diagonals
+      CHECK(s.e1 < 0.25);
+      CHECK((s.e2 < 0.25 || s.e2 > 1.75));
+    } else {  // square in latitude, round in longitude: the printed table has it the other way round
+      CHECK(s.e1 < 0.25);
+      CHECK(s.e2 == Approx(1).margin(0.1));
+    }
+    if (k < 5) CHECK(most < 0.05);
+    if (k == 5) CHECK(most == Approx(15 / 35.0).margin(0.05));  // from 25 to 10
+    if (k == 6) CHECK(most == Approx(17 / 33.0).margin(0.05));  // from 25 to 8, the other way straight
+    if (k == 6) CHECK(std::min(std::abs(s.taper_x), std::abs(s.taper_y)) < 0.05);
+  }
+}
+
+TEST_CASE("superellipsoid: exponents stay between 0.1 and 2, whatever the body would like") {
+  Context context;
+  // A cube asks for 0, a body with hollow sides for 3.
+  const SuperellipsoidFit cube = recover_superellipsoid(
+      sampled({"", [](Random& r) { return on_wedge(r, 20, 20, 20, 40); }}, 1500, 0, 0, 3), context);
+  CHECK(cube.shape.e1 == Approx(0.1).margin(1e-6));
+  CHECK(cube.shape.e2 == Approx(0.1).margin(1e-6));
+  const Solid hollow{"", [](Random& r) {
+                       const Vec3 u = unit_vector(r);
+                       double sum = 0;
+                       for (int k = 0; k < 3; ++k) sum += std::pow(std::abs(u[k]), 2 / 3.0);
+                       return Vec3(30 * u / std::pow(sum, 1.5));
+                     }};
+  const SuperellipsoidFit star = recover_superellipsoid(sampled(hollow, 1500, 0, 0, 3), context);
+  INFO(star.shape.e1 << " " << star.shape.e2);
+  for (const double e : {star.shape.e1, star.shape.e2}) {
+    CHECK(e <= 2);
+    CHECK(e >= 0.1);
+  }
+  CHECK(std::max(star.shape.e1, star.shape.e2) == Approx(2).margin(1e-6));
+}
+
+TEST_CASE("superellipsoid: the goodness of fit is the paper's, on data of unit size, and grows as the fit gets worse") {
+  Context context;
+  double before = 0;
+  for (const double noise : {0.1, 0.4, 1.2}) {
+    const std::vector<Vec3> points = sampled(solids()[1], 1200, noise, 0, 8);  // so few that each is used
+    const SuperellipsoidFit fit = recover_superellipsoid(points, context);
+    // The unit is the median distance from the middle of the box without a twentieth at either end.
+    Vec3 middle;
+    for (int k = 0; k < 3; ++k) {
+      std::vector<double> v;
+      for (const Vec3& p : points) v.push_back(p[k]);
+      std::sort(v.begin(), v.end());
+      middle[k] = 0.5 * (v[v.size() / 20] + v[v.size() - 1 - v.size() / 20]);
+    }
+    std::vector<double> radii;
+    for (const Vec3& p : points) radii.push_back((p - middle).norm());
+    std::sort(radii.begin(), radii.end());
+    const double unit = radii[radii.size() / 2];
+    const auto& s = fit.shape;
+    double sum = 0;
+    for (const Vec3& p : points) {
+      const Vec3 q = fit.scan_from_shape.inverse() * p;
+      const double grow = 1 + s.taper_x * q.z() / s.a3, grow_y = 1 + s.taper_y * q.z() / s.a3;
+      const double x = std::abs(q.x() / s.a1 / grow), y = std::abs(q.y() / s.a2 / grow_y), z = std::abs(q.z() / s.a3);
+      const double f = std::pow(std::pow(x, 2 / s.e2) + std::pow(y, 2 / s.e2), s.e2 / s.e1) + std::pow(z, 2 / s.e1);
+      sum += std::abs(std::pow(f, s.e1) - 1) / double(points.size());
+    }
+    const double gof = std::sqrt(s.a1 * s.a2 * s.a3 / std::pow(unit, 3)) * sum;
+    INFO("noise " << noise << ", gof " << fit.hypothesis.gof);
+    CHECK(fit.hypothesis.gof == Approx(gof).epsilon(0.02));  // of points beyond five deviations it hears nothing
+    CHECK(fit.hypothesis.gof > 1.5 * before);
+    before = fit.hypothesis.gof;
+  }
+}
+
+TEST_CASE("superellipsoid: a ring is none") {
+  Context context;
+  const Solid ring{"", [](Random& r) {
+                     double about = 0, tube = 0;  // thinned to even density
+                     do about = r.uniform(0, 2 * pi), tube = r.uniform(0, 2 * pi);
+                     while (r.uniform(0, 40) > 30 + 10 * std::cos(tube));
+                     const double reach = 30 + 10 * std::cos(tube);
+                     return Vec3(reach * std::cos(about), reach * std::sin(about), 10 * std::sin(tube));
+                   }};
+  const SuperellipsoidFit fit = recover_superellipsoid(sampled(ring, 3000, 0.05, 0, 2), context);
+  INFO(fit.hypothesis.suggests << " gof " << fit.hypothesis.gof << " mm " << fit.hypothesis.gof_mm << " inliers "
+                               << fit.inlier_share);
+  CHECK(fit.hypothesis.suggests == "none");
+  CHECK(fit.hypothesis.gof_mm > 0.5);
+}
+
+TEST_CASE("superellipsoid: one range image of a pin tells a rod, with the exponents of Table 2") {
+  // As the Cylindrical Pin of 1993: 256 x 256 pixels, 16 bits, noise of 4 codes, bit errors of 0.001.
+  Loop profile;
+  profile.elements = {SketchPoint{0, 0, ""},   SketchPoint{11, 0, ""},  SketchPoint{12, 1, ""},
+                      SketchPoint{12, 49, ""}, SketchPoint{11, 50, ""}, SketchPoint{0, 50, ""}};
+  Model model;
+  model.objects.push_back({"pin", Revolve{{{profile}}}, {}, {}, {}});
+  model.as_scanned = false;
+  const partscribe::scan::Surface surface = partscribe::scan::surface_of(model);
+  Context context;
+  partscribe::scan::SimulateOptions options;
+  options.views = "1", options.tilt = 0.9, options.bit_error = 0.001;
+  options.sigma = 4 * partscribe::scan::simulate(surface, options, context).views[0].image.q;
+  const auto image = partscribe::scan::simulate(surface, options, context);
+  const SuperellipsoidFit fit = recover_superellipsoid(image.merged.cloud.points, context);
+  const auto& h = fit.hypothesis;
+  INFO("a " << h.a1 << " " << h.a2 << " " << h.a3 << " e " << h.e1 << " " << h.e2 << " gof " << h.gof << " mm "
+            << h.gof_mm << " inliers " << fit.inlier_share << " suggests " << h.suggests);
+  CHECK(h.e1 == Approx(0.1).margin(0.1));
+  CHECK(h.e2 == Approx(1.08).margin(0.1));
+  CHECK(h.gof < 0.06);
+  CHECK((h.suggests == "cylinder" || h.suggests == "surface of revolution"));
 }
 
 TEST_CASE("superellipsoid: takes less than a second", "[.][speed]") {

@@ -73,6 +73,20 @@ TEST_CASE("spline fit: the tolerance is kept, and half of it costs more control 
   }
 }
 
+TEST_CASE("spline fit: surfaces are cubic both ways at any tolerance, and bend on across every knot") {
+  Context context;
+  const auto data = scattered(wave, 12000, 0, 2);
+  for (const double tolerance : {0.2, 0.005}) {
+    const auto fit = fit_spline(data, options_for(tolerance), context);
+    REQUIRE(fit);
+    for (const KnotVector* knots : {&fit->surface.u, &fit->surface.v}) {
+      CHECK(knots->degree == 3);  // order four
+      for (const auto& [at, times] : knots->multiplicities())
+        CHECK(times == (at == knots->low() || at == knots->high() ? 4 : 1));
+    }
+  }
+}
+
 TEST_CASE("spline fit: noise is averaged, not followed") {
   Context context;
   const auto data = scattered(wave, 20000, 0.03, 3);

@@ -145,6 +145,51 @@ TEST_CASE(
   CHECK(vertices - triangles / 2 == 2 - 2 * 3);  // three holes [Euler]
 }
 
+TEST_CASE("triangulate: along its normal every place of a round surface meets the triangles within the tolerance") {
+  // r(d) = 10 + 0.8 sin(4 x) sin(3 y) sin(4 z) in the direction d; its normal is the gradient of |p| - r.
+  const auto bump = [](const Vec3& d) {
+    return 10 + 0.8 * std::sin(4 * d.x()) * std::sin(3 * d.y()) * std::sin(4 * d.z());
+  };
+  const auto normal_at = [&](const Vec3& p) {
+    Vec3 n;
+    for (int k = 0; k < 3; ++k) {
+      const auto level = [&](const Vec3& q) { return q.norm() - bump(q.normalized()); };
+      n[k] = level(p + 1e-5 * Vec3::Unit(k)) - level(p - 1e-5 * Vec3::Unit(k));
+    }
+    return Vec3(n.normalized());
+  };
+  Context context;
+  context.threads = 2;
+  Random random(23);
+  Scan scan;
+  while (scan.cloud.size() < 40000) {
+    const Vec3 d = direction(random), p = bump(d) * d, n = normal_at(p);
+    scan.cloud.points.push_back(p + 0.01 * random.normal() * n), scan.cloud.rays.push_back(-n);
+  }
+  auto input = prepare(scan, 0.1, context);
+  REQUIRE(input.ok());
+  Triangulator triangulator(*input, context);
+  std::size_t before = 0;
+  for (const double tolerance : {0.4, 0.1}) {
+    const auto candidate = triangulator.within(tolerance);
+    REQUIRE(candidate.ok());
+    const TriangleMesh mesh = mesh_of(*candidate);
+    CHECK(topology(mesh).closed());
+    CHECK(mesh.triangles.size() > before);
+    before = mesh.triangles.size();
+    const MeshDistance distance(mesh);
+    std::size_t beyond = 0, beyond_a_tenth = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3 d = direction(random), p = bump(d) * d, n = normal_at(p);
+      beyond += !distance.first_hit(p - tolerance * n, n, 2 * tolerance);
+      beyond_a_tenth += !distance.first_hit(p - 0.1 * tolerance * n, n, 0.2 * tolerance);
+    }
+    INFO("tolerance " << tolerance << ", triangles " << mesh.triangles.size());
+    CHECK(beyond == 0);
+    CHECK(beyond_a_tenth > 1000);  // the rays can miss
+  }
+}
+
 TEST_CASE("triangulate: a ball with an unseen cap is closed, its free half stays round") {
   Context context;
   Random random(8);

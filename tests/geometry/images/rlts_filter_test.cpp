@@ -1,5 +1,6 @@
 #include "geometry/images/rlts_filter.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -277,6 +278,31 @@ TEST_CASE("rlts filter: figure 2 of the paper, a profile of 12 bits with noise 5
   for (std::size_t i = 0; i < s.flipped.size(); ++i)
     if (s.flipped[i] >= 5) ++flips, found += !f.kept[i];
   CHECK(static_cast<double>(found) >= 0.98 * static_cast<double>(flips));
+}
+
+TEST_CASE(
+    "rlts filter: a least-squares plane through raw codes is pulled away by a few flipped bits, through filtered not") {
+  const auto s =
+      range_scene({.sigma = 0.02, .bit_error = 0.01}, [](double x, double y) { return 30 + 0.2 * x - 0.1 * y; });
+  const auto f = filtered(s.image);
+  const auto off = [&](bool raw) {
+    // The normal equations of z = a + b x + c y, about the middle of the image.
+    Mat3 normal = Mat3::Zero();
+    Vec3 right = Vec3::Zero();
+    for (int r = 0; r < s.image.height; ++r)
+      for (int c = 0; c < s.image.width; ++c) {
+        const auto i = static_cast<std::size_t>(r * s.image.width + c);
+        if (!raw && !f.kept[i]) continue;
+        const Vec3 row(1, (c - 39.5) / 40, (r - 29.5) / 30);
+        const double z = raw ? s.image.z0 + s.image.q * (s.image.codes[i] - 1) : f.depth[i];
+        normal += row * row.transpose(), right += z * row;
+      }
+    const Vec3 plane = normal.inverse() * right, truth(30 + 0.2 * 39.5 - 0.1 * 29.5, 0.2 * 40, -0.1 * 30);
+    return (plane - truth).cwiseAbs().maxCoeff();
+  };
+  INFO("raw " << off(true) << ", filtered " << off(false));
+  CHECK(off(true) > 0.02);
+  CHECK(off(false) < 0.002);
 }
 
 TEST_CASE("rlts filter: bit errors beyond the noise are found and named, low bits as often as is stated") {

@@ -93,6 +93,62 @@ TEST_CASE("mesh distance: agrees with every triangle tried in turn, near, inside
     }
 }
 
+TEST_CASE(
+    "mesh distance: no weights of the corners, each from 0 to 1 and 1 together, come nearer than the place found") {
+  // A place of a convex set is the nearest exactly if no corner lies beyond the plane through it towards the query.
+  Random random(12);
+  const auto anywhere = [&](double reach) {
+    return Vec3(random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach));
+  };
+  int inside = 0, on_edges = 0, at_corners = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const TriangleMesh one{{anywhere(5), anywhere(5), anywhere(5)}, {{0, 1, 2}}};
+    const Vec3 &a = one.vertices[0], &b = one.vertices[1], &c = one.vertices[2], q = anywhere(9);
+    const auto hit = MeshDistance(one).closest(q);
+    Eigen::Matrix<double, 3, 2> sides;
+    sides << b - a, c - a;
+    const Vec2 shares = (sides.transpose() * sides).inverse() * (sides.transpose() * (hit.point - a));
+    const Vec3 weights(1 - shares.sum(), shares[0], shares[1]);
+    CHECK((weights[0] * a + weights[1] * b + weights[2] * c - hit.point).norm() < 1e-9);
+    CHECK(weights.minCoeff() > -1e-9);
+    for (const Vec3& corner : one.vertices) CHECK((q - hit.point).dot(corner - hit.point) < 1e-9);
+    CHECK(hit.distance == Approx((q - hit.point).norm()).margin(1e-12));
+    const auto zeros = (weights.array() < 1e-9).count();
+    (zeros == 0 ? inside : zeros == 1 ? on_edges : at_corners) += 1;
+  }
+  CHECK(std::min({inside, on_edges, at_corners}) > 100);
+}
+
+TEST_CASE("mesh distance: the foot on the plane counts where it lies between each edge and the corner opposite") {
+  // The paper's test of interiority: 0 < d_i(foot) < d_i(p_i), or both signs turned, d_i the distance from edge i.
+  Random random(13);
+  const auto anywhere = [&](double reach) {
+    return Vec3(random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach));
+  };
+  int inside = 0, outside = 0, turned = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const TriangleMesh one{{anywhere(5), anywhere(5), anywhere(5)}, {{0, 1, 2}}};
+    const Vec3 q = anywhere(7), n = triangle_normal(one, 0), foot = q - n.dot(q - one.vertices[0]) * n;
+    // The edges' sense says on which side d_i is positive; either will do.
+    const double sense = random.uniform() < 0.5 ? -1 : 1;
+    bool holds = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 &from = one.vertices[(i + 1) % 3], &to = one.vertices[(i + 2) % 3];
+      const Vec3 across = sense * n.cross(to - from).normalized();
+      const double of_foot = across.dot(foot - from), of_corner = across.dot(one.vertices[i] - from);
+      holds = holds && (of_corner > 0 ? 0 < of_foot && of_foot < of_corner : 0 > of_foot && of_foot > of_corner);
+      turned += of_corner < 0;
+    }
+    const auto hit = MeshDistance(one).closest(q);
+    const double height = std::abs(n.dot(q - one.vertices[0]));
+    INFO("round " << round);
+    CHECK((hit.distance <= height + 1e-9) == holds);
+    if (holds) CHECK((hit.point - foot).norm() < 1e-9);
+    (holds ? inside : outside) += 1;
+  }
+  CHECK(std::min({inside, outside, turned}) > 100);
+}
+
 TEST_CASE("mesh distance: stays exact far from the origin") {
   auto mesh = bumpy_sphere(20, 10, 2);
   const Vec3 away(1e6, -2e6, 5e5);

@@ -53,6 +53,25 @@ TEST_CASE("merge: overlapping views become one cloud, less noisy, without a poin
   }
 }
 
+TEST_CASE("merge: of two views the surer one has the greater say, by its variance") {
+  PointCloud cloud;
+  for (std::int32_t view = 0; view < 2; ++view)
+    for (int x = 0; x < 40; ++x)
+      for (int y = 0; y < 40; ++y) {
+        cloud.points.emplace_back(0.5 * x + 0.1 * view, 0.5 * y + 0.2 * view, view == 0 ? 0 : 0.06);
+        cloud.normals.push_back(Vec3::UnitZ()), cloud.view.push_back(view);
+        cloud.sigma.push_back(view == 0 ? 0.02F : 0.04F);
+      }
+  Context context;
+  MergeOptions options;
+  options.spacing = 0.8;
+  const MergedCloud merged = merge_views(cloud, options, context);
+  REQUIRE(merged.cloud.size() > 300);
+  // Weights 1 / 0.02^2 and 1 / 0.04^2: four parts to one.
+  for (const Vec3& p : merged.cloud.points) CHECK(p.z() == Approx(0.06 / 5).margin(1e-6));
+  for (const float s : merged.cloud.sigma) CHECK(s == Approx(0.04 / std::sqrt(5.0)).epsilon(1e-4));
+}
+
 TEST_CASE("merge: every sample stands behind one merged point") {
   PointCloud cloud = plane_twice();
   cloud.rejected.assign(cloud.size(), 0);

@@ -92,6 +92,46 @@ TEST_CASE("viewpoints: the sets have their size, unit length and balance") {
   CHECK(!viewpoints("12x"));
 }
 
+TEST_CASE(
+    "viewpoints: every turn of a regular polyhedron takes its set onto itself, and none of its sides is preferred") {
+  struct Known {
+    const char* name;
+    double nearest_deg;  // between neighbours
+    std::size_t turns;   // of its group
+  };
+  for (const Known& known :
+       {Known{"tetrahedron", 109.4712206, 12}, Known{"octahedron", 90, 24}, Known{"cube", 70.5287794, 24},
+        Known{"icosahedron", 63.4349488, 60}, Known{"dodecahedron", 41.8103149, 60}}) {
+    const auto points = *viewpoints(known.name);
+    INFO(known.name);
+    Vec3 sum = Vec3::Zero();
+    Mat3 spread = Mat3::Zero();
+    for (const auto& p : points) sum += p, spread += p * p.transpose();
+    CHECK(sum.norm() < 1e-12);
+    CHECK((spread - static_cast<double>(points.size()) / 3 * Mat3::Identity()).norm() < 1e-12);
+    // The turns are those that take one pair of neighbours to each other pair.
+    const double cosine = std::cos(radians(known.nearest_deg));
+    std::vector<Mat3> frames;
+    for (const auto& p : points)
+      for (const auto& q : points) {
+        CHECK((p == q || p.dot(q) < cosine + 1e-8));
+        if (std::abs(p.dot(q) - cosine) > 1e-8) continue;
+        Mat3 frame;
+        frame << p, (q - p.dot(q) * p).normalized(), p.cross(q).normalized();
+        frames.push_back(frame);
+      }
+    CHECK(frames.size() == known.turns);
+    for (const auto& frame : frames) {
+      const Mat3 turn = frame * frames.front().transpose();
+      for (const auto& p : points) {
+        double nearest = 2;
+        for (const auto& q : points) nearest = std::min(nearest, (turn * p - q).norm());
+        CHECK(nearest < 1e-9);
+      }
+    }
+  }
+}
+
 TEST_CASE("simulate: without noise every point lies on the surface to half a code") {
   for (const auto projection : {Projection::orthographic, Projection::pinhole}) {
     auto options = small();

@@ -1,7 +1,9 @@
 #include "verify/evaluate/alpha1.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 #include "core/number.h"
 
@@ -44,6 +46,14 @@ std::string refusal(const std::string& text) {
   const Evaluation e = run(text);
   CHECK(e.failed);
   return e.complaints.empty() ? std::string() : e.complaints.front();
+}
+
+/// How many triangles each edge of a mesh has.
+std::map<std::pair<std::uint32_t, std::uint32_t>, int> borders_of(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> count;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) ++count[std::minmax(t[k], t[(k + 1) % 3])];
+  return count;
 }
 
 // Our own statement of the helpers that a prelude defines.
@@ -164,6 +174,42 @@ Disc : shared( Patch, Tool );
   CHECK(e.complaints.empty());
   CHECK_FALSE(e.solid);
   CHECK(area(e.mesh) == Approx(pi * 121).epsilon(1e-3));
+}
+
+TEST_CASE("alpha1: where surfaces meet is said once, and is as fine as the tolerance at which it is evaluated") {
+  // The procedure names two surfaces and that they are cut; no curve stands in it.
+  const std::string disc = helpers + R"(
+Mesh : seqCollect { seqCollect { pt( 0,0,0 ); pt( 30,0,0 ); } seqCollect { pt( 0,30,0 ); pt( 30,30,0 ); } }
+Patch : surface( Linear, "ec_open", "kv_uniform", Linear, "ec_open", "kv_uniform", Mesh );
+Tool : makeGeom( rightCirCylinder( pt( 15,15,-10 ), vec( 0,0,30 ), 11.0 ) );
+Disc : shared( Patch, Tool );
+)";
+  // Two rods of one radius that cross: 16 r^3 / 3 is common to them.
+  const std::string rods = helpers + R"(
+One : makeGeom( rightCirCylinder( pt( -30,0,0 ), vec( 60,0,0 ), 9.0 ) );
+Other : makeGeom( rightCirCylinder( pt( 0,-30,0 ), vec( 0,60,0 ), 9.0 ) );
+Common : shared( One, Other );
+)";
+  double off_before = 1e300;
+  std::size_t before = 0;
+  for (const double tolerance : {1.0, 0.1, 0.01}) {
+    const Evaluation e = run(disc, tolerance);
+    REQUIRE(e.complaints.empty());
+    double off = 0;
+    std::size_t on_border = 0;
+    for (const auto& [border, count] : borders_of(e.mesh))
+      if (count == 1) {
+        const Vec3 middle = 0.5 * (e.mesh.vertices[border.first] + e.mesh.vertices[border.second]);
+        off = std::max(off, std::abs((middle - Vec3(15, 15, 0)).norm() - 11)), ++on_border;
+      }
+    INFO("tolerance " << tolerance << ", off " << off << ", pieces " << on_border);
+    CHECK(off <= tolerance / 5);
+    CHECK(off < off_before);
+    CHECK(on_border > before);
+    off_before = off, before = on_border;
+    const double common = 16.0 / 3 * 9 * 9 * 9;
+    CHECK(good_volume(rods, tolerance) == Approx(common).margin(tolerance / 5 * 16 * 9 * 9));
+  }
 }
 
 TEST_CASE("alpha1: a procedure with a choice and a circular pattern") {

@@ -1,0 +1,102 @@
+// Figures 13 and 14: CAD models of the pin and of the face, and the pin as procedures.
+#include <algorithm>
+#include <sstream>
+
+#include "cli/describe.h"
+#include "cli/paper/lit_pictures.h"
+#include "cli/paper/paper_figure.h"
+#include "codegen/emit.h"
+#include "core/number.h"
+#include "fit/build.h"
+#include "geometry/surfaces/trimmed_surface.h"
+#include "model/surface_patches.h"
+
+namespace partscribe::cli {
+namespace {
+
+/// A view's filtered points as a scan, the sensor looking along -z.
+Scan scan_of(const PaperSubject& subject) {
+  Scan scan;
+  scan.views.push_back({});
+  scan.views.back().file = subject.file;
+  scan.views.back().width = subject.image.width, scan.views.back().height = subject.image.height;
+  for (int row = 0; row < subject.image.height; ++row)
+    for (int column = 0; column < subject.image.width; ++column) {
+      const Vec3 normal = subject.normal(column, row);
+      if (normal.isZero()) continue;
+      scan.cloud.points.push_back(subject.place(column, row));
+      scan.cloud.view.push_back(0);
+      scan.cloud.pixel.push_back(std::int32_t(row * subject.image.width + column));
+      scan.cloud.rays.push_back({0, 0, -1});
+    }
+  return scan;
+}
+
+/// The first lines of a text, and how many follow.
+std::string beginning(const std::string& text, std::size_t lines, std::size_t from = 0) {
+  std::istringstream stream(text);
+  std::string result, line;
+  std::size_t count = 0;
+  for (; std::getline(stream, line); ++count)
+    if (count >= from && count < from + lines) result += line + "\n";
+  if (count > from + lines) result += "... " + std::to_string(count - from - lines) + " more lines\n";
+  return result;
+}
+
+}  // namespace
+
+Result<std::vector<PaperFigure>> model_figures(const PaperSubjects& subjects, Context& context) {
+  // The pin from six views, as it was seen for the other figures.
+  scan::SimulateOptions seen;
+  seen.bit_error = 0.001;
+  const scan::Surface truth = scan::surface_of(subjects.pin_model);
+  seen.sigma = 4 * scan::simulate(truth, seen, context).views[0].image.q;
+  scan::SimulatedScan simulated = scan::simulate(truth, seen, context);
+  constexpr double pin_tolerance = 0.1, face_tolerance = 1.0;  // mm
+  const auto pin = fit::build_model(simulated.merged, {.tolerance = pin_tolerance, .name = "pin"}, context);
+  if (!pin) return pin.error();
+  Scan face_scan = scan_of(subjects.mask);
+  const auto face = fit::build_model(face_scan, {.tolerance = face_tolerance, .name = "face"}, context);
+  if (!face) return face.error();
+
+  PaperFigure models;
+  models.title = "Figure 13: CAD models";
+  models.text = "The pin at " + print_number(pin_tolerance) + " mm, from six views: " + procedure_text(**pin) +
+                ". The face mask at " + print_number(face_tolerance) + " mm, from one: " + procedure_text(**face) + ".";
+  models.table = {{"dimension of the pin", "true, mm", "found, mm"}};
+  const auto true_values = model::values_of(subjects.pin_model);
+  for (const auto& [name, value] : true_values) {
+    const model::Parameter* nearest = nullptr;
+    for (const auto& parameter : (*pin)->parameters)
+      if (parameter.fitted > 0 && (!nearest || std::abs(parameter.fitted - value) < std::abs(nearest->fitted - value)))
+        nearest = &parameter;
+    if (nearest)
+      models.table.push_back(
+          {name, print_number(value), nearest->name + " = " + with_sigma(nearest->fitted, nearest->sigma)});
+  }
+  models.pictures.push_back({"figure-13-pin.png",
+                             write_png(lit_surface(scan::surface_of(**pin), {0.8, -1, 0.5}, {0, 0, 1}, 400)),
+                             "the pin as a solid"});
+  if (const auto* set = std::get_if<model::SurfaceSet>(&(*face)->objects.back().shape)) {
+    const auto mesh = triangulated(model::trimmed_surfaces(set->patches), 0.2).mesh;
+    for (const auto& [file, to_eye] :
+         {std::pair{"figure-13-face.png", Vec3(0.1, 0, 1)}, std::pair{"figure-13-face-side.png", Vec3(1, -0.2, 0.7)}})
+      models.pictures.push_back(
+          {file, write_png(lit_mesh(mesh, to_eye, {0, 1, 0}, 400, false)), "the face as trimmed B-spline surfaces"});
+  }
+
+  PaperFigure procedures;
+  procedures.title = "Figure 14: the pin as an Alpha_1 procedure and in IGES";
+  procedures.text = "Parts of the two files as they are written.";
+  codegen::EmitOptions options;
+  options.stem = "pin";
+  for (const auto& [backend, lines, from] :
+       {std::tuple{"alpha1", std::size_t(60), std::size_t(0)}, std::tuple{"iges", std::size_t(40), std::size_t(0)}}) {
+    const auto artifact = codegen::emit(*pin, backend, options, context);
+    if (!artifact) return artifact.error();
+    procedures.listing += beginning(artifact->files.front().bytes, lines, from) + "\n";
+  }
+  return std::vector<PaperFigure>{models, procedures};
+}
+
+}  // namespace partscribe::cli
