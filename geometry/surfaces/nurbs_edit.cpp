@@ -461,6 +461,14 @@ NurbsCurve<3> iso_curve(const NurbsSurface& surface, bool along_u, double at) {
   return curve_from<3>(line);
 }
 
+NurbsCurve<3> in_space(const NurbsCurve<2>& curve) {
+  NurbsCurve<3> result{curve.t, {}, curve.weights};
+  for (const Vec2& p : curve.points) result.points.emplace_back(p.x(), p.y(), 0);
+  return result;
+}
+
+NurbsSurface as_surface(const NurbsCurve<3>& curve) { return {curve.t, {0, {0, 1}}, curve.points, curve.weights}; }
+
 template <int D>
 NurbsCurve<D> with_clamped_ends(const NurbsCurve<D>& curve) {
   return curve_from<D>(clamped_rows(rows_of(curve)));

@@ -60,6 +60,11 @@ NurbsSurface reversed(const NurbsSurface& surface, bool along_u);
 /// The curve on a surface that runs along u where v = at; along v where u = at.
 NurbsCurve<3> iso_curve(const NurbsSurface& surface, bool along_u, double at);
 
+/// The plane z = 0 around a plane curve, and a curve as a surface that is constant along v, over 0 .. 1 of degree 0:
+/// for code that treats them alike.
+NurbsCurve<3> in_space(const NurbsCurve<2>& curve);
+NurbsSurface as_surface(const NurbsCurve<3>& curve);
+
 /// With ends that interpolate: the knots at both ends of the domain count degree + 1 times, and there are none beyond.
 template <int D>
 NurbsCurve<D> with_clamped_ends(const NurbsCurve<D>& curve);
