@@ -24,6 +24,52 @@ constexpr double met = 1e-10;          // of the size: on both
 constexpr double least_step = 1e-3;    // of the tolerance
 constexpr double largest_step = 0.05;  // of the size
 
+// ---- smooth parts -------------------------------------------------------------------------------------------------
+
+/// Whether a surface has a kink (or a gap) along a knot: the control polygons before and after it are not all prolonged
+/// by one factor. Directions, not speeds, so that arcs of a circle are one curve.
+bool is_crease(const NurbsSurface& s, bool along_u, double knot) {
+  const KnotVector& t = along_u ? s.u : s.v;
+  const int last = int(std::upper_bound(t.knots.begin(), t.knots.end(), knot) - t.knots.begin()) - 1;
+  const int times = last + 1 - int(std::lower_bound(t.knots.begin(), t.knots.end(), knot) - t.knots.begin());
+  if (times < t.degree) return false;
+  if (times > t.degree) return true;
+  const int at = last - t.degree, lines = (along_u ? s.v : s.u).count();
+  std::vector<std::pair<Vec3, Vec3>> sides;
+  double before = 0, after = 0;
+  for (int line = 0; line < lines; ++line) {
+    const auto place = [&](int i) { return std::size_t(along_u ? i * s.v.count() + line : line * s.v.count() + i); };
+    const auto leg = [&](int from, int to, int other) {
+      const double weight = s.weights.empty() ? 1 : s.weights[place(other)] / s.weights[place(at)];
+      return Vec3(weight * (s.points[place(to)] - s.points[place(from)]));
+    };
+    sides.emplace_back(leg(at - 1, at, at - 1), leg(at, at + 1, at + 1));
+    before = std::max(before, sides.back().first.norm()), after = std::max(after, sides.back().second.norm());
+  }
+  for (const auto& [a, b] : sides)
+    if (!((before * b - after * a).norm() <= 1e-6 * before * after)) return true;
+  return false;
+}
+
+/// Cut along its creases, each part over its own parameters.
+std::vector<NurbsSurface> smooth_parts(const NurbsSurface& surface) {
+  std::vector<NurbsSurface> parts = {with_clamped_ends(with_clamped_ends(surface, true), false)};
+  for (const bool along_u : {true, false}) {
+    std::vector<NurbsSurface> finer;
+    for (const NurbsSurface& part : parts) {
+      const KnotVector& t = along_u ? part.u : part.v;
+      double from = t.low();
+      for (const double knot : t.breaks())
+        if (knot == t.high() || (knot > from && is_crease(part, along_u, knot))) {
+          finer.push_back(part_between(part, along_u, from, knot));
+          from = knot;
+        }
+    }
+    parts = std::move(finer);
+  }
+  return parts;
+}
+
 // ---- halving ------------------------------------------------------------------------------------------------------
 
 /// A piece without inner knots by its control points, which its hull is that of; halved when somebody asks.
@@ -164,14 +210,12 @@ bool for_flat_pairs(HullCell& a, HullCell& b, double tolerance, long& pairs, con
 /// Two surfaces; a place is (u, v) on the first and (u, v) on the second.
 class Meeting {
  public:
-  Meeting(const NurbsSurface& a, const NurbsSurface& b, double tolerance) : s_{&a, &b}, tolerance_(tolerance) {
-    Box3 box;
+  Meeting(const NurbsSurface& a, const NurbsSurface& b, double tolerance, double size)
+      : s_{&a, &b}, tolerance_(tolerance), size_(size) {
     for (int k = 0; k < 2; ++k) {
-      for (const Vec3& p : s_[k]->points) box.add(p);
       low_.segment<2>(2 * k) = Vec2(s_[k]->u.low(), s_[k]->v.low());
       high_.segment<2>(2 * k) = Vec2(s_[k]->u.high(), s_[k]->v.high());
     }
-    size_ = box.diagonal();
   }
 
   double size() const { return size_; }
@@ -303,39 +347,49 @@ class Meeting {
   }
 
   const NurbsSurface* s_[2];
-  double tolerance_, size_ = 0;
+  double tolerance_, size_;
   Eigen::Vector4d low_, high_;
 };
 
 // ---- following ----------------------------------------------------------------------------------------------------
 
 struct ChordFoot {
-  double distance;
+  double distance, share;
   Vec3 along;  // unit
 };
 
 ChordFoot foot_on_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 d = b - a;
   const double sq = d.squaredNorm(), share = sq > 0 ? std::clamp((p - a).dot(d) / sq, 0.0, 1.0) : 0;
-  return {(a + share * d - p).norm(), sq > 0 ? Vec3(d / std::sqrt(sq)) : Vec3::Zero()};
+  return {(a + share * d - p).norm(), share, sq > 0 ? Vec3(d / std::sqrt(sq)) : Vec3::Zero()};
 }
 
-/// What has been followed so far.
+/// What has been followed so far, along the direction in which the first normal times the second points.
 struct FollowedCurve {
   IntersectionCurve curve;
   Box3 box;
 };
 
-/// Whether a curve has passed this place; along `t`, if that is given.
-bool passed(const std::vector<FollowedCurve>& curves, const Vec3& p, double tolerance, const Vec3* t = nullptr) {
+/// Whether a curve has passed this place towards t. What is beyond an open end has not been passed, nor what comes back
+/// beside it from a sharp corner.
+bool passed(const std::vector<FollowedCurve>& curves, const Vec3& p, double tolerance, const Vec3& t) {
   for (const FollowedCurve& c : curves) {
     if (((c.box.low - p).array() > tolerance).any() || ((p - c.box.high).array() > tolerance).any()) continue;
     const auto& places = c.curve.places;
     for (std::size_t i = 0; i + 1 < places.size(); ++i) {
       const ChordFoot foot = foot_on_chord(places[i].point, places[i + 1].point, p);
-      if (foot.distance <= tolerance && (!t || std::abs(foot.along.dot(*t)) > 0.98)) return true;
+      const bool beyond =
+          !c.curve.closed && ((i == 0 && foot.share == 0) || (i + 2 == places.size() && foot.share == 1));
+      if (foot.distance <= (beyond ? least_step : 1) * tolerance && foot.along.dot(t) > 0.5) return true;
     }
   }
+  return false;
+}
+
+bool on_curves(const std::vector<FollowedCurve>& curves, const Vec3& p, double tolerance) {
+  for (const FollowedCurve& c : curves)
+    for (std::size_t i = 0; i + 1 < c.curve.places.size(); ++i)
+      if (foot_on_chord(c.curve.places[i].point, c.curve.places[i + 1].point, p).distance <= tolerance) return true;
   return false;
 }
 
@@ -402,7 +456,7 @@ bool follow(const Meeting& m, const std::vector<FollowedCurve>& others, const Ei
       return true;
     }
     places.push_back(there);
-    if (passed(others, there.point, m.tolerance(), &next_t)) return false;
+    if (passed(others, there.point, m.tolerance(), sign * next_t)) return false;
     x = next, t = next_t, here = there;
     if (turn < 0.5 * most_turn && h * turn < 2 * m.tolerance()) h = std::min(1.6 * h, largest_step * m.size());
   }
@@ -445,7 +499,7 @@ void link_ends(std::vector<IntersectionCurve>& curves, double tolerance) {
       for (const bool last : {false, true})
         if (!curves[i].closed) ends.push_back(end_of_curve(curves, i, last));
     const CurveEnd *one = nullptr, *other = nullptr;
-    double straightest = 0.5;
+    double straightest = 0.99;
     for (std::size_t a = 0; a < ends.size(); ++a)
       for (std::size_t b = a + 1; b < ends.size(); ++b) {
         const double cosine = ends[a].outwards.dot(ends[b].outwards);
@@ -466,16 +520,29 @@ void link_ends(std::vector<IntersectionCurve>& curves, double tolerance) {
   }
 }
 
-/// Calls `work(x)` with a start for every pair of flat pieces that may meet; false if there are too many.
+/// Calls `work(meeting, x)` with a start for every pair of flat pieces that may meet; false if there are too many.
 template <class Work>
-bool for_meetings(const Meeting& m, const NurbsSurface& a, const NurbsSurface& b, double tolerance, const Work& work) {
-  auto cells_a = hulls_of(a), cells_b = hulls_of(b);
+bool for_meetings(const NurbsSurface& a, const NurbsSurface& b, double tolerance, const Work& work) {
+  ensure(tolerance > 0, "an intersection is found within a tolerance");
+  Box3 box;
+  for (const auto* surface : {&a, &b})
+    for (const Vec3& p : surface->points) box.add(p);
+  const auto parts_a = smooth_parts(a), parts_b = smooth_parts(b);
+  std::vector<std::vector<HullCell>> cells_b;
+  for (const NurbsSurface& part : parts_b) cells_b.push_back(hulls_of(part));
   long pairs = 0;
-  for (HullCell& one : cells_a)
-    for (HullCell& other : cells_b)
-      if (!for_flat_pairs(one, other, tolerance, pairs,
-                          [&](const HullCell& p, const HullCell& q) { return work(m.start(p, q)); }))
-        return false;
+  for (const NurbsSurface& one : parts_a) {
+    auto cells = hulls_of(one);
+    for (std::size_t k = 0; k < parts_b.size(); ++k) {
+      const Meeting m(one, parts_b[k], tolerance, box.diagonal());
+      for (HullCell& p : cells)
+        for (HullCell& q : cells_b[k])
+          if (!for_flat_pairs(p, q, tolerance, pairs, [&](const HullCell& flat, const HullCell& other) {
+                return work(m, m.start(flat, other));
+              }))
+            return false;
+    }
+  }
   return true;
 }
 
@@ -484,10 +551,8 @@ bool known(const std::vector<IntersectionPlace>& places, const Vec3& p, double t
 }
 
 SplineIntersection isolated_meetings(const NurbsSurface& a, const NurbsSurface& b, double tolerance) {
-  ensure(tolerance > 0, "an intersection is found within a tolerance");
-  const Meeting m(a, b, tolerance);
   SplineIntersection result;
-  result.complete = for_meetings(m, a, b, tolerance, [&](Eigen::Vector4d x) {
+  result.complete = for_meetings(a, b, tolerance, [&](const Meeting& m, Eigen::Vector4d x) {
     if (!m.refine(x)) return true;
     const IntersectionPlace place = m.place(x);
     if (!known(result.places, place.point, 2 * tolerance)) result.places.push_back(place);
@@ -501,26 +566,24 @@ SplineIntersection isolated_meetings(const NurbsSurface& a, const NurbsSurface& 
 }  // namespace
 
 SplineIntersection intersection_of(const NurbsSurface& a, const NurbsSurface& b, double tolerance) {
-  ensure(tolerance > 0, "an intersection is found within a tolerance");
-  const Meeting m(a, b, tolerance);
   SplineIntersection result;
   std::vector<FollowedCurve> curves;
   std::vector<IntersectionPlace> touches;
-  result.complete = for_meetings(m, a, b, tolerance, [&](Eigen::Vector4d x) {
+  result.complete = for_meetings(a, b, tolerance, [&](const Meeting& m, Eigen::Vector4d x) {
     if (!m.refine(x)) return true;
     const IntersectionPlace place = m.place(x);
-    if (passed(curves, place.point, 2 * tolerance)) return true;
     Vec3 t;
     if (!m.direction(x, t)) {
       if (!known(touches, place.point, 2 * tolerance)) touches.push_back(place);
       return touches.size() < most_places;
     }
+    if (passed(curves, place.point, tolerance, t)) return true;
     FollowedCurve curve = followed(m, curves, x);
     if (curve.curve.places.size() > 1 && curve.box.diagonal() > tolerance) curves.push_back(std::move(curve));
     return true;
   });
   for (const IntersectionPlace& touch : touches)
-    if (!passed(curves, touch.point, 2 * tolerance)) result.places.push_back(touch);
+    if (!on_curves(curves, touch.point, 2 * tolerance)) result.places.push_back(touch);
   for (FollowedCurve& c : curves) result.curves.push_back(std::move(c.curve));
   link_ends(result.curves, tolerance);
   return result;
