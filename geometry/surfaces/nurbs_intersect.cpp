@@ -491,7 +491,7 @@ CurveEnd end_of_curve(const std::vector<IntersectionCurve>& curves, std::size_t 
   return {i, last, end, (end - before).normalized()};
 }
 
-/// Joins open curves whose ends are one place: the straightest first. None turns back.
+/// Joins open curves whose ends are one place: the straightest first.
 void link_ends(std::vector<IntersectionCurve>& curves, double tolerance) {
   for (;;) {
     std::vector<CurveEnd> ends;
@@ -499,7 +499,7 @@ void link_ends(std::vector<IntersectionCurve>& curves, double tolerance) {
       for (const bool last : {false, true})
         if (!curves[i].closed) ends.push_back(end_of_curve(curves, i, last));
     const CurveEnd *one = nullptr, *other = nullptr;
-    double straightest = 0.99;
+    double straightest = 2;
     for (std::size_t a = 0; a < ends.size(); ++a)
       for (std::size_t b = a + 1; b < ends.size(); ++b) {
         const double cosine = ends[a].outwards.dot(ends[b].outwards);
@@ -577,7 +577,7 @@ SplineIntersection intersection_of(const NurbsSurface& a, const NurbsSurface& b,
       if (!known(touches, place.point, 2 * tolerance)) touches.push_back(place);
       return touches.size() < most_places;
     }
-    if (passed(curves, place.point, tolerance, t)) return true;
+    if (passed(curves, place.point, 2 * tolerance, t)) return true;
     FollowedCurve curve = followed(m, curves, x);
     if (curve.curve.places.size() > 1 && curve.box.diagonal() > tolerance) curves.push_back(std::move(curve));
     return true;

@@ -1,8 +1,8 @@
 #include "geometry/surfaces/nurbs_nearest.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <queue>
 
 #include "core/ensure.h"

@@ -221,6 +221,42 @@ TEST_CASE("nurbs_intersect: free forms of degrees 1 to 5 are cut by a plane wher
     }
 }
 
+TEST_CASE("nurbs_intersect: two free forms meet along curves that pass every curve of equal u where it pierces") {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> off(-1, 1), weight(0.5, 2);
+    const auto made = [&](int degree, bool rational) {
+      NurbsSurface s{clamped(degree, {0, 1, 2, 3}), clamped(degree, {0, 1, 2, 3}), {}, {}};
+      for (int i = 0; i < s.u.count(); ++i)
+        for (int j = 0; j < s.v.count(); ++j) {
+          const double x = off(random), y = off(random), z = off(random);
+          s.points.emplace_back(3 * (i - s.u.count() / 2) + x, 3 * (j - s.v.count() / 2) + y, 5 * z);
+          if (rational) s.weights.push_back(weight(random));
+        }
+      return s;
+    };
+    const auto a = made(int(1 + seed % 5), seed % 2), other = made(int(1 + seed / 5), seed % 3 == 0);
+    const double x = off(random), y = off(random), z = off(random);
+    const auto b = posed(other, at(Vec3(y, z, x), Vec3(0.3 * x, 0.3 * y, z)));
+    const auto r = intersection_of(a, b, 1e-2);
+    check_lies_on_both(r, a, b, 1e-2);
+    for (int k = 0; k < 9; ++k) {
+      const double u = 0.0871 + 0.331 * k;
+      int passed = 0;
+      for (const auto& c : r.curves)
+        for (std::size_t i = 0; i + 1 < c.places.size(); ++i)
+          passed += (c.places[i].on_a.x() < u) != (c.places[i + 1].on_a.x() < u);
+      CHECK(passed == int(intersection_of(iso_curve(a, false, u), b, 1e-4).places.size()));
+    }
+    for (const auto& c : r.curves)
+      if (!c.closed)
+        for (const auto* end : {&c.places.front(), &c.places.back()}) {
+          const double inside_a = std::min(end->on_a.minCoeff(), 3 - end->on_a.maxCoeff());
+          CHECK(std::min({inside_a, end->on_b.minCoeff(), 3 - end->on_b.maxCoeff()}) < 1e-9);
+        }
+  }
+}
+
 TEST_CASE("nurbs_intersect: cylinders of one radius cross in two ellipses, which pass the places where they touch") {
   const auto a = posed(exact_cylinder(4, 20), at(Vec3(0, 0, -10)));
   const auto b = posed(exact_cylinder(4, 20), at(Vec3(-10, 0, 0), Vec3(0, pi / 2, 0)));
