@@ -133,7 +133,7 @@ TEST_CASE("nurbs: derivatives of a surface are those that differences show") {
         // Differences taken inwards, so that no knot lies between.
         const double h = 1e-5, hu = u < 0.9 ? h : -h, hv = v < 1.9 ? h : -h;
         const auto at = s.derivatives(u, v);
-        const auto du = [&](double b) { return (s.derivatives(u + hu, b).p - s.derivatives(u, b).p) / hu; };
+        const auto du = [&](double b) { return Vec3((s.derivatives(u + hu, b).p - s.derivatives(u, b).p) / hu); };
         CHECK((at.p - s.at(u, v)).norm() < 1e-12);
         CHECK((s.at(u + hu, v) - at.p - hu * at.du - 0.5 * hu * hu * at.duu).norm() < 1e-9);
         CHECK((s.at(u, v + hv) - at.p - hv * at.dv - 0.5 * hv * hv * at.dvv).norm() < 1e-9);
