@@ -208,9 +208,9 @@ bool for_flat_pairs(HullCell& a, HullCell& b, double tolerance, long& pairs, con
 // ---- Newton -------------------------------------------------------------------------------------------------------
 
 /// Two surfaces; a place is (u, v) on the first and (u, v) on the second.
-class Meeting {
+class SplineMeeting {
  public:
-  Meeting(const NurbsSurface& a, const NurbsSurface& b, double tolerance, double size)
+  SplineMeeting(const NurbsSurface& a, const NurbsSurface& b, double tolerance, double size)
       : s_{&a, &b}, tolerance_(tolerance), size_(size) {
     for (int k = 0; k < 2; ++k) {
       low_.segment<2>(2 * k) = Vec2(s_[k]->u.low(), s_[k]->v.low());
@@ -394,7 +394,7 @@ bool on_curves(const std::vector<FollowedCurve>& curves, const Vec3& p, double t
 }
 
 /// Places after the start, to one side; true if they come back to it.
-bool follow(const Meeting& m, const std::vector<FollowedCurve>& others, const Eigen::Vector4d& start, double sign,
+bool follow(const SplineMeeting& m, const std::vector<FollowedCurve>& others, const Eigen::Vector4d& start, double sign,
             std::vector<IntersectionPlace>& places) {
   Eigen::Vector4d x = start;
   Vec3 t, first_t;
@@ -463,7 +463,7 @@ bool follow(const Meeting& m, const std::vector<FollowedCurve>& others, const Ei
   return false;
 }
 
-FollowedCurve followed(const Meeting& m, const std::vector<FollowedCurve>& others, const Eigen::Vector4d& start) {
+FollowedCurve followed(const SplineMeeting& m, const std::vector<FollowedCurve>& others, const Eigen::Vector4d& start) {
   FollowedCurve result;
   auto& places = result.curve.places;
   places.push_back(m.place(start));
@@ -534,7 +534,7 @@ bool for_meetings(const NurbsSurface& a, const NurbsSurface& b, double tolerance
   for (const NurbsSurface& one : parts_a) {
     auto cells = hulls_of(one);
     for (std::size_t k = 0; k < parts_b.size(); ++k) {
-      const Meeting m(one, parts_b[k], tolerance, box.diagonal());
+      const SplineMeeting m(one, parts_b[k], tolerance, box.diagonal());
       for (HullCell& p : cells)
         for (HullCell& q : cells_b[k])
           if (!for_flat_pairs(p, q, tolerance, pairs, [&](const HullCell& flat, const HullCell& other) {
@@ -552,7 +552,7 @@ bool known(const std::vector<IntersectionPlace>& places, const Vec3& p, double t
 
 SplineIntersection isolated_meetings(const NurbsSurface& a, const NurbsSurface& b, double tolerance) {
   SplineIntersection result;
-  result.complete = for_meetings(a, b, tolerance, [&](const Meeting& m, Eigen::Vector4d x) {
+  result.complete = for_meetings(a, b, tolerance, [&](const SplineMeeting& m, Eigen::Vector4d x) {
     if (!m.refine(x)) return true;
     const IntersectionPlace place = m.place(x);
     if (!known(result.places, place.point, 2 * tolerance)) result.places.push_back(place);
@@ -569,7 +569,7 @@ SplineIntersection intersection_of(const NurbsSurface& a, const NurbsSurface& b,
   SplineIntersection result;
   std::vector<FollowedCurve> curves;
   std::vector<IntersectionPlace> touches;
-  result.complete = for_meetings(a, b, tolerance, [&](const Meeting& m, Eigen::Vector4d x) {
+  result.complete = for_meetings(a, b, tolerance, [&](const SplineMeeting& m, Eigen::Vector4d x) {
     if (!m.refine(x)) return true;
     const IntersectionPlace place = m.place(x);
     Vec3 t;
