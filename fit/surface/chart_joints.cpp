@@ -11,6 +11,7 @@
 #include "fit/surface/curve_fit.h"
 #include "fit/surface/piece_fit.h"
 #include "geometry/surfaces/edge_curve.h"
+#include "geometry/surfaces/nurbs_edit.h"
 
 namespace partscribe::fit {
 namespace {

@@ -182,9 +182,28 @@ SurfacePoint NurbsSurface::derivatives(double s, double t) const {
   return r;
 }
 
-namespace {
+Vec3 normal_at(const NurbsSurface& surface, double u, double v) {
+  const SurfacePoint at = surface.derivatives(u, v);
+  if (const Vec3 n = at.normal(); !n.isZero()) return n;
+  // Inwards by e (su, sv) the derivatives are du + e (su duu + sv duv), dv + e (su duv + sv dvv): the lowest power of e
+  // whose factor in their product does not vanish says where the normal comes from.
+  const double low_u = surface.u.low(), high_u = surface.u.high(), low_v = surface.v.low(), high_v = surface.v.high();
+  const double edge_u = 1e-9 * (high_u - low_u), edge_v = 1e-9 * (high_v - low_v);
+  double su = u < low_u + edge_u ? 1 : u > high_u - edge_u ? -1 : 0;
+  double sv = v < low_v + edge_v ? 1 : v > high_v - edge_v ? -1 : 0;
+  // An edge that is a point is left across it, so that the limit is that of its own u or v.
+  const double first_u = at.du.norm() * (high_u - low_u), first_v = at.dv.norm() * (high_v - low_v);
+  if (sv != 0 && first_u < 1e-9 * first_v) su = 0;
+  if (su != 0 && first_v < 1e-9 * first_u) sv = 0;
+  su *= high_u - low_u, sv *= high_v - low_v;
+  const Vec3 du = su * at.duu + sv * at.duv, dv = su * at.duv + sv * at.dvv;
+  const Vec3 once = du.cross(at.dv) + at.du.cross(dv), twice = du.cross(dv);
+  const double size_u = du.norm() + at.du.norm(), size_v = dv.norm() + at.dv.norm();
+  for (const Vec3& n : {once, twice})
+    if (const double length = n.norm(); length > 1e-9 * size_u * size_v) return n / length;
+  return Vec3::Zero();
+}
 
-/// One more knot: control point i of the refined line is the mean of i - 1 and i with these shares of i.
 std::vector<double> insertion_shares(const KnotVector& s, double t) {
   const int span = s.span(t), p = s.degree;
   std::vector<double> shares(std::size_t(s.count()) + 1, 0.0);
@@ -199,11 +218,13 @@ std::vector<double> insertion_shares(const KnotVector& s, double t) {
   return shares;
 }
 
-KnotVector with_one_more(const KnotVector& s, double t) {
+KnotVector with_knot(const KnotVector& s, double t) {
   KnotVector result = s;
   result.knots.insert(std::upper_bound(result.knots.begin(), result.knots.end(), t), t);
   return result;
 }
+
+namespace {
 
 /// Refines each of `lines` lines of control points; `fastest`: the points of a line stand one after the other.
 template <class Point>
@@ -236,7 +257,7 @@ NurbsCurve<D> with_knot(const NurbsCurve<D>& curve, double t, int times) {
   NurbsCurve<D> result = curve;
   for (int i = 0; i < times; ++i) {
     insert_once(result.points, result.weights, insertion_shares(result.t, t), 1, true);
-    result.t = with_one_more(result.t, t);
+    result.t = with_knot(result.t, t);
   }
   return result;
 }
@@ -247,7 +268,7 @@ NurbsSurface with_knot(const NurbsSurface& surface, bool along_u, double t, int 
     KnotVector& s = along_u ? result.u : result.v;
     const std::size_t lines = std::size_t((along_u ? result.v : result.u).count());
     insert_once(result.points, result.weights, insertion_shares(s, t), lines, !along_u);
-    s = with_one_more(s, t);
+    s = with_knot(s, t);
   }
   return result;
 }

@@ -70,7 +70,15 @@ struct NurbsSurface {
   bool operator==(const NurbsSurface&) const = default;
 };
 
-/// The same curve or surface with `times` more knots at t, inside of the domain (Boehm).
+/// A unit normal along du x dv; where that vanishes, on an edge that is one point or in a corner whose sides are
+/// parallel, its limit from within the domain at the same u and v. Zero where there is none.
+Vec3 normal_at(const NurbsSurface& surface, double u, double v);
+
+/// One more knot at t: control point i of the refined line is the mean of i - 1 and i with these shares of i (Boehm).
+std::vector<double> insertion_shares(const KnotVector& knots, double t);
+KnotVector with_knot(const KnotVector& knots, double t);
+
+/// The same curve or surface with `times` more knots at t, inside of the domain.
 template <int D>
 NurbsCurve<D> with_knot(const NurbsCurve<D>& curve, double t, int times = 1);
 NurbsSurface with_knot(const NurbsSurface& surface, bool along_u, double t, int times = 1);

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "geometry/mesh/mesh_distance.h"
+#include "geometry/surfaces/nurbs_edit.h"
 
 namespace partscribe::geometry {
 namespace {
@@ -326,32 +327,9 @@ class Patch {
 
 }  // namespace
 
-namespace {
-
-KnotVector backwards(const KnotVector& t) {
-  KnotVector result{t.degree, {t.knots.rbegin(), t.knots.rend()}};
-  for (double& knot : result.knots) knot = t.low() + t.high() - knot;
-  return result;
-}
-
-}  // namespace
-
-NurbsCurve<2> reversed(const NurbsCurve<2>& curve) {
-  return {
-      backwards(curve.t), {curve.points.rbegin(), curve.points.rend()}, {curve.weights.rbegin(), curve.weights.rend()}};
-}
-
 TrimmedSurface turned_over(const TrimmedSurface& given) {
   TrimmedSurface result = given;
-  NurbsSurface& s = result.surface;
-  s.u = backwards(s.u);
-  const std::size_t columns = std::size_t(s.v.count()), rows = std::size_t(s.u.count());
-  for (std::size_t i = 0; i < rows; ++i)
-    for (std::size_t j = 0; j < columns; ++j) {
-      const std::size_t from = (rows - 1 - i) * columns + j;
-      s.points[i * columns + j] = given.surface.points[from];
-      if (!s.weights.empty()) s.weights[i * columns + j] = given.surface.weights[from];
-    }
+  const NurbsSurface& s = result.surface = reversed(given.surface, true);
   for (auto& loop : result.loops) {
     std::reverse(loop.begin(), loop.end());
     for (auto& trim : loop) {

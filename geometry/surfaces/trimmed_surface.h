@@ -28,9 +28,6 @@ struct TrimmedSurface {
   std::vector<std::vector<SurfaceTrim>> loops;
 };
 
-/// The same curve from its end to its beginning, over the same domain.
-NurbsCurve<2> reversed(const NurbsCurve<2>& curve);
-
 /// The same surface with its front where its back was: u runs the other way, and so do the loops.
 TrimmedSurface turned_over(const TrimmedSurface& surface);
 
