@@ -33,14 +33,15 @@ geometry::TriangleMesh woven(int columns, int rows, const Place& at) {
   return mesh;
 }
 
-/// A lump of some 45 x 40 x 35 mm that no procedure describes.
-inline geometry::TriangleMesh pebble(int rings) {
+/// Closed about the origin: a corner lies `radius(n)` away in the direction n, then stretched along the axes.
+template <class Radius>
+geometry::TriangleMesh star_shaped(int rings, const geometry::Vec3& stretch, const Radius& radius) {
   geometry::TriangleMesh mesh;
   const int columns = 2 * rings;
-  const auto place = [](double azimuth, double polar) {
+  const auto place = [&](double azimuth, double polar) {
     const geometry::Vec3 n(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
-    const double r = 20 + 1.8 * std::sin(2.2 * n.x() + 1) + 2.2 * n.x() * n.y() - 1.5 * std::cos(2.6 * n.z() + n.x());
-    return geometry::Vec3(1.1 * r * n.x(), r * n.y(), 0.85 * r * n.z());
+    const double r = radius(n);
+    return geometry::Vec3(stretch.x() * r * n.x(), stretch.y() * r * n.y(), stretch.z() * r * n.z());
   };
   mesh.vertices = {place(0, 0), place(0, core::pi)};
   for (int j = 1; j < rings; ++j)
@@ -56,6 +57,21 @@ inline geometry::TriangleMesh pebble(int rings) {
       if (j + 1 < rings) mesh.triangles.push_back({corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)});
     }
   return mesh;
+}
+
+/// A lump of some 45 x 40 x 35 mm that no procedure describes.
+inline geometry::TriangleMesh pebble(int rings) {
+  return star_shaped(rings, {1.1, 1, 0.85}, [](const geometry::Vec3& n) {
+    return 20 + 1.8 * std::sin(2.2 * n.x() + 1) + 2.2 * n.x() * n.y() - 1.5 * std::cos(2.6 * n.z() + n.x());
+  });
+}
+
+/// The same with hills and hollows all over, so that it lies on itself in one way only.
+inline geometry::TriangleMesh sculpture(int rings) {
+  return star_shaped(rings, {1, 1, 1}, [](const geometry::Vec3& n) {
+    return 17 + 2.5 * std::sin(4 * n.x() + 1) * std::cos(3.1 * n.y() - 0.4) + 2 * std::cos(5 * n.z() + 2 * n.x()) +
+           1.2 * std::sin(6 * n.y() + 3 * n.z());
+  });
 }
 
 /// A ring of radius 30 whose tube is 8 thick, more or less.

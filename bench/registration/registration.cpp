@@ -4,6 +4,7 @@
 ///   bench_registration unknown FILE           the same with the poses forgotten
 ///   bench_registration blocks SEED...         blocks and balls without poses, 72 scans of each seed; each to stderr
 ///   bench_registration paper DIR [CASE...]    the same as cases by the method of 1993
+///   bench_registration eight SEED...          parts in eight poses by the method of 1993, its own experiment
 ///   bench_registration starts DIR [CASE...]   pairs of views from starts 5 to 60 degrees off; what became of each to
 ///   stderr bench_registration beside DIR [CASE...]   the same pairs beside small_gicp, if the headers were found
 ///   bench_registration turntable FILE FILE... views by equal steps about an unknown axis
@@ -23,6 +24,7 @@
 #include "core/number.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "eight_poses.h"
 #include "pairs.h"
 #include "scan/filter/filter.h"
 #include "scan/read/read.h"
@@ -433,12 +435,13 @@ int main(int count, char** arguments) {
     return published(words[1], std::stod(words[2]), std::stod(words[3]), false), 0;
   if (words.size() == 2 && words[0] == "unknown") return published(words[1], 0, 0, true), 0;
   if (words.size() >= 2 && words[0] == "blocks") return blocks({words.begin() + 1, words.end()}), 0;
+  if (words.size() >= 2 && words[0] == "eight") return eight_poses_of_1993({words.begin() + 1, words.end()}), 0;
   if (words.size() >= 3 && words[0] == "turntable") return turntable({words.begin() + 1, words.end()}), 0;
   if (words.size() >= 2 && words[0] == "starts") return starts(words[1], {words.begin() + 2, words.end()}), 0;
   if (words.size() >= 2 && words[0] == "beside") return beside(words[1], {words.begin() + 2, words.end()}), 0;
   if (words.size() == 2 && words[0] == "basin") return basin(words[1]), 0;
   std::fprintf(stderr,
                "usage: bench_registration cases|paper|starts|beside DIR [CASE...] | basin FILE | published FILE DEG MM "
-               "| unknown FILE | blocks SEED... | turntable FILE...\n");
+               "| unknown FILE | blocks SEED... | eight SEED... | turntable FILE...\n");
   return 2;
 }

@@ -8,6 +8,7 @@
 #include "cli/inputs.h"
 #include "core/json_text.h"
 #include "core/number.h"
+#include "scan/register/fiducials.h"
 
 namespace partscribe::cli {
 namespace {
@@ -88,8 +89,32 @@ Result<Registration> registration_of(const Scan& scan, const std::vector<RangeIm
                         : poses.poses == "turntable" ? Arrangement::turntable
                                                      : Arrangement::guessed;
   options.correct_depth = poses.correct_depth;
-  options.method = poses.method == "paper" ? PairMethod::paper : PairMethod::symmetric;
-  auto registration = register_views(views_to_register(scan, images, session.context), options, session.context);
+  options.method = poses.method == "paper"             ? PairMethod::paper
+                   : poses.method == "paper-triangles" ? PairMethod::paper_triangles
+                                                       : PairMethod::symmetric;
+  return register_views(views_to_register(scan, images, session.context), options, session.context);
+}
+
+/// Where reference points put the views.
+Result<Registration> by_fiducials(const Path& file, const Scan& scan) {
+  const auto text = read_file(file);
+  if (!text) return text.error();
+  const auto fiducials = parse_fiducials(*text, scan.views, scan.unit_scale);
+  if (!fiducials) return bad_input(file.string() + ": " + fiducials.error().message);
+  auto registration = register_by_fiducials(views_of(scan), *fiducials);
+  if (!registration) return bad_input(file.string() + ": " + registration.error().message);
+  return registration;
+}
+
+/// The scan as if it had been read with these guesses; views without one lose their points.
+void begin_at(const Registration& start, Scan& scan, std::vector<RangeImage>& images) {
+  place_views(start, scan);
+  scan.pose_covariance = {};
+  for (std::size_t v = 0; v < images.size(); ++v) images[v].world_from_view = scan.views[v].world_from_view;
+}
+
+/// Some view must have been brought to the first.
+Result<Registration> together(Result<Registration> registration, const Scan& scan, Session& session) {
   if (!registration) return registration;
   const auto placed = [](const RegisteredView& v) { return v.status == ViewStatus::registered; };
   if (std::none_of(registration->views.begin(), registration->views.end(), placed)) {
@@ -110,8 +135,13 @@ void declare(PoseArguments& poses, Arguments& arguments) {
       "where the views stood: as the files say; roughly so; unknown; turned about one axis in their order");
   arguments.flag(poses.correct_depth, "--correct-depth",
                  "turntable: make depths fit widths where a round part shows that they do not");
-  arguments.choice(poses.method, "--registration", {"symmetric", "paper"},
-                   "how views are brought together: all at once; or one after the other as published in 1993");
+  arguments.choice(
+      poses.method, "--registration", {"symmetric", "paper", "paper-triangles"},
+      "how views are brought together: all at once; or one after the other as published in 1993, by planar "
+      "patches or, of free form, by triangles");
+  arguments.path(poses.fiducials, "--fiducials", "FILE",
+                 "reference points that several views show, rows of view file, name, x, y, z: they give the poses, or "
+                 "with --poses guess where registration begins");
 }
 
 Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points,
@@ -121,17 +151,30 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
         "--correct-depth: expected --poses turntable, whose round part shows what is wrong with depths, found "
         "--poses " +
         poses.poses);
+  if (!poses.fiducials.empty() && poses.poses != "given" && poses.poses != "guess")
+    return usage_error("--fiducials: expected no --poses, or --poses guess to go on from there, found --poses " +
+                       poses.poses);
   ReadOptions options;
-  options.initial_guess = poses.poses == "guess";
+  options.initial_guess = poses.poses == "guess" && poses.fiducials.empty();
   std::vector<RangeImage> images;
   auto read = read_scans(inputs, session, options, &images);
   if (!read) return read.error();
   PlacedViews placed;
   placed.scan = std::move(*read);
   // Registration filters for itself: it wants the places as measured as well.
-  if (poses.poses != "given") {
+  if (poses.poses != "given" || !poses.fiducials.empty())
     if (auto ok = session.stage("register"); !ok) return ok.error();
-    auto registration = registration_of(placed.scan, images, poses, session);
+  if (!poses.fiducials.empty()) {
+    auto start = together(by_fiducials(poses.fiducials, placed.scan), placed.scan, session);
+    if (!start) return start.error();
+    say(*start, placed.scan, session);
+    if (poses.poses == "given")
+      placed.registration = std::move(*start);
+    else
+      begin_at(*start, placed.scan, images);
+  }
+  if (poses.poses != "given") {
+    auto registration = together(registration_of(placed.scan, images, poses, session), placed.scan, session);
     if (!registration) return registration.error();
     say(*registration, placed.scan, session);
     placed.registration = std::move(*registration);

@@ -17,7 +17,8 @@ namespace partscribe::cli {
 /// What the user says of the poses of the views.
 struct PoseArguments {
   std::string poses = "given";       ///< given, guess, none, turntable
-  std::string method = "symmetric";  ///< symmetric, paper
+  std::string method = "symmetric";  ///< symmetric, paper, paper-triangles
+  Path fiducials;                    ///< table of reference points; empty: none
   bool correct_depth = false;        ///< of turntables
 };
 

@@ -57,7 +57,7 @@ class DelaunayRefinement {
 
   // ---- distances ------------------------------------------------------------------------------------------------
 
-  /// Where the distance of a sample depends on a facet it does not lie on in the picture, that keeps its number.
+  /// The sample's distance depends on a facet: where it does not lie on that in the picture, the facet takes note.
   void depend(Pixel s, std::uint32_t t) {
     auto& guests = facets_.guests(t);
     if (t != home_[s] && (guests.empty() || guests.back() != s)) guests.push_back(s);

@@ -7,12 +7,12 @@
 #include "core/ensure.h"
 #include "core/number.h"
 #include "geometry/points/kd_tree.h"
+#include "scan/register/as_published/register_as_published.h"
 #include "scan/register/register_alike.h"
 #include "scan/register/register_free.h"
 #include "scan/register/register_joint.h"
 #include "scan/register/register_judge.h"
 #include "scan/register/register_pair.h"
-#include "scan/register/register_paper.h"
 #include "scan/register/register_start.h"
 #include "scan/register/register_turntable.h"
 #include "scan/register/register_words.h"
@@ -90,8 +90,10 @@ bool upon_one_another(const AlikeSides& alike, const std::vector<ViewSurface>& s
   return 2 * static_cast<std::size_t>(close) >= views.size();
 }
 
+bool as_published(const RegisterOptions& options) { return options.method != PairMethod::symmetric; }
+
 std::optional<Error> check(const std::vector<RegisterView>& views, const RegisterOptions& options) {
-  if (options.method == PairMethod::paper && options.arrangement != Arrangement::guessed)
+  if (as_published(options) && options.arrangement != Arrangement::guessed)
     return usage_error("expected guesses of the poses for registration as published, found another arrangement");
   std::size_t points = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -249,8 +251,9 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
     if (table->depth)
       result.depth = table->depth,
       surfaces = view_surfaces(corrected(views, *table->depth), options.samples, context, contours);
-  } else if (options.method == PairMethod::paper) {
-    start = register_as_published(surfaces, guesses, {}, context);
+  } else if (as_published(options)) {
+    start = register_as_published(surfaces, guesses,
+                                  options.method == PairMethod::paper ? PaperOptions{} : free_form_options(), context);
   } else {
     start = options.arrangement == Arrangement::guessed ? start_from_guesses(surfaces, guesses, options, context)
                                                         : start_from_features(surfaces, options, context);
@@ -273,8 +276,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
   // A refused view has pulled at the others: they are adjusted again without it.
   JointOptions adjust;
   adjust.start_reach = step, adjust.contours = options.contours;
-  if (options.method == PairMethod::paper)
-    adjust.rounds = 0;  // poses stay as published; only what they are worth is found
+  if (as_published(options)) adjust.rounds = 0;  // poses stay as published; only what they are worth is found
   AlikeSides alike;
   std::vector<std::uint8_t> asked_again(views.size(), 0);
   for (int changes_of_side = 4;;) {
@@ -287,7 +289,7 @@ Result<Registration> register_views(const std::vector<RegisterView>& views, cons
       used = good;
       continue;
     }
-    if (options.arrangement == Arrangement::guessed && options.method != PairMethod::paper && used.size() > 1) {
+    if (options.arrangement == Arrangement::guessed && !as_published(options) && used.size() > 1) {
       std::vector<std::size_t> refused;
       for (std::size_t v = 0; v < views.size(); ++v)
         if (!asked_again[v] && std::find(used.begin(), used.end(), v) == used.end())

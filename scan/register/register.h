@@ -33,7 +33,8 @@ enum class Arrangement {
 
 enum class PairMethod {
   symmetric,  ///< voxels for the basin, then symmetric planes with a Welsch kernel, then all views together
-  paper,      ///< constrained iterative closest point as published in 1993, one view after the other
+  paper,      ///< constrained iterative closest point as published in 1993, one view after the other; planar patches
+  paper_triangles,  ///< the same for free form: coarse triangles' centres against the triangulated surface so far
 };
 
 struct RegisterOptions {

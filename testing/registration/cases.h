@@ -16,6 +16,14 @@ struct Case {
 /// With guesses so far off: rad, mm.
 Case scan_of(const Surface& surface, SimulateOptions options, double angle, double shift);
 
+/// One view of a part in each of several poses (scanner_from_part but for where the scanner stands), which is the same
+/// as that many views of the part.
+Case scan_in_poses(const Surface& surface, const std::vector<Pose>& poses, SimulateOptions options, double angle,
+                   double shift);
+
+/// Eight poses: turned from one to the next, seen from `above` (both rad).
+std::vector<Pose> eight_poses(double step, double above);
+
 /// Eight views of 72 x 72 pixels.
 SimulateOptions small();
 

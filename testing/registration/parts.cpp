@@ -81,6 +81,22 @@ Surface prism_alike_from_sides(int count, double difference) {
   return convex(sides, 24);
 }
 
+Surface posed(const Surface& part, const Pose& pose) {
+  Surface moved;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 p = part.bounds.low;
+    for (int k = 0; k < 3; ++k)
+      if (corner >> k & 1) p[k] = part.bounds.high[k];
+    moved.bounds.add(pose * p);
+  }
+  moved.first_hit = [hit = part.first_hit, pose](const Vec3& o, const Vec3& d) {
+    auto found = hit(pose.inverse() * o, pose.rotation.transpose() * d);
+    if (found) found->normal = pose.rotation * found->normal;
+    return found;
+  };
+  return moved;
+}
+
 Surface union_of(const std::vector<Ball>& parts, double reach) {
   Surface surface;
   surface.bounds.add(Vec3::Constant(-reach)), surface.bounds.add(Vec3::Constant(reach));

@@ -36,6 +36,9 @@ Surface block_alike_from_two_sides(double difference);
 /// mm.
 Surface prism_alike_from_sides(int sides, double difference);
 
+/// A part that was moved.
+Surface posed(const Surface& part, const Pose& pose);
+
 struct Ball {
   Vec3 center;
   double radius;

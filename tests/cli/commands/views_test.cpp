@@ -3,7 +3,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/number.h"
 #include "core/random.h"
+#include "geometry/vec.h"
 #include "testing/program.h"
 
 namespace partscribe::testing {
@@ -129,6 +131,68 @@ TEST_CASE("views: one view cannot be registered, and an unknown way of poses is 
   CHECK(corrected.err.find("--correct-depth: expected --poses turntable") != std::string::npos);
   const auto unknown = run_partscribe({"scan", file, "--poses", "somewhere"}, folder.path());
   CHECK(unknown.exit_code == 2);
+}
+
+TEST_CASE("views: reference points that several views show bring them together") {
+  const TemporaryDirectory folder;
+  const geometry::Pose moved{geometry::rotation_of(geometry::Vec3(0.4, -0.2, 1.3)), geometry::Vec3(50, -20, 8)};
+  std::string first, second;
+  const auto line = [](const geometry::Vec3& p) {
+    return core::print_number(p.x()) + "," + core::print_number(p.y()) + "," + core::print_number(p.z()) + "\n";
+  };
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) {
+      const double x = i - 30, y = j - 30;
+      const geometry::Vec3 p(x, y, 0.01 * x * x - 0.02 * x * y + 3 * std::sin(0.2 * y));
+      (i < 40 ? first : second) += line(i < 40 ? p : moved.inverse() * p);
+      if (i >= 30 && i < 40) second += line(moved.inverse() * p);
+    }
+  std::string table = "view,name,x,y,z\n";
+  for (const geometry::Vec3& p : {geometry::Vec3(0, 0, 20), geometry::Vec3(10, 30, 22), geometry::Vec3(-20, 5, 25)}) {
+    const std::string name = "ball " + std::to_string(int(p.z()));
+    table += "a.xyz," + name + "," + line(p) + "b.xyz," + name + "," + line(moved.inverse() * p);
+  }
+  REQUIRE(write_file(folder.path() / "a.xyz", first).ok());
+  REQUIRE(write_file(folder.path() / "b.xyz", second).ok());
+  REQUIRE(write_file(folder.path() / "balls.csv", table).ok());
+  const auto scan = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"scan",
+                                       (folder.path() / "a.xyz").string(),
+                                       (folder.path() / "b.xyz").string(),
+                                       "--units",
+                                       "mm",
+                                       "--fiducials",
+                                       (folder.path() / "balls.csv").string(),
+                                       "--force",
+                                       "--out",
+                                       (folder.path() / "out").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_partscribe(arguments);
+  };
+  // As they say, and where they say as a beginning for registration.
+  for (const auto& [more, within] :
+       {std::pair<std::vector<std::string>, double>{{}, 1e-6}, {{"--poses", "guess"}, 1}}) {
+    const auto output = scan(more);
+    INFO(output.out << output.err);
+    REQUIRE(output.exit_code == 0);
+    const auto poses = nlohmann::json::parse(bytes_of(folder.path() / "out/poses.json")).at("views");
+    REQUIRE(poses.size() == 2);
+    CHECK(poses.at(0).at("status") == "reference");
+    CHECK(poses.at(1).at("status") == "registered");
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c) {
+        const double wanted = c < 3 ? moved.rotation(r, c) : moved.translation[r];
+        CHECK(std::abs(poses.at(1).at("world_from_view").at(std::size_t(r)).at(std::size_t(c)).get<double>() - wanted) <
+              within);
+      }
+  }
+  const auto wrong = scan({"--poses", "none"});
+  CHECK(wrong.exit_code == 2);
+  CHECK(wrong.err.find("--fiducials: expected no --poses") != std::string::npos);
+  REQUIRE(write_file(folder.path() / "balls.csv", "a.xyz,m,1,2,3\nc.xyz,m,1,2,3\n").ok());
+  const auto bad = scan({});
+  CHECK(bad.exit_code == 3);
+  CHECK(bad.err.find("balls.csv: line 2") != std::string::npos);
 }
 
 TEST_CASE("views: a part on a table is cut out, and nothing is written when there is none") {

@@ -12,7 +12,6 @@
 #include "scan/filter/filter.h"
 #include "scan/register/register_joint.h"
 #include "scan/register/register_pair.h"
-#include "scan/register/register_paper.h"
 #include "scan/register/register_planes.h"
 #include "scan/register/register_start.h"
 #include "scan/simulate/simulate.h"
@@ -508,29 +507,6 @@ TEST_CASE("register: views are taken apart and put together again") {
   }
   CHECK(after.size() == k);
   CHECK(after.rays.size() == k);
-}
-
-TEST_CASE("register: the closed form of the paper finds a motion exactly") {
-  Random random(3);
-  const Pose motion{rotation_of(Vec3(0.4, -1.2, 0.7)), Vec3(3, -4, 5)};
-  std::vector<Vec3> from, to;
-  for (int k = 0; k < 12; ++k)
-    from.emplace_back(random.normal(), random.normal(), random.normal()), to.push_back(motion * from.back());
-  const Pose found = closest_motion(from, to);
-  CHECK((found.rotation - motion.rotation).norm() < 1e-12);
-  CHECK((found.translation - motion.translation).norm() < 1e-12);
-}
-
-TEST_CASE("register: as published, a polyhedron's views are found to a pixel") {
-  auto options = small();
-  options.resolution = 72, options.bit_error = 0;
-  const Case scan = scan_of(cut_block(), options, 0.02, 0.3);
-  RegisterOptions paper;
-  paper.method = PairMethod::paper;
-  const Registration found = run(scan.views, paper);
-  for (const auto& view : found.views) UNSCOPED_INFO(view.reason << view.overlap);
-  CHECK(count(found, ViewStatus::registered) == 7);
-  CHECK(off_truth(found, scan.truth).shift < 44 * std::sqrt(3.0) / 72);
 }
 
 TEST_CASE("register: a screw between poses keeps its axis") {
