@@ -8,6 +8,7 @@
 #include "cli/paper/sheet.h"
 #include "core/number.h"
 #include "core/random.h"
+#include "model/distance/distance.h"
 #include "model/json.h"
 #include "scan/filter/filter.h"
 #include "scan/register/register.h"
@@ -201,6 +202,17 @@ Result<std::vector<PaperFigure>> registration_figures(Context& context) {
                  " views are registered from guesses that are 5 degrees and 3 mm off. The middle of the part is " +
                  readable(worst) + " mm off its true place at most, which is " + readable(worst / images[0].pitch_x) +
                  " pixels. Above the section of all views, below what each adds.";
+  // How far the section's points are from the true surface.
+  const model::ModelDistance truth(*model);
+  std::vector<double> off;
+  for (const auto& p : cut_of(points, bounds.low.x() + 0.3 * bounds.size().x(), bounds.size().x() / 200))
+    off.push_back(std::abs(truth(p.point).distance) / images[0].pitch_x);
+  std::sort(off.begin(), off.end());
+  section.table = {
+      {"views registered", "of", "middle off, pixels", "points of the section", "half of them within, pixels",
+       "nine tenths within, pixels"},
+      {std::to_string(placed), count, readable(worst / images[0].pitch_x), std::to_string(off.size()),
+       off.empty() ? "-" : readable(off[off.size() / 2]), off.empty() ? "-" : readable(off[off.size() * 9 / 10])}};
   section.pictures = {
       {"figure-4.png", picture_of_section(points, bounds), "one outline in eight colours, and its parts"}};
   contours.title = "Figure 5: contours along x";

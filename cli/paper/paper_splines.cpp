@@ -129,6 +129,9 @@ PaperFigure profile_figure(const PaperSubjects& subjects, Context& context) {
                 " mm, measured at equal parameters (chord lengths). With knots at the largest errors, " +
                 std::to_string(refined.curve.points.size()) + " control points leave " + readable(refined.worst) +
                 " mm. Dots are knots.";
+  figure.table = {{"spline", "control points", "largest error, mm"},
+                  {"from the number of patches", std::to_string(first.curve.points.size()), readable(first.worst)},
+                  {"refined", std::to_string(refined.curve.points.size()), readable(refined.worst)}};
   figure.pictures = {{"figure-10.png", sheet.png(), "two splines over a face's profile, each with its errors below"}};
   return figure;
 }
@@ -157,6 +160,9 @@ PaperFigure discontinuity_figure(const PaperSubjects& subjects) {
                 " mm. Four knots at one place part a cubic there, and " + readable(split.worst) +
                 " mm are left, of the "
                 "chamfer at the other end.";
+  figure.table = {{"spline", "control points", "largest error, mm"},
+                  {"simple knots", std::to_string(smooth.curve.points.size()), readable(smooth.worst)},
+                  {"four knots at the shoulder", std::to_string(split.curve.points.size()), readable(split.worst)}};
   figure.pictures = {{"figure-11.png", sheet.png(), "a swinging curve above, one with a clean step below"}};
   return figure;
 }
@@ -234,6 +240,24 @@ PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
     }
   }
   const TriangleMesh trimmed = triangulated(std::array{TrimmedSurface{uniform.surface, loops}}, 0.3).mesh;
+  // How far the trimming curves are from the true outline of the hand, in pixels.
+  std::vector<double> off_outline;
+  for (const auto& trim : loops[0])
+    for (int i = 0; i < 20; ++i) {
+      const Vec2 p = trim.curve.at((i + 0.5) / 20).cwiseProduct(Vec2(width - 1, height - 1));
+      double nearest = 1e9;
+      for (int row = std::max(0, int(p.y()) - 8); row < std::min(height - 1, int(p.y()) + 9); ++row)
+        for (int column = std::max(0, int(p.x()) - 8); column < std::min(width - 1, int(p.x()) + 9); ++column) {
+          const auto there = [&](int r, int c) {
+            return std::isfinite(scan::hand_height(-85 + c * hand.image.pitch_x, 184 - r * hand.image.pitch_y));
+          };
+          if (there(row, column) == there(row, column + 1) && there(row, column) == there(row + 1, column)) continue;
+          nearest = std::min(nearest, (Vec2(column + 0.25, row + 0.25) - p).norm());
+        }
+      off_outline.push_back(nearest);
+    }
+  std::sort(off_outline.begin(), off_outline.end());
+  const double most_off = off_outline.empty() ? 0 : off_outline[off_outline.size() * 9 / 10];
   std::size_t steps = 0;
   for (const RangeEdge e : edges) steps += e == RangeEdge::step;
   Sheet sheet(3 * 360, 360);

@@ -224,7 +224,7 @@ bool BoundedMesh::allows(const MeshEdit& edit, double most_unrest) {
     if (!middle) return false;
     // On a thin wall the nearest surface may be the wrong side.
     if (triangle_normal(mesh_, middle->triangle).dot(added.normal) < -0.3) return false;
-    const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(sq_longest(c)) / edge_)), 2, 24);
+    const int n = std::clamp(static_cast<int>(std::ceil(2 * std::sqrt(sq_longest(c)) / edge_)), 2, 64);
     MeshHint hint;
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) {

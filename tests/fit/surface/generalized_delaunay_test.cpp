@@ -6,10 +6,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 
-#include "core/number.h"
 #include "core/random.h"
 #include "fit/surface/lattice_facets.h"
 #include "geometry/mesh/bounded_mesh.h"
