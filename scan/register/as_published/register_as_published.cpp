@@ -14,10 +14,10 @@ namespace {
 struct WaitingView {
   std::size_t view = 0;
   std::vector<ReferencePoint> points;
-  std::vector<std::uint8_t> visible;
+  std::vector<std::uint8_t> visible = {};
   double shown = 0;            // least_fixed by the visible points
   double held = 0;             // least_fixed by the points that counted in its last registration
-  Pose pose;                   // where that put it
+  Pose pose = {};              // where that put it
   bool registered = false;     // it did not fail
   std::size_t tried_with = 0;  // views in the model then; 0: not tried
 };
