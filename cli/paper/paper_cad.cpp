@@ -14,14 +14,14 @@
 namespace partscribe::cli {
 namespace {
 
-/// A view's filtered points as a scan, the sensor looking along -z.
+/// Every second row and column of a view's filtered points as a scan, the sensor looking along -z.
 Scan scan_of(const PaperSubject& subject) {
   Scan scan;
   scan.views.push_back({});
   scan.views.back().file = subject.file;
   scan.views.back().width = subject.image.width, scan.views.back().height = subject.image.height;
-  for (int row = 0; row < subject.image.height; ++row)
-    for (int column = 0; column < subject.image.width; ++column) {
+  for (int row = 0; row < subject.image.height; row += 2)
+    for (int column = 0; column < subject.image.width; column += 2) {
       const Vec3 normal = subject.normal(column, row);
       if (normal.isZero()) continue;
       scan.cloud.points.push_back(subject.place(column, row));
@@ -63,27 +63,25 @@ Result<std::vector<PaperFigure>> model_figures(const PaperSubjects& subjects, Co
   models.title = "Figure 13: CAD models";
   models.text = "The pin at " + print_number(pin_tolerance) + " mm, from six views: " + procedure_text(**pin) +
                 ". The face mask at " + print_number(face_tolerance) + " mm, from one: " + procedure_text(**face) + ".";
-  models.table = {{"dimension of the pin", "true, mm", "found, mm"}};
-  const auto true_values = model::values_of(subjects.pin_model);
-  for (const auto& [name, value] : true_values) {
-    const model::Parameter* nearest = nullptr;
-    for (const auto& parameter : (*pin)->parameters)
-      if (parameter.fitted > 0 && (!nearest || std::abs(parameter.fitted - value) < std::abs(nearest->fitted - value)))
-        nearest = &parameter;
-    if (nearest)
-      models.table.push_back(
-          {name, print_number(value), nearest->name + " = " + with_sigma(nearest->fitted, nearest->sigma)});
-  }
+  models.table = {{"parameter of the pin", "found, mm"}};
+  for (const auto& parameter : (*pin)->parameters)
+    if (parameter.fitted > 0) models.table.push_back({parameter.name, with_sigma(parameter.fitted, parameter.sigma)});
   models.pictures.push_back({"figure-13-pin.png",
                              write_png(lit_surface(scan::surface_of(**pin), {0.8, -1, 0.5}, {0, 0, 1}, 400)),
                              "the pin as a solid"});
-  if (const auto* set = std::get_if<model::SurfaceSet>(&(*face)->objects.back().shape)) {
-    const auto mesh = triangulated(model::trimmed_surfaces(set->patches), 0.2).mesh;
+  TriangleMesh mesh;
+  if (const auto* set = std::get_if<model::SurfaceSet>(&(*face)->objects.back().shape))
+    mesh = triangulated(model::trimmed_surfaces(set->patches), 0.2).mesh;
+  if (const auto* triangles = std::get_if<model::TriSurface>(&(*face)->objects.back().shape)) {
+    const Pose placed = model::evaluate((*face)->scan_from_part, model::values_of(**face));
+    for (const auto& v : triangles->vertices) mesh.vertices.push_back(placed * Vec3(v[0], v[1], v[2]));
+    mesh.triangles = triangles->triangles;
+  }
+  if (!mesh.empty())
     for (const auto& [file, to_eye] :
          {std::pair{"figure-13-face.png", Vec3(0.1, 0, 1)}, std::pair{"figure-13-face-side.png", Vec3(1, -0.2, 0.7)}})
       models.pictures.push_back(
-          {file, write_png(lit_mesh(mesh, to_eye, {0, 1, 0}, 400, false)), "the face as trimmed B-spline surfaces"});
-  }
+          {file, write_png(lit_mesh(mesh, to_eye, {0, 1, 0}, 400, false)), "the face: " + procedure_text(**face)});
 
   PaperFigure procedures;
   procedures.title = "Figure 14: the pin as an Alpha_1 procedure and in IGES";

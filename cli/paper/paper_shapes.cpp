@@ -30,11 +30,11 @@ fit::SampleLattice lattice_of(const PaperSubject& subject) {
   return lattice;
 }
 
-/// The superellipsoid of every fourth row and column of an image.
+/// The superellipsoid of the pixels of an image.
 fit::SuperellipsoidFit superellipsoid_of(const PaperSubject& subject, Context& context) {
   std::vector<Vec3> points, normals;
-  for (int row = 0; row < subject.image.height; row += 4)
-    for (int column = 0; column < subject.image.width; column += 4) {
+  for (int row = 0; row < subject.image.height; ++row)
+    for (int column = 0; column < subject.image.width; ++column) {
       const Vec3 normal = subject.normal(column, row);
       if (normal.isZero()) continue;
       points.push_back(subject.place(column, row)), normals.push_back(normal);
@@ -42,24 +42,25 @@ fit::SuperellipsoidFit superellipsoid_of(const PaperSubject& subject, Context& c
   return fit::recover_superellipsoid(points, context, normals);
 }
 
-scan::Surface surface_of_fit(const fit::SuperellipsoidFit& fit) {
-  model::Model model;
+/// Equation (5) in its two angles: latitude from pole to pole, longitude around.
+TriangleMesh mesh_of_fit(const fit::SuperellipsoidFit& fit) {
+  constexpr std::uint32_t rows = 60, columns = 120;
   const auto& s = fit.shape;
-  model.objects.push_back(
-      {"body", model::Superellipsoid{s.a1, s.a2, s.a3, s.e1, s.e2, s.taper_x, s.taper_y, s.bend}, {}, {}, {}});
-  const scan::Surface own = scan::surface_of(model);
-  scan::Surface result;
-  const Pose pose = fit.scan_from_shape;
-  result.first_hit = [own, pose](const Vec3& origin, const Vec3& direction) {
-    auto hit = own.first_hit(pose.inverse() * origin, pose.rotation.transpose() * direction);
-    if (hit) hit->normal = pose.rotation * hit->normal;
-    return hit;
-  };
-  for (int k = 0; k < 8; ++k)
-    result.bounds.add(pose * Vec3(k & 1 ? own.bounds.high.x() : own.bounds.low.x(),
-                                  k & 2 ? own.bounds.high.y() : own.bounds.low.y(),
-                                  k & 4 ? own.bounds.high.z() : own.bounds.low.z()));
-  return result;
+  const auto power = [](double x, double e) { return std::copysign(std::pow(std::abs(x), e), x); };
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i <= rows; ++i)
+    for (std::uint32_t j = 0; j < columns; ++j) {
+      const double eta = pi * (double(i) / rows - 0.5), omega = 2 * pi * double(j) / columns;
+      const double z = power(std::sin(eta), s.e1), ring = power(std::cos(eta), s.e1);
+      mesh.vertices.push_back(fit.scan_from_shape *
+                              Vec3(s.a1 * ring * power(std::cos(omega), s.e2) * (1 + s.taper_x * z),
+                                   s.a2 * ring * power(std::sin(omega), s.e2) * (1 + s.taper_y * z), s.a3 * z));
+      if (i == rows) continue;
+      const std::uint32_t a = i * columns + j, b = i * columns + (j + 1) % columns;
+      mesh.triangles.push_back({a, b, b + columns});
+      mesh.triangles.push_back({a, b + columns, a + columns});
+    }
+  return mesh;
 }
 
 /// A primitive of table 1 and what the paper prints for it.
@@ -152,7 +153,7 @@ PaperFigure superellipsoids_figure(const PaperSubjects& subjects, Context& conte
                             two_decimals(h.taper_x) + ", " + two_decimals(h.taper_y), two_decimals(h.gof),
                             two_decimals(h.gof_mm), h.suggests});
     figure.pictures.push_back({"figure-8-" + subject->file + ".png",
-                               write_png(lit_surface(surface_of_fit(fit), {0.5, -0.4, 1}, {0, 1, 0}, 320)),
+                               write_png(lit_mesh(mesh_of_fit(fit), {0.5, -0.4, 1}, {0, 1, 0}, 320, false)),
                                "the superellipsoid of the " + subject->name});
   }
   return figure;

@@ -178,7 +178,17 @@ PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
   const std::vector<std::uint8_t> outside = outside_of_edges(edges, width, height);
   fit::PlaceGrid grid{width, height, {}};
   for (int row = 0; row < height; ++row)
-    for (int column = 0; column < width; ++column) grid.places.push_back(hand.place(column, row));
+    for (int column = 0; column < width; ++column) {
+      // Pixels that the filter set aside take the mean height of their neighbours.
+      Vec3 place = hand.place(column, row);
+      double sum = 0;
+      int count = 0;
+      for (int r = std::max(0, row - 2); r <= std::min(height - 1, row + 2); ++r)
+        for (int c = std::max(0, column - 2); c <= std::min(width - 1, column + 2); ++c)
+          if (hand.filtered.kept[std::size_t(r * width + c)]) sum += hand.place(c, r).z(), ++count;
+      if (!hand.filtered.kept[std::size_t(row * width + column)] && count > 0) place.z() = sum / count;
+      grid.places.push_back(place);
+    }
   PaperFigure figure;
   figure.title = "Figure 12: a complete surface and its trimmed part";
   figure.table = {
@@ -236,7 +246,7 @@ PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
     for (auto& curve : fit::border_curves(outline, 1.5)) {  // pixels
       for (Vec2& p : curve.points) p = p.cwiseQuotient(Vec2(width - 1, height - 1));
       trim_controls += curve.points.size();
-      loops[0].push_back({std::move(curve), 0});
+      loops[0].push_back({std::move(curve), static_cast<int>(loops[0].size()) + 1});  // every edge is a rim
     }
   }
   const TriangleMesh trimmed = triangulated(std::array{TrimmedSurface{uniform.surface, loops}}, 0.3).mesh;
@@ -258,6 +268,7 @@ PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
     }
   std::sort(off_outline.begin(), off_outline.end());
   const double most_off = off_outline.empty() ? 0 : off_outline[off_outline.size() * 9 / 10];
+  const double half_off = off_outline.empty() ? 1e9 : off_outline[off_outline.size() / 2];
   std::size_t steps = 0;
   for (const RangeEdge e : edges) steps += e == RangeEdge::step;
   Sheet sheet(3 * 360, 360);
@@ -272,7 +283,11 @@ PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
       " pixels at steps; roofs are lighter), the B-spline surface over the whole image, and the part of it that "
       "the edges enclose, within " +
       std::to_string(loops[0].size()) + " trimming curves of " + std::to_string(trim_controls) +
-      " control points. Chord lengths spend parameters on the steep border; equal steps leave them inside.";
+      " control points. Half of these lie within " + readable(half_off) +
+      " pixels of the true outline and nine tenths within " + readable(most_off) +
+      ", for gaps between fingers close with those between edges. The paper prefers equal steps for the inside and "
+      "chord lengths for the border; on "
+      "this relief the table says how much of either is true.";
   figure.pictures = {
       {"figure-12.png", sheet.png(), "edges of a hand, a surface with a table around it, the hand alone"}};
   return figure;
