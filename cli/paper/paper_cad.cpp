@@ -14,14 +14,14 @@
 namespace partscribe::cli {
 namespace {
 
-/// Every second row and column of a view's filtered points as a scan, the sensor looking along -z.
+/// A view's filtered points as a scan, the sensor looking along -z.
 Scan scan_of(const PaperSubject& subject) {
   Scan scan;
   scan.views.push_back({});
   scan.views.back().file = subject.file;
   scan.views.back().width = subject.image.width, scan.views.back().height = subject.image.height;
-  for (int row = 0; row < subject.image.height; row += 2)
-    for (int column = 0; column < subject.image.width; column += 2) {
+  for (int row = 0; row < subject.image.height; ++row)
+    for (int column = 0; column < subject.image.width; ++column) {
       const Vec3 normal = subject.normal(column, row);
       if (normal.isZero()) continue;
       scan.cloud.points.push_back(subject.place(column, row));
