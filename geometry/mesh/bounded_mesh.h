@@ -92,7 +92,6 @@ class BoundedMesh {
 
  private:
   void add_sample(std::uint32_t t, const Vec3& p);
-  void sample_original();
   void find_narrow_places(const std::vector<std::uint32_t>& sampled, Context& context);
   bool crosses(const MeshEdit& edit);
 
