@@ -43,9 +43,9 @@ Result<std::vector<PaperFigure>> all_figures(Session& session) {
   if (auto ok = session.stage("superellipsoids"); !ok) return ok.error();
   add({superellipsoids_figure(*subjects, context)});
   if (auto ok = session.stage("characterize"); !ok) return ok.error();
-  add({characterization_figure(*subjects, context)});
+  add({characterization_figure(*subjects)});
   if (auto ok = session.stage("splines"); !ok) return ok.error();
-  add({profile_figure(*subjects, context), discontinuity_figure(*subjects), trimmed_figure(*subjects, context)});
+  add({profile_figure(*subjects), discontinuity_figure(*subjects), trimmed_figure(context)});
   if (auto ok = session.stage("models"); !ok) return ok.error();
   auto models = model_figures(*subjects, context);
   if (!models) return models.error();

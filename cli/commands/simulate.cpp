@@ -79,12 +79,7 @@ Result<int> run_simulate(const SimulateArguments& given, Session& session) {
   options.pose_noise_angle = radians(given.pose_noise_deg);
   if (given.pinhole) options.projection = Projection::pinhole;
   if (auto ok = session.stage("simulate"); !ok) return ok.error();
-  if (given.sigma_codes > 0) {
-    // A small trial tells how many millimetres a code has.
-    SimulateOptions trial = options;
-    trial.resolution = 8;
-    options.sigma = given.sigma_codes * simulate(subject->surface, trial, session.context).views.front().image.q;
-  }
+  if (given.sigma_codes > 0) options.sigma = given.sigma_codes * code_step(subject->surface, options);
   const auto scan = simulate(subject->surface, options, session.context);
   if (session.context.cancelled) return Error{"cancelled while simulating", ErrorKind::stopped};
   if (auto ok = session.stage("write"); !ok) return ok.error();

@@ -26,34 +26,29 @@ Scan scan_of(const PaperSubject& subject) {
       if (normal.isZero()) continue;
       scan.cloud.points.push_back(subject.place(column, row));
       scan.cloud.view.push_back(0);
-      scan.cloud.pixel.push_back(std::int32_t(row * subject.image.width + column));
+      scan.cloud.pixel.push_back(std::int32_t(subject.index(column, row)));
       scan.cloud.rays.push_back({0, 0, -1});
     }
   return scan;
 }
 
 /// The first lines of a text, and how many follow.
-std::string beginning(const std::string& text, std::size_t lines, std::size_t from = 0) {
+std::string beginning(const std::string& text, int lines) {
   std::istringstream stream(text);
   std::string result, line;
-  std::size_t count = 0;
+  int count = 0;
   for (; std::getline(stream, line); ++count)
-    if (count >= from && count < from + lines) result += line + "\n";
-  if (count > from + lines) result += "... " + std::to_string(count - from - lines) + " more lines\n";
+    if (count < lines) result += line + "\n";
+  if (count > lines) result += "... " + std::to_string(count - lines) + " more lines\n";
   return result;
 }
 
 }  // namespace
 
 Result<std::vector<PaperFigure>> model_figures(const PaperSubjects& subjects, Context& context) {
-  // The pin from six views, as it was seen for the other figures.
-  scan::SimulateOptions seen;
-  seen.bit_error = 0.001;
-  const scan::Surface truth = scan::surface_of(subjects.pin_model);
-  seen.sigma = 4 * scan::simulate(truth, seen, context).views[0].image.q;
-  scan::SimulatedScan simulated = scan::simulate(truth, seen, context);
   constexpr double pin_tolerance = 0.1, face_tolerance = 1.0;  // mm
-  const auto pin = fit::build_model(simulated.merged, {.tolerance = pin_tolerance, .name = "pin"}, context);
+  Scan pin_scan = subjects.pin_scan;                           // the fit fills in normals and noise
+  const auto pin = fit::build_model(pin_scan, {.tolerance = pin_tolerance, .name = "pin"}, context);
   if (!pin) return pin.error();
   Scan face_scan = scan_of(subjects.mask);
   const auto face = fit::build_model(face_scan, {.tolerance = face_tolerance, .name = "face"}, context);
@@ -88,11 +83,10 @@ Result<std::vector<PaperFigure>> model_figures(const PaperSubjects& subjects, Co
   procedures.text = "Parts of the two files as they are written.";
   codegen::EmitOptions options;
   options.stem = "pin";
-  for (const auto& [backend, lines, from] :
-       {std::tuple{"alpha1", std::size_t(60), std::size_t(0)}, std::tuple{"iges", std::size_t(40), std::size_t(0)}}) {
+  for (const auto& [backend, lines] : {std::pair{"alpha1", 60}, std::pair{"iges", 40}}) {
     const auto artifact = codegen::emit(*pin, backend, options, context);
     if (!artifact) return artifact.error();
-    procedures.listing += beginning(artifact->files.front().bytes, lines, from) + "\n";
+    procedures.listing += beginning(artifact->files.front().bytes, lines) + "\n";
   }
   return std::vector<PaperFigure>{models, procedures};
 }

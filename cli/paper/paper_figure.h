@@ -39,13 +39,13 @@ Result<PaperFigure> primitives_table(Context& context);
 /// Table 2 and figure 8: the superellipsoids of the three images.
 PaperFigure superellipsoids_figure(const PaperSubjects& subjects, Context& context);
 /// Figure 9: maps of the surfaces' characters, and the sizes of control meshes that they suggest.
-PaperFigure characterization_figure(const PaperSubjects& subjects, Context& context);
+PaperFigure characterization_figure(const PaperSubjects& subjects);
 /// Figure 10: a profile of the face as a spline, and refined to 1.0 mm.
-PaperFigure profile_figure(const PaperSubjects& subjects, Context& context);
+PaperFigure profile_figure(const PaperSubjects& subjects);
 /// Figure 11: four knots at one place.
 PaperFigure discontinuity_figure(const PaperSubjects& subjects);
 /// Figure 12: the hand over its bounding box, and trimmed.
-PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context);
+PaperFigure trimmed_figure(Context& context);
 /// Figures 13 and 14: CAD models of the pin and of the face, and the pin's procedures.
 Result<std::vector<PaperFigure>> model_figures(const PaperSubjects& subjects, Context& context);
 

@@ -8,8 +8,8 @@ namespace {
 constexpr const char* paper_introduction =
     "Figures 2 to 14 and tables 1 and 2 of Koivunen, Vezien and Bajcsy, Multiple representation approach to geometric "
     "model construction from range data (1993), made by this program. The range images of the face mask and of the "
-    "hand "
-    "are lost: sculpted reliefs stand in for them, and their figures are not to be compared with the printed ones.";
+    "hand are lost: sculpted reliefs stand in for them, and their figures are not to be compared with the printed "
+    "ones.";
 
 constexpr const char* paper_style =
     "body{font:16px/1.5 sans-serif;max-width:66rem;margin:2rem auto;padding:0 1rem;color:#141820}"

@@ -166,7 +166,7 @@ Result<std::vector<PaperFigure>> registration_figures(Context& context) {
   const scan::Surface surface = scan::surface_of(*model);
   options.views = "cube", options.bits = 12, options.bit_error = 0.015;
   options.pose_noise_angle = 5 * pi / 180, options.pose_noise_shift = 3;
-  options.sigma = 5 * scan::simulate(surface, options, context).views[0].image.q;  // five codes of 12 bits
+  options.sigma = 5 * scan::code_step(surface, options);
   scan::SimulatedScan simulated = scan::simulate(surface, options, context);
   std::vector<RangeImage> images;
   for (std::size_t v = 0; v < simulated.views.size(); ++v) {

@@ -19,6 +19,16 @@ namespace {
 
 std::string two_decimals(double x) { return print_number(snapped(x, 0.01)); }
 
+/// Both exponents and the tapering, as cells of a table.
+std::vector<std::string> cells_of(const model::Hypothesis& h) {
+  return {two_decimals(h.e1), two_decimals(h.e2), two_decimals(h.taper_x) + ", " + two_decimals(h.taper_y)};
+}
+
+std::vector<std::string> joined(std::vector<std::string> cells, const std::vector<std::vector<std::string>>& more) {
+  for (const auto& some : more) cells.insert(cells.end(), some.begin(), some.end());
+  return cells;
+}
+
 fit::SampleLattice lattice_of(const PaperSubject& subject) {
   fit::SampleLattice lattice{subject.image.width, subject.image.height, {}, {}};
   for (int row = 0; row < lattice.rows; ++row)
@@ -129,10 +139,8 @@ Result<PaperFigure> primitives_table(Context& context) {
     if (!built) return built.error();
     const model::Model& found = **built;
     if (!found.hypothesis) continue;
-    const model::Hypothesis& h = *found.hypothesis;
-    figure.table.push_back({primitive.name, primitive.printed, two_decimals(h.e1), two_decimals(h.e2),
-                            two_decimals(h.taper_x) + ", " + two_decimals(h.taper_y), h.suggests,
-                            procedure_text(found)});
+    figure.table.push_back(joined({primitive.name, primitive.printed},
+                                  {cells_of(*found.hypothesis), {found.hypothesis->suggests, procedure_text(found)}}));
   }
   return figure;
 }
@@ -143,15 +151,14 @@ PaperFigure superellipsoids_figure(const PaperSubjects& subjects, Context& conte
   figure.text =
       "The goodness of fit is the paper's, on data scaled to unit size (it is no length otherwise), and the "
       "mean radial distance in mm. The paper has 0.10, 1.08 and 0.06 for the pin, 0.15, 0.87 and 0.15 for "
-      "the face, 0.10, 0.10 and 0.22 for the hand. A low goodness sends the face and the hand to bounding "
-      "surfaces, the pin to a surface of revolution.";
+      "the face, 0.10, 0.10 and 0.22 for the hand. The pin's good fit indicates a turned part, the "
+      "bad ones of face and hand nothing: bounding surfaces describe them.";
   figure.table = {{"image", "e1", "e2", "tapering", "goodness of fit", "mm", "indicated"}};
   for (const PaperSubject* subject : {&subjects.pin, &subjects.mask, &subjects.hand}) {
     const auto fit = superellipsoid_of(*subject, context);
     const auto& h = fit.hypothesis;
-    figure.table.push_back({subject->name, two_decimals(h.e1), two_decimals(h.e2),
-                            two_decimals(h.taper_x) + ", " + two_decimals(h.taper_y), two_decimals(h.gof),
-                            two_decimals(h.gof_mm), h.suggests});
+    figure.table.push_back(
+        joined({subject->name}, {cells_of(h), {two_decimals(h.gof), two_decimals(h.gof_mm), h.suggests}}));
     figure.pictures.push_back({"figure-8-" + subject->file + ".png",
                                write_png(lit_mesh(mesh_of_fit(fit), {0.5, -0.4, 1}, {0, 1, 0}, 320, false)),
                                "the superellipsoid of the " + subject->name});
@@ -159,7 +166,7 @@ PaperFigure superellipsoids_figure(const PaperSubjects& subjects, Context& conte
   return figure;
 }
 
-PaperFigure characterization_figure(const PaperSubjects& subjects, Context& context) {
+PaperFigure characterization_figure(const PaperSubjects& subjects) {
   PaperFigure figure;
   figure.title = "Figure 9: characters of surfaces";
   figure.text =
@@ -171,15 +178,15 @@ PaperFigure characterization_figure(const PaperSubjects& subjects, Context& cont
   Sheet sheet(3 * 256, 256);
   int k = 0;
   for (const PaperSubject* subject : {&subjects.pin, &subjects.mask, &subjects.hand}) {
-    const auto characters = characterize(subject->graph, {}, context);
-    const Patches patches = grow_patches(subject->graph, characters, {}, context);
+    const auto& characters = subject->characters;
+    const Patches& patches = subject->patches;
     const int width = subject->image.width, height = subject->image.height;
     const PatchCounts counts = most_patches(patches.label, width, height);
     for (int row = 0; row < height; ++row)
       for (int column = 0; column < width; ++column) {
-        const std::size_t i = std::size_t(row) * std::size_t(width) + std::size_t(column);
+        const std::size_t i = subject->index(column, row);
         Color color{18, 20, 26};
-        if (subject->graph.usable[i])
+        if (subject->filtered.kept[i])
           color = characters[i].kind == SurfaceClass::unknown ? Color{90, 96, 108}
                   : characters[i].kind == SurfaceClass::flat
                       ? series_color(0)

@@ -24,8 +24,7 @@ std::vector<Vec3> longest_run(const PaperSubject& subject, int at, bool column) 
   const int count = column ? subject.image.height : subject.image.width;
   for (int k = 0; k <= count; ++k) {
     const int c = column ? at : k, r = column ? k : at;
-    const bool kept =
-        k < count && subject.filtered.kept[std::size_t(r) * std::size_t(subject.image.width) + std::size_t(c)] != 0;
+    const bool kept = k < count && subject.kept(c, r);
     if (kept) {
       const Vec3 p = subject.place(c, r);
       run.push_back({column ? -p.y() : p.x(), 0, subject.height(c, r)});
@@ -100,15 +99,12 @@ std::vector<std::uint8_t> outside_of_edges(const std::vector<RangeEdge>& edges, 
 
 }  // namespace
 
-PaperFigure profile_figure(const PaperSubjects& subjects, Context& context) {
+PaperFigure profile_figure(const PaperSubjects& subjects) {
   const PaperSubject& mask = subjects.mask;
-  const auto characters = characterize(mask.graph, {}, context);
-  const Patches patches = grow_patches(mask.graph, characters, {}, context);
   const int middle = mask.image.width / 2;
   // Patches along this one line size its control polygon, as the line with most of them would a mesh.
   std::vector<int> line;
-  for (int row = 0; row < mask.image.height; ++row)
-    line.push_back(patches.label[std::size_t(row) * std::size_t(mask.image.width) + std::size_t(middle)]);
+  for (int row = 0; row < mask.image.height; ++row) line.push_back(mask.patches.label[mask.index(middle, row)]);
   const int count = std::max(2, most_patches(line, int(line.size()), 1).along_row);
   const auto places = longest_run(mask, middle, true);
   const auto at = fit::parameters_of(places, fit::Parameters::chord_length);
@@ -167,10 +163,10 @@ PaperFigure discontinuity_figure(const PaperSubjects& subjects) {
   return figure;
 }
 
-PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
+PaperFigure trimmed_figure(Context& context) {
   // The hand on a table, which returns as well: so the border of the hand is a step of depth.
   constexpr double sigma = 0.1;
-  PaperSubject hand = subjects.hand;
+  PaperSubject hand;
   hand.image = image_of_relief(scan::hand_height, {-85, -6}, {85, 184}, sigma, 0.001, true, 8);
   hand.filtered = rlts_filter(hand.image, {.sigma = sigma}, context);
   const int width = hand.image.width, height = hand.image.height;
@@ -185,8 +181,8 @@ PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
       int count = 0;
       for (int r = std::max(0, row - 2); r <= std::min(height - 1, row + 2); ++r)
         for (int c = std::max(0, column - 2); c <= std::min(width - 1, column + 2); ++c)
-          if (hand.filtered.kept[std::size_t(r * width + c)]) sum += hand.place(c, r).z(), ++count;
-      if (!hand.filtered.kept[std::size_t(row * width + column)] && count > 0) place.z() = sum / count;
+          if (hand.kept(c, r)) sum += hand.place(c, r).z(), ++count;
+      if (!hand.kept(column, row) && count > 0) place.z() = sum / count;
       grid.places.push_back(place);
     }
   PaperFigure figure;
@@ -286,8 +282,7 @@ PaperFigure trimmed_figure(const PaperSubjects& subjects, Context& context) {
       " control points. Half of these lie within " + readable(half_off) +
       " pixels of the true outline and nine tenths within " + readable(most_off) +
       ", for gaps between fingers close with those between edges. The paper prefers equal steps for the inside and "
-      "chord lengths for the border; on "
-      "this relief the table says how much of either is true.";
+      "chord lengths for the border; on this relief the table says how much of either is true.";
   figure.pictures = {
       {"figure-12.png", sheet.png(), "edges of a hand, a surface with a table around it, the hand alone"}};
   return figure;

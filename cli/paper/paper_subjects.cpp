@@ -20,7 +20,11 @@ PaperSubject subject_of(std::string name, std::string file, std::string note, Ra
   subject.name = std::move(name), subject.file = std::move(file), subject.note = std::move(note);
   subject.image = std::move(image);
   subject.filtered = rlts_filter(subject.image, {.sigma = sigma}, context);
-  subject.graph = surface_graph(subject.image, subject.filtered, {});
+  const SurfaceGraph graph = surface_graph(subject.image, subject.filtered, {});
+  subject.characters = characterize(graph, {}, context);
+  subject.patches = grow_patches(graph, subject.characters, {}, context);
+  for (std::size_t i = 0; i < subject.filtered.depth.size(); ++i)
+    if (subject.filtered.kept[i]) subject.deepest = std::max(subject.deepest, subject.filtered.depth[i]);
   return subject;
 }
 
@@ -56,19 +60,13 @@ RangeImage image_of_relief(const std::function<double(double, double)>& height, 
 }
 
 Vec3 PaperSubject::place(int column, int row) const {
-  const std::size_t i = std::size_t(row) * std::size_t(image.width) + std::size_t(column);
-  return {image.x0 + column * image.pitch_x, -(image.y0 + row * image.pitch_y), -filtered.depth[i]};
+  return {image.x0 + column * image.pitch_x, -(image.y0 + row * image.pitch_y), -filtered.depth[index(column, row)]};
 }
 
-double PaperSubject::height(int column, int row) const {
-  double deepest = 0;
-  for (std::size_t i = 0; i < filtered.depth.size(); ++i)
-    if (filtered.kept[i]) deepest = std::max(deepest, filtered.depth[i]);
-  return place(column, row).z() + deepest;
-}
+double PaperSubject::height(int column, int row) const { return place(column, row).z() + deepest; }
 
 Vec3 PaperSubject::normal(int column, int row) const {
-  const std::size_t i = std::size_t(row) * std::size_t(image.width) + std::size_t(column);
+  const std::size_t i = index(column, row);
   if (!filtered.kept[i] || !std::isfinite(filtered.slope_column[i])) return Vec3::Zero();
   return Vec3(filtered.slope_column[i] / image.pitch_x, -filtered.slope_row[i] / image.pitch_y, 1).normalized();
 }
@@ -77,8 +75,7 @@ std::vector<Vec3> PaperSubject::points() const {
   std::vector<Vec3> result;
   for (int row = 0; row < image.height; ++row)
     for (int column = 0; column < image.width; ++column)
-      if (filtered.kept[std::size_t(row) * std::size_t(image.width) + std::size_t(column)])
-        result.push_back(place(column, row));
+      if (kept(column, row)) result.push_back(place(column, row));
   return result;
 }
 
@@ -90,9 +87,11 @@ Result<PaperSubjects> paper_subjects(Context& context) {
   scan::SimulateOptions seen;
   seen.views = "octahedron", seen.bit_error = 0.001;
   const scan::Surface surface = scan::surface_of(subjects.pin_model);
-  seen.sigma = 4 * scan::simulate(surface, seen, context).views[0].image.q;
+  seen.sigma = 4 * scan::code_step(surface, seen);
+  scan::SimulatedScan simulated = scan::simulate(surface, seen, context);
+  subjects.pin_scan = std::move(simulated.merged);
   subjects.pin = subject_of("Cylindrical Pin", "pin", "a range image simulated from a CAD model, as published",
-                            scan::simulate(surface, seen, context).views[0].image, seen.sigma, context);
+                            std::move(simulated.views[0].image), seen.sigma, context);
   constexpr double sigma = 0.1;  // mm
   subjects.mask = subject_of("Face Mask", "mask", "a sculpted stand-in: the range image of the paper is lost",
                              image_of_relief(scan::face_mask_height, {-98, -105}, {98, 105}, sigma, 0.001, false, 7),

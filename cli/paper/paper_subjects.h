@@ -8,8 +8,9 @@
 #include "core/context.h"
 #include "fit/surface/published_spline.h"
 #include "geometry/images/range_image.h"
+#include "geometry/images/region_growing.h"
 #include "geometry/images/rlts_filter.h"
-#include "geometry/normals/surface_graph.h"
+#include "geometry/points/point_cloud.h"
 #include "model/model.h"
 #include "scan/simulate/simulate.h"
 
@@ -22,8 +23,14 @@ struct PaperSubject {
   std::string note;  ///< what it is, or stands in for
   RangeImage image;
   FilteredImage filtered;
-  SurfaceGraph graph;  ///< of the filtered places
+  std::vector<CharacterizedPoint> characters;  ///< of the pixels
+  Patches patches;                             ///< of first and second order, grown from them
+  double deepest = 0;                          ///< mm, the largest filtered depth
 
+  std::size_t index(int column, int row) const {
+    return std::size_t(row) * std::size_t(image.width) + std::size_t(column);
+  }
+  bool kept(int column, int row) const { return filtered.kept[index(column, row)] != 0; }
   /// Heights towards the sensor (mm) over the pixels, from the lowest return; NaN without one.
   double height(int column, int row) const;
   /// Filtered places in the sensor's frame turned so that z points to the sensor; pixels that were kept only.
@@ -34,6 +41,7 @@ struct PaperSubject {
 
 struct PaperSubjects {
   model::Model pin_model;  ///< the pin's truth
+  Scan pin_scan;           ///< of six views; the first is `pin`
   PaperSubject pin, mask, hand;
 };
 

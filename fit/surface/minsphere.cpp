@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/mesh/bounded_mesh.h"
+
 namespace partscribe::fit {
 
 Minsphere minsphere(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -16,20 +18,7 @@ Minsphere minsphere(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 n = (b - a).cross(c - a);
-  const double sq = n.squaredNorm();
-  if (sq > 0) {
-    const double a1 = n.dot((b - p).cross(c - p)), a2 = n.dot((c - p).cross(a - p)), a3 = n.dot((a - p).cross(b - p));
-    if (a1 >= 0 && a2 >= 0 && a3 >= 0) return std::abs(n.dot(p - a)) / std::sqrt(sq);
-  }
-  // One weight is zero.
-  const auto to_edge = [&](const Vec3& from, const Vec3& to) {
-    const Vec3 along = to - from;
-    const double length = along.squaredNorm();
-    const double t = length > 0 ? std::clamp(along.dot(p - from) / length, 0.0, 1.0) : 0;
-    return (from + t * along - p).squaredNorm();
-  };
-  return std::sqrt(std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)}));
+  return (geometry::closest_on_triangle(p, a, b, c) - p).norm();
 }
 
 EdgeFunctions edge_functions(const Vec3& a, const Vec3& b, const Vec3& c) {

@@ -173,6 +173,16 @@ void BoundedMesh::neighbours(std::uint32_t v, std::vector<std::uint32_t>& list) 
   list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
+bool BoundedMesh::add(MeshEdit& edit, std::uint32_t t, const Triangle& vertices) const {
+  const auto c = corners(t);
+  const Vec3 before = (c[1] - c[0]).cross(c[2] - c[0]);
+  return add(edit, t, vertices, before, before.norm() / sq_longest(c));
+}
+
+bool BoundedMesh::add_across(MeshEdit& edit, std::uint32_t t, const Triangle& vertices, const Vec3& before) const {
+  return add(edit, t, vertices, before, 1);
+}
+
 bool BoundedMesh::add(MeshEdit& edit, std::uint32_t t, const Triangle& vertices, const Vec3& before,
                       double shape_before) const {
   MeshEdit::Corners next;

@@ -66,9 +66,12 @@ class BoundedMesh {
   std::size_t edge_triangles(std::uint32_t a, std::uint32_t b) const;
   void neighbours(std::uint32_t v, std::vector<std::uint32_t>& list) const;  ///< ascending
 
-  /// Puts a triangle into an edit; false where it has no area, becomes a needle, or turns over against `before` (mm^2,
-  /// twice the area vector of what was there).
-  bool add(MeshEdit& edit, std::uint32_t t, const Triangle& vertices, const Vec3& before, double shape_before) const;
+  /// Puts a triangle into an edit; false where it has no area, becomes more of a needle than the one whose number it
+  /// takes, or turns over against that one.
+  bool add(MeshEdit& edit, std::uint32_t t, const Triangle& vertices) const;
+  /// The same for triangles that lie across those that they replace: `before` is twice the area vector of these, mm^2,
+  /// and no needle is allowed.
+  bool add_across(MeshEdit& edit, std::uint32_t t, const Triangle& vertices, const Vec3& before) const;
 
   /// How far samples of some triangles are off: the sum of the fourth powers of distance / bound.
   double unrest(const std::vector<std::uint32_t>& triangles) const;
@@ -91,6 +94,7 @@ class BoundedMesh {
   TriangleMesh result() const;
 
  private:
+  bool add(MeshEdit& edit, std::uint32_t t, const Triangle& vertices, const Vec3& before, double shape_before) const;
   void add_sample(std::uint32_t t, const Vec3& p);
   void find_narrow_places(const std::vector<std::uint32_t>& sampled, Context& context);
   bool crosses(const MeshEdit& edit);

@@ -123,17 +123,9 @@ class Decimator {
         edit_.removed.push_back(t);
         if (has_a && has_b) continue;
         std::replace(vertices.begin(), vertices.end(), b, a);
-        if (!add_in_place(t, vertices)) return false;
+        if (!mesh_.add(edit_, t, vertices)) return false;
       }
     return true;
-  }
-
-  bool add_in_place(std::uint32_t t, const BoundedMesh::Triangle& vertices) {
-    const auto c = mesh_.corners(t);
-    const Vec3 before = (c[1] - c[0]).cross(c[2] - c[0]);
-    const double sq_longest =
-        std::max({(c[1] - c[0]).squaredNorm(), (c[2] - c[1]).squaredNorm(), (c[0] - c[2]).squaredNorm()});
-    return mesh_.add(edit_, t, vertices, before, before.norm() / sq_longest);
   }
 
   /// Tries the place that the planes say, then better ones by the samples, then one of the ends.
@@ -182,13 +174,13 @@ class Decimator {
     edit_.moved = v, edit_.place = mesh_.point(v);
     edit_.removed = mesh_.fan(v);
     for (const std::uint32_t t : edit_.removed)
-      if (!add_in_place(t, mesh_.triangle(t))) return;
+      if (!mesh_.add(edit_, t, mesh_.triangle(t))) return;
     Vec3 step = mesh_.better_place(edit_) - edit_.place;
     for (int half = 0; half < 2; ++half, step *= 0.4) {
       edit_.added.clear();
       edit_.place = mesh_.point(v) + step;
       bool fits = true;
-      for (const std::uint32_t t : edit_.removed) fits = fits && add_in_place(t, mesh_.triangle(t));
+      for (const std::uint32_t t : edit_.removed) fits = fits && mesh_.add(edit_, t, mesh_.triangle(t));
       if (fits && mesh_.allows(edit_, 0.99 * before)) return mesh_.make(edit_);
     }
   }
@@ -215,8 +207,8 @@ class Decimator {
       const auto c = mesh_.corners(t);
       area += (c[1] - c[0]).cross(c[2] - c[0]);
     }
-    if (!mesh_.add(edit_, edit_.removed[0], {a, across[1], across[0]}, area, 1)) return;
-    if (!mesh_.add(edit_, edit_.removed[1], {b, across[0], across[1]}, area, 1)) return;
+    if (!mesh_.add_across(edit_, edit_.removed[0], {a, across[1], across[0]}, area)) return;
+    if (!mesh_.add_across(edit_, edit_.removed[1], {b, across[0], across[1]}, area)) return;
     if (mesh_.allows(edit_, 0.99 * before)) mesh_.make(edit_);
   }
 

@@ -32,9 +32,12 @@ std::uint64_t pixel_seed(std::uint64_t seed, std::size_t view, std::size_t pixel
   return inner.next();
 }
 
+/// Of the sphere that images show whole, mm.
+double shown_radius(const Surface& surface) { return std::max(0.5 * surface.bounds.diagonal(), 1e-9) * margin; }
+
 RangeImage empty_image(const Surface& surface, const Vec3& to_sensor, const SimulateOptions& options) {
   const Vec3 center = surface.bounds.center();
-  const double radius = std::max(0.5 * surface.bounds.diagonal(), 1e-9) * margin;
+  const double radius = shown_radius(surface);
   const bool pinhole = options.projection == Projection::pinhole;
   const double distance = (pinhole ? pinhole_distance : 2) * radius;
   RangeImage image;
@@ -42,7 +45,7 @@ RangeImage empty_image(const Surface& surface, const Vec3& to_sensor, const Simu
   image.width = image.height = options.resolution;
   image.codes.assign(std::size_t(options.resolution) * static_cast<std::size_t>(options.resolution), 0);
   image.z0 = distance - radius;
-  image.q = 2 * radius / ((1 << options.bits) - 2);  // codes 1 .. 2^bits - 1
+  image.q = code_step(surface, options);
   const double middle = 0.5 * (options.resolution - 1);
   image.cx = image.cy = middle;
   image.fx = image.fy = std::max(middle, 0.5) / std::tan(std::asin(1 / pinhole_distance));
@@ -149,6 +152,10 @@ std::optional<std::vector<Vec3>> viewpoints(const std::string& name) {
     result.emplace_back(r * std::cos(a), r * std::sin(a), z);
   }
   return result;
+}
+
+double code_step(const Surface& surface, const SimulateOptions& options) {
+  return 2 * shown_radius(surface) / ((1 << options.bits) - 2);  // codes 1 .. 2^bits - 1
 }
 
 SimulatedScan simulate(const Surface& surface, const SimulateOptions& options, Context& context) {

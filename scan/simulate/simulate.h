@@ -59,6 +59,9 @@ struct SimulatedScan {
 /// Unit directions from the part to the sensors of a named set; nothing for an unknown name.
 std::optional<std::vector<Vec3>> viewpoints(const std::string& name);
 
+/// mm that one code of the images of this surface stands for.
+double code_step(const Surface& surface, const SimulateOptions& options);
+
 SimulatedScan simulate(const Surface& surface, const SimulateOptions& options, Context& context);
 
 /// The files of a simulated scan: view_NN.png, scan.json, merged.ply; names and bytes.

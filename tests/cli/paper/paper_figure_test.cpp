@@ -100,8 +100,7 @@ TEST_CASE("paper figures: the pin's superellipsoid indicates a cylinder, those o
 }
 
 TEST_CASE("paper figures: characters of surfaces size control meshes, the pin's smaller than those of the reliefs") {
-  Context context;
-  const auto figure = characterization_figure(subjects_of_paper(), context);
+  const auto figure = characterization_figure(subjects_of_paper());
   check_ink(figure);
   for (std::size_t row = 1; row <= 3; ++row) {
     CHECK(number_in(figure, row, 1) > 1);
@@ -113,8 +112,7 @@ TEST_CASE("paper figures: characters of surfaces size control meshes, the pin's 
 }
 
 TEST_CASE("paper figures: a profile sized by its patches is refined to 1.0 mm by few more control points") {
-  Context context;
-  const auto figure = profile_figure(subjects_of_paper(), context);
+  const auto figure = profile_figure(subjects_of_paper());
   check_ink(figure);
   CHECK(number_in(figure, 1, 2) > 1);
   CHECK(number_in(figure, 2, 2) <= 1);
@@ -131,7 +129,7 @@ TEST_CASE("paper figures: four knots at the shoulder of the pin leave less than 
 
 TEST_CASE("paper figures: the hand's surface is fitted over its bounding box and trimmed at edges of depth") {
   Context context;
-  const auto figure = trimmed_figure(subjects_of_paper(), context);
+  const auto figure = trimmed_figure(context);
   check_ink(figure);
   REQUIRE(figure.table.size() == 4);
   const auto at = figure.text.find("lie within ");

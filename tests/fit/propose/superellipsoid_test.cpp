@@ -348,7 +348,7 @@ TEST_CASE("superellipsoid: one range image of a pin tells a rod, with the expone
   Context context;
   partscribe::scan::SimulateOptions options;
   options.views = "1", options.tilt = 0.9, options.bit_error = 0.001;
-  options.sigma = 4 * partscribe::scan::simulate(surface, options, context).views[0].image.q;
+  options.sigma = 4 * partscribe::scan::code_step(surface, options);
   const auto image = partscribe::scan::simulate(surface, options, context);
   const SuperellipsoidFit fit = recover_superellipsoid(image.merged.cloud.points, context);
   const auto& h = fit.hypothesis;
