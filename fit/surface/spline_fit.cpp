@@ -1,13 +1,15 @@
 #include "fit/surface/spline_fit.h"
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "core/number.h"
 #include "core/parallel.h"
-#include "geometry/points/kd_tree.h"
+#include "fit/surface/knot_choice.h"
+#include "fit/surface/net_equations.h"
+#include "geometry/points/spatial_order.h"
+#include "geometry/surfaces/cubic_basis.h"
 
 namespace partscribe::fit {
 namespace {
@@ -15,176 +17,209 @@ namespace {
 constexpr int degree = 3;
 constexpr double fairness = 1e-6;  // of the bending energy, beside the mean squared distance
 
-/// Which points have to be averaged with each other so that noise is a small part of the tolerance.
-class Averages {
- public:
-  Averages(const SplineData& data, const SplineFitOptions& options, Context& context)
-      : size_(data.points.size() - data.held) {
-    const double wanted = std::pow(options.noise / (0.12 * options.tolerance), 2);
-    count_ = static_cast<std::size_t>(std::clamp(std::ceil(wanted), 6.0, 30.0));
-    if (count_ == 1) return;
-    std::vector<Vec3> flat;
-    for (std::size_t i = 0; i < size_; ++i) flat.emplace_back(data.places[i].x(), data.places[i].y(), 0);
-    const KdTree tree(flat);
-    near_.resize(size_ * count_);
-    parallel_for(size_, context.threads, [&](std::size_t begin, std::size_t end) {
-      std::vector<Neighbour> found;
-      for (std::size_t i = begin; i < end; ++i) {
-        tree.nearest(flat[i], count_, found);
-        for (std::size_t k = 0; k < count_; ++k) near_[i * count_ + k] = found[std::min(k, found.size() - 1)].index;
-      }
-    });
-  }
+/// How many points have to be averaged with each other so that noise is a small part of the tolerance.
+std::size_t points_averaged(const SplineFitOptions& options) {
+  const double wanted = std::pow(options.noise / (0.12 * options.tolerance), 2);
+  return static_cast<std::size_t>(std::clamp(std::ceil(wanted), 6.0, 30.0));
+}
 
-  std::vector<double> operator()(const std::vector<double>& values) const {
-    std::vector<double> result = values;
-    for (std::size_t i = 0; i < size_; ++i) {
-      double sum = 0;
-      for (std::size_t k = 0; k < count_; ++k) sum += values[near_[i * count_ + k]];
-      result[i] = sum / double(count_);
-    }
-    return result;
-  }
+/// Points in an order in which neighbours in the list are neighbours on the surface; those held come last, as they are.
+std::vector<std::uint32_t> order_of(const SplineData& data, int threads) {
+  std::vector<Vec3> flat;
+  const std::size_t free = data.points.size() - data.held;
+  for (std::size_t i = 0; i < free; ++i) flat.emplace_back(data.places[i].x(), data.places[i].y(), 0);
+  auto order = spatial_order(flat, threads);
+  for (std::size_t i = free; i < data.points.size(); ++i) order.push_back(static_cast<std::uint32_t>(i));
+  return order;
+}
 
- private:
-  std::size_t size_, count_;
-  std::vector<std::uint32_t> near_;
-};
-
-/// The least-squares net of given knots.
-std::optional<NurbsSurface> fitted_net(const SplineData& data, const KnotVector& u, const KnotVector& v) {
-  using Sparse = Eigen::SparseMatrix<double>;
-  const int columns = v.count(), unknowns = u.count() * columns;
-  constexpr int width = degree + 1;
-  // Entries of the normal matrix by how far apart two control points are: (row, column) -> a block of 7 x 7 offsets.
-  constexpr int reach = 2 * degree + 1;
-  std::vector<double> blocks(std::size_t(unknowns) * reach * reach, 0.0);
-  Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(unknowns, 3);
-  const auto add = [&](const BasisValues& nu, const double* du, const BasisValues& nv, const double* dv, double weight,
-                       const Vec3* target) {
-    for (int i = 0; i < width; ++i)
-      for (int j = 0; j < width; ++j) {
-        const double a = weight * du[i] * dv[j];
-        const int row = (nu.first + i) * columns + nv.first + j;
-        if (target) right.row(row) += a * target->transpose();
-        double* block = &blocks[std::size_t(row) * reach * reach];
-        for (int k = 0; k < width; ++k)
-          for (int l = 0; l < width; ++l) block[(k - i + degree) * reach + (l - j + degree)] += a * du[k] * dv[l];
-      }
-  };
-  BasisValues nu, nv;
-  for (std::size_t i = 0; i < data.points.size(); ++i) {
-    basis(u, data.places[i].x(), 0, nu);
-    basis(v, data.places[i].y(), 0, nv);
-    add(nu, nu.value[0], nv, nv.value[0], i < data.weights.size() ? data.weights[i] : 1, &data.points[i]);
+SplineData reordered(const SplineData& data, const std::vector<std::uint32_t>& order) {
+  SplineData result;
+  for (const auto i : order) {
+    result.points.push_back(data.points[i]), result.places.push_back(data.places[i]);
+    if (!data.weights.empty()) result.weights.push_back(i < data.weights.size() ? data.weights[i] : 1);
   }
-  // Bending energy at two by two Gauss points of each cell, in units of the cell.
-  const auto us = u.breaks(), vs = v.breaks();
-  const double cells = double(us.size() - 1) * double(vs.size() - 1);
-  const double weight = fairness * double(data.points.size()) / cells / 4;
-  for (std::size_t i = 0; i + 1 < us.size(); ++i)
-    for (std::size_t j = 0; j + 1 < vs.size(); ++j) {
-      const double hu = us[i + 1] - us[i], hv = vs[j + 1] - vs[j];
-      for (const double a : {0.2113248654, 0.7886751346})
-        for (const double b : {0.2113248654, 0.7886751346}) {
-          basis(u, us[i] + a * hu, 2, nu);
-          basis(v, vs[j] + b * hv, 2, nv);
-          add(nu, nu.value[2], nv, nv.value[0], weight * std::pow(hu, 4), nullptr);
-          add(nu, nu.value[0], nv, nv.value[2], weight * std::pow(hv, 4), nullptr);
-          add(nu, nu.value[1], nv, nv.value[1], 2 * weight * hu * hu * hv * hv, nullptr);
-        }
-    }
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(blocks.size() / 2);
-  for (int row = 0; row < unknowns; ++row)
-    for (int k = 0; k < reach; ++k)
-      for (int l = 0; l < reach; ++l) {
-        const int column = row + (k - degree) * columns + l - degree;
-        const double value = blocks[(std::size_t(row) * reach + std::size_t(k)) * reach + std::size_t(l)];
-        if (value != 0 && column <= row) entries.emplace_back(row, column, value);
-      }
-  Sparse matrix(unknowns, unknowns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Sparse, Eigen::Lower> factor(matrix);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const Eigen::MatrixX3d net = factor.solve(right);
-  if (!net.allFinite()) return std::nullopt;
-  NurbsSurface result{u, v, std::vector<Vec3>(std::size_t(unknowns)), {}};
-  for (int i = 0; i < unknowns; ++i) result.points[std::size_t(i)] = net.row(i).transpose();
+  result.held = data.held;
   return result;
 }
 
-/// Signed distances from a surface at the feet of the points, which are moved to where they are now.
-struct Residuals {
-  std::vector<double> single, mean;
-  double worst = 0;
-};
+/// Each span in an even number of parts that are no longer than `length`, or alone.
+std::vector<double> parted(const std::vector<double>& breaks, double length) {
+  std::vector<double> result = {breaks[0]};
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+    const double wanted = (breaks[i + 1] - breaks[i]) / length;
+    const int parts = wanted < 1.0001 ? 1 : 2 * int(std::ceil(0.5 * wanted - 1e-4));
+    for (int k = 1; k < parts; ++k) result.push_back(breaks[i] + (breaks[i + 1] - breaks[i]) * k / parts);
+    result.push_back(breaks[i + 1]);
+  }
+  return result;
+}
 
 class Fitter {
  public:
   Fitter(const SplineData& data, const SplineFitOptions& options, Context& context)
-      : data_(data), options_(options), context_(context), averages_(data, options, context) {}
+      : order_(order_of(data, context.threads)),
+        data_(reordered(data, order_)),
+        options_(options),
+        context_(context),
+        averaged_(std::min(points_averaged(options), data.points.size() - data.held)) {}
 
   std::optional<SplineFit> fit() {
-    KnotVector u = clamped(degree, {options_.low.x(), options_.high.x()});
-    KnotVector v = clamped(degree, {options_.low.y(), options_.high.y()});
-    if (!set(u, v, 3) || !refine()) return std::nullopt;
-    remove_knots();
-    return SplineFit{surface_, data_.places, now_.worst};
+    surface_.u = clamped(degree, {options_.low.x(), options_.high.x()});
+    surface_.v = clamped(degree, {options_.low.y(), options_.high.y()});
+    start_with_few();
+    return fitted(true);
   }
 
   std::optional<SplineFit> fit_again(const NurbsSurface& before) {
-    if (!set(before.u, before.v, 1) || !refine()) return std::nullopt;
-    return SplineFit{surface_, data_.places, now_.worst};
+    surface_.u = before.u, surface_.v = before.v;
+    return fitted(false);
   }
 
  private:
+  std::optional<SplineFit> fitted(bool fewest) {
+    const int many = controls();
+    if (!set(surface_.u, surface_.v) || !refine()) return std::nullopt;
+    if (fewest)
+      simplify();
+    else if (controls() > many)
+      take_out_singly();
+    std::vector<Vec2> places(data_.places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) places[order_[i]] = data_.places[i];
+    return SplineFit{std::move(surface_), std::move(places), worst_};
+  }
+
+  /// An eighth of many points tell most of the knots.
+  void start_with_few() {
+    const std::size_t free = data_.points.size() - data_.held;
+    if (free < 8000) return;
+    SplineData few;
+    for (std::size_t i = 0; i < free; i += 8) {
+      few.points.push_back(data_.points[i]), few.places.push_back(data_.places[i]);
+      if (!data_.weights.empty()) few.weights.push_back(data_.weights[i]);
+    }
+    Fitter rough(few, options_, context_);
+    if (!rough.set(surface_.u, surface_.v)) return;
+    rough.refine();
+    surface_ = std::move(rough.surface_);
+    look();
+  }
+
   /// Knots are inserted until the tolerance is kept.
   bool refine() {
     const double most = std::min(double(options_.most_controls), double(data_.points.size()) / 3);
-    for (int round = 0; now_.worst > options_.tolerance; ++round) {
+    for (int round = 0; !kept(); ++round) {
       context_.say("free form: " + std::to_string(surface_.u.count()) + " x " + std::to_string(surface_.v.count()) +
-                   " control points, off by " + print_number(snapped(now_.worst, options_.tolerance / 1000)) + " mm");
+                   " control points, off by " + print_number(snapped(worst_, options_.tolerance / 1000)) + " mm");
       if (round == 40 || context_.cancelled) return false;
       auto [more_u, more_v] = refined();
       if (double(more_u.count()) * more_v.count() > most) return false;
-      if (!set(more_u, more_v, 2)) return false;
+      if (!set(more_u, more_v)) return false;
     }
     return true;
   }
 
-  /// Solves for a net with these knots and corrects the parameters, some times over.
-  bool set(const KnotVector& u, const KnotVector& v, int rounds) {
-    for (int i = 0; i < rounds; ++i) {
-      auto next = fitted_net(data_, u, v);
+  /// The equations of the points where they are now.
+  void collect() {
+    // So many points to a cell that a basis function, which weighs four and a third of them, averages enough.
+    const Vec2 size(surface_.u.high() - surface_.u.low(), surface_.v.high() - surface_.v.low());
+    const double per_cell = std::max(1.5, double(averaged_) / 4.35);
+    const double dense = std::sqrt(size.x() * size.y() * per_cell / double(data_.points.size()));
+    const auto fine = [&](const KnotVector& knots) {
+      const auto breaks = knots.breaks();
+      const double lines = std::max(16.0, std::min(4 * double(breaks.size() - 1), 32 + 2 * double(breaks.size() - 1)));
+      return clamped(degree, parted(breaks, std::max(dense, (breaks.back() - breaks.front()) / lines)));
+    };
+    equations_.emplace(fine(surface_.u), fine(surface_.v));
+    equations_->add(data_.points, data_.places, data_.weights);
+  }
+
+  bool has_lines(const KnotVector& u, const KnotVector& v) const {
+    const auto includes = [](const KnotVector& fine, const KnotVector& coarse) {
+      return std::includes(fine.knots.begin(), fine.knots.end(), coarse.knots.begin(), coarse.knots.end());
+    };
+    return includes(equations_->u(), u) && includes(equations_->v(), v);
+  }
+
+  /// Solves for a net with these knots and looks what it leaves; where the points have moved, once more.
+  bool set(const KnotVector& u, const KnotVector& v) {
+    for (int round = 0; round < 2; ++round) {
+      if (!equations_ || !has_lines(u, v)) surface_.u = u, surface_.v = v, collect();
+      auto next = equations_->solve(u, v, fairness);
       if (!next) return false;
       surface_ = std::move(*next);
-      now_ = residuals();
+      look();
+      if (kept() || worst_ >= 4 * options_.tolerance) break;
     }
     return true;
   }
 
-  /// Points are moved to their feet once the surface is close: before, feet run together where it bends too little.
-  Residuals residuals() {
-    Residuals r;
-    r.single.resize(data_.points.size());
+  /// Is the tolerance kept by distances from the feet on this surface? Near it the points go there by a few steps.
+  bool kept() {
+    for (int step = 0; !at_feet_ && worst_ < 4 * options_.tolerance; ++step) {
+      const double before = worst_;
+      look();
+      at_feet_ = step == 3 || std::abs(before - worst_) < 0.02 * options_.tolerance;
+    }
+    return worst_ <= options_.tolerance;
+  }
+
+  /// Signed distances of the points from the surface. The points move to their feet once it is close: before, feet run
+  /// together where it bends too little.
+  void look() {
+    std::vector<double> single(data_.points.size());
     std::vector<Vec2> feet(data_.places.size());
     parallel_for(data_.points.size(), context_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const SplineFoot foot = foot_near(surface_, data_.points[i], data_.places[i].x(), data_.places[i].y());
-        feet[i] = {foot.u, foot.v};
-        const Vec3 normal = surface_.derivatives(foot.u, foot.v).normal();
-        const double side = (data_.points[i] - foot.point).dot(normal);
-        r.single[i] = std::copysign(foot.distance, side);
-      }
+      CubicBasis nu(surface_.u), nv(surface_.v);
+      for (std::size_t i = begin; i < end; ++i)
+        single[i] = step_to_foot(data_.points[i], data_.places[i], nu, nv, feet[i]);
     });
-    r.mean = averages_(r.single);
-    // Held points are compared with the same bound as the others.
-    for (std::size_t i = r.mean.size() - data_.held; i < r.mean.size(); ++i)
-      r.mean[i] *= options_.tolerance / options_.held_tolerance;
-    for (const double d : r.mean) r.worst = std::max(r.worst, std::abs(d));
-    if (r.worst < 4 * options_.tolerance) data_.places = std::move(feet);
-    return r;
+    mean_ = averages(single);
+    worst_ = 0;
+    for (const double d : mean_) worst_ = std::max(worst_, std::abs(d));
+    at_feet_ = false;
+    if (worst_ >= 4 * options_.tolerance) return;
+    data_.places = std::move(feet);
+    equations_.reset();
+  }
+
+  /// One step of Gauss and Newton to the foot of a point, and the distance from there on the plane that touches at
+  /// `place`.
+  double step_to_foot(const Vec3& p, const Vec2& place, CubicBasis& nu, CubicBasis& nv, Vec2& foot) const {
+    nu.move_to(place.x()), nv.move_to(place.y());
+    const int row = surface_.v.count();
+    Vec3 r = p, du = Vec3::Zero(), dv = Vec3::Zero();
+    for (int i = 0; i <= degree; ++i) {
+      const Vec3* c = &surface_.points[std::size_t((nu.first + i) * row + nv.first)];
+      const Vec3 line = nv.value[0] * c[0] + nv.value[1] * c[1] + nv.value[2] * c[2] + nv.value[3] * c[3];
+      const Vec3 along = nv.slope[0] * c[0] + nv.slope[1] * c[1] + nv.slope[2] * c[2] + nv.slope[3] * c[3];
+      r -= nu.value[i] * line, du += nu.slope[i] * line, dv += nu.value[i] * along;
+    }
+    const double a = du.squaredNorm(), b = du.dot(dv), c = dv.squaredNorm(), det = a * c - b * b;
+    const double x = r.dot(du), y = r.dot(dv);
+    foot = place;
+    if (det > 1e-12 * a * c) {
+      foot += Vec2((c * x - b * y) / det, (a * y - b * x) / det);
+      foot.x() = std::clamp(foot.x(), surface_.u.low(), surface_.u.high());
+      foot.y() = std::clamp(foot.y(), surface_.v.low(), surface_.v.high());
+    }
+    r -= (foot.x() - place.x()) * du + (foot.y() - place.y()) * dv;
+    return std::copysign(r.norm(), r.dot(du.cross(dv)));
+  }
+
+  /// Means of as many points in turn as are to be averaged, around each; held points are compared by themselves, with
+  /// the same bound as the others.
+  std::vector<double> averages(const std::vector<double>& single) const {
+    std::vector<double> result = single;
+    const std::size_t free = single.size() - data_.held;
+    std::vector<double> sums(free + 1, 0.0);
+    for (std::size_t i = 0; i < free; ++i) sums[i + 1] = sums[i] + single[i];
+    for (std::size_t i = 0; i < free; ++i) {
+      const std::size_t from = std::min(i - std::min(i, averaged_ / 2), free - averaged_);
+      result[i] = (sums[from + averaged_] - sums[from]) / double(averaged_);
+    }
+    for (std::size_t i = free; i < result.size(); ++i) result[i] *= options_.tolerance / options_.held_tolerance;
+    return result;
   }
 
   /// The knots with more of them in the middle of spans in which the tolerance is not kept.
@@ -202,7 +237,7 @@ class Fitter {
     };
     for (std::size_t i = 0; i < data_.places.size(); ++i) {
       Cell& cell = cells[span(us, data_.places[i].x()) * columns + span(vs, data_.places[i].y())];
-      cell.worst = std::max(cell.worst, std::abs(now_.mean[i]));
+      cell.worst = std::max(cell.worst, std::abs(mean_[i]));
       cell.points.push_back(i);
     }
     std::vector<char> split_u(us.size() - 1, 0), split_v(columns, 0);
@@ -235,11 +270,11 @@ class Fitter {
     constexpr std::size_t strips = 6;
     double sum[2][strips] = {}, count[2][strips] = {}, mean = 0;
     for (const std::size_t i : points) {
-      mean += now_.mean[i] / double(points.size());
+      mean += mean_[i] / double(points.size());
       for (int axis = 0; axis < 2; ++axis) {
         const double share = (data_.places[i][axis] - low[axis]) / (high[axis] - low[axis]);
         const auto strip = static_cast<std::size_t>(std::clamp(share * double(strips), 0.0, double(strips) - 1));
-        sum[axis][strip] += now_.mean[i], count[axis][strip] += 1;
+        sum[axis][strip] += mean_[i], count[axis][strip] += 1;
       }
     }
     double result[2] = {};
@@ -249,65 +284,64 @@ class Fitter {
     return {result[0], result[1]};
   }
 
-  /// How far the third derivative jumps at a knot, in mm over the spans beside it.
-  double jump(bool along_u, double before, double at, double after) const {
-    const KnotVector& other = along_u ? surface_.v : surface_.u;
-    const auto third = [&](double a, double b, double cross) {
-      const double h = (b - a) / 4;
-      const auto second = [&](double t) {
-        const SurfacePoint p = along_u ? surface_.derivatives(t, cross) : surface_.derivatives(cross, t);
-        return along_u ? p.duu : p.dvv;
-      };
-      return Vec3((second(b - h) - second(a + h)) / (2 * h));
-    };
-    double most = 0;
-    for (int k = 0; k <= 12; ++k) {
-      const double cross = other.low() + (other.high() - other.low()) * k / 12;
-      const Vec3 step = third(at, after, cross) - third(before, at, cross);
-      most = std::max(most, step.norm());
+  struct State {
+    NurbsSurface surface;
+    std::vector<Vec2> places;
+    double worst;
+  };
+  State state() const { return {surface_, data_.places, worst_}; }
+  void restore(State&& state) {
+    surface_ = std::move(state.surface), data_.places = std::move(state.places), worst_ = state.worst;
+    at_feet_ = true;
+    equations_.reset();
+  }
+  int controls() const { return surface_.u.count() * surface_.v.count(); }
+
+  /// Fewer knots as long as the tolerance is kept. What the equations leave tells well enough where they are needed;
+  /// the points have the last word: they get knots back where they miss them, and are asked for single ones in the end.
+  void simplify() {
+    bool refused = false;
+    for (int round = 0; round < 3 && !context_.cancelled; ++round) {
+      State before = state();
+      const int many = controls();
+      if (!equations_) collect();
+      KnotChoiceOptions choice{0, 0.5 * double(averaged_), fairness};
+      choice.allowed = options_.tolerance * std::min(1.0, left_over(*equations_, surface_, choice.averaged) / worst_);
+      const auto [u, v] = fewest_knots(*equations_, surface_, choice);
+      if (u.count() * v.count() >= many) break;
+      if (set(u, v) && kept()) break;
+      refused = true;
+      if (refine() && controls() < many) continue;
+      restore(std::move(before));
+      break;
     }
-    return most * std::pow(std::min(at - before, after - at), 3);
+    if (refused) take_out_singly();
   }
 
-  void remove_knots() {
-    struct Knot {
-      bool along_u;
-      double at, jump;
-    };
-    for (int rounds = 0; rounds < 3; ++rounds) {
-      std::vector<Knot> knots;
-      for (const bool along_u : {true, false}) {
-        const auto breaks = (along_u ? surface_.u : surface_.v).breaks();
-        for (std::size_t i = 1; i + 1 < breaks.size(); ++i)
-          knots.push_back({along_u, breaks[i], jump(along_u, breaks[i - 1], breaks[i], breaks[i + 1])});
-      }
-      std::stable_sort(knots.begin(), knots.end(), [](const Knot& a, const Knot& b) { return a.jump < b.jump; });
-      int removed = 0, refused = 0;
-      for (const Knot& knot : knots) {
-        if (refused == 6 || context_.cancelled) break;
-        const auto surface = surface_;
-        const auto places = data_.places;
-        const auto now = now_;
-        KnotVector u = surface_.u, v = surface_.v;
-        auto& list = (knot.along_u ? u : v).knots;
-        list.erase(std::find(list.begin(), list.end(), knot.at));
-        if (set(u, v, 2) && now_.worst <= options_.tolerance) {
-          ++removed;
-          continue;
-        }
-        surface_ = surface, data_.places = places, now_ = now;
-        ++refused;
-      }
-      if (removed == 0) break;
+  void take_out_singly() {
+    int needed = 0;
+    for (const KnotJump& knot : knots_by_jump(surface_)) {
+      if (needed == 6 || context_.cancelled) break;
+      KnotVector u = surface_.u, v = surface_.v;
+      auto& knots = (knot.along_u ? u : v).knots;
+      knots.erase(std::find(knots.begin(), knots.end(), knot.at));
+      State before = state();
+      if (set(u, v) && kept()) continue;
+      restore(std::move(before));
+      ++needed;
     }
   }
 
-  SplineData data_;  // its places are moved to the feet
+  const std::vector<std::uint32_t> order_;  // of the points given
+  SplineData data_;                         // its places are moved to the feet
   const SplineFitOptions& options_;
   Context& context_;
-  Averages averages_;
+  const std::size_t averaged_;
+  std::optional<NetEquations> equations_;  // of the points where they are
   NurbsSurface surface_;
-  Residuals now_;
+  std::vector<double> mean_;  // mm, averaged signed distances of the points
+  double worst_ = 0;          // the largest of them
+  bool at_feet_ = false;      // the distances are those at the feet
 };
 
 }  // namespace

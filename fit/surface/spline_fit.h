@@ -35,12 +35,12 @@ struct SplineFit {
 /// Least squares over a net of control points that is refined where the averaged distance exceeds the tolerance: knots
 /// are inserted in the middle of failing spans, across the direction in which the residuals vary, and the parameters of
 /// the points corrected to their feet (Koivunen et al. 1993, section 3.2; Piegl and Tiller, sections 9.4 and 9.5). Then
-/// knots are taken out again, those first at which the third derivative jumps least, as long as the tolerance is kept.
-/// A small part of the bending energy makes the net fair where there are no points. Nothing if the tolerance would need
-/// more control points than allowed, or than a third of the points.
+/// as few knots as will do are chosen anew (fewest_knots). A small part of the bending energy makes the net fair where
+/// there are no points. Nothing if the tolerance would need more control points than allowed, or than a third of the
+/// points.
 std::optional<SplineFit> fit_spline(const SplineData& data, const SplineFitOptions& options, Context& context);
 
-/// The same beginning with the knots of a surface that was fitted before; none are taken out.
+/// The same beginning with the knots of a surface that was fitted before; where more are needed, others may go.
 std::optional<SplineFit> fit_spline_again(const SplineData& data, const NurbsSurface& before,
                                           const SplineFitOptions& options, Context& context);
 
