@@ -40,8 +40,9 @@ CurveNetwork network_through(const std::vector<Vec3>& nodes, const std::vector<V
 Result<std::vector<GregoryPatch>> gregory_patches(const CurveNetwork& network);
 
 /// The patches of a network as NURBS that are joined along its curves, which are their edges: what exact boundaries and
-/// IGES are written from. `corner_weight` as for rational_bezier().
+/// IGES are written from. `corner_weight` as for rational_bezier(), but larger: no place moves by more than about a
+/// millionth of the patch's size, and with 1e-7 to 1e-9, or 1e-13, OpenCASCADE's check refuses the body.
 std::vector<TrimmedSurface> trimmed_faces(const CurveNetwork& network, const std::vector<GregoryPatch>& patches,
-                                          double corner_weight = 1e-13);
+                                          double corner_weight = 1e-6);
 
 }  // namespace partscribe::geometry
