@@ -16,7 +16,7 @@ namespace partscribe::fit {
 namespace {
 
 /// The connected pieces of a mesh, the largest first.
-std::vector<TriangleMesh> pieces_of(const TriangleMesh& mesh) {
+std::vector<TriangleMesh> pieces_by_area(const TriangleMesh& mesh) {
   std::vector<TriangleMesh> pieces;
   for (const auto& triangles : connected_pieces(mesh_neighbours(mesh))) pieces.push_back(part_of(mesh, triangles).mesh);
   std::stable_sort(pieces.begin(), pieces.end(),
@@ -43,7 +43,7 @@ std::optional<Candidate> free_form(const TriangleMesh& mesh, const FitInput& inp
   SurfaceSet set;
   set.closed = topology(mesh).closed();
   int edges = 0;
-  for (const TriangleMesh& piece : pieces_of(mesh)) {
+  for (const TriangleMesh& piece : pieces_by_area(mesh)) {
     if (!set.closed && area(piece) < 0.002 * whole) break;
     auto surfaces = surfaces_of(piece, input, context);
     if (surfaces.empty() || context.cancelled) return std::nullopt;

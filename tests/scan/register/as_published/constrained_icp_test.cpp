@@ -186,6 +186,30 @@ TEST_CASE("constrained icp: the other side of a thin wall is told by its normals
   CHECK(off(constrained_icp(points, all_of(points), model, estimate(2, 0.3), pixel, without)).shift > 0.3);
 }
 
+TEST_CASE("constrained icp: a large alpha converges from estimates that a small one refuses, and uses rough normals") {
+  const TileModel model(corner());
+  auto points = seen_from(truth, points_on(corner()));
+  PaperOptions large, small;
+  small.normal_angle = radians(4);
+  for (const double angle : {1.0, 2.0, 6.0, 12.0, 18.0}) {
+    INFO("estimate off by " << angle << " degrees");
+    CHECK(right(constrained_icp(points, all_of(points), model, estimate(angle, 1), pixel, large)));
+    const IcpResult found = constrained_icp(points, all_of(points), model, estimate(angle, 1), pixel, small);
+    UNSCOPED_INFO("small: off " << off(found).angle << " " << off(found).shift << " " << found.failure);
+    CHECK(right(found) == (angle < 4));
+  }
+  // From a good estimate as well: a small alpha throws away sound points whose normals are rough, a large one keeps
+  // all.
+  Random random(3);
+  for (ReferencePoint& p : points)
+    p.normal = (p.normal + 0.08 * Vec3(random.normal(), random.normal(), random.normal())).normalized();
+  const IcpResult all = constrained_icp(points, all_of(points), model, estimate(2, 0.5), pixel, large);
+  CHECK(right(all));
+  CHECK(std::count(all.valid.begin(), all.valid.end(), 1) == 27);
+  const IcpResult some = constrained_icp(points, all_of(points), model, estimate(2, 0.5), pixel, small);
+  CHECK(std::count(some.valid.begin(), some.valid.end(), 1) < 18);
+}
+
 TEST_CASE("constrained icp: where what does not overlap predominates a good estimate does, and a wrong one is told") {
   // 54 of 100 points are of no face of the model.
   const TileModel model(corner());

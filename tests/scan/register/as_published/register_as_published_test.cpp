@@ -90,6 +90,21 @@ TEST_CASE("register as published: points that no earlier view can see lead a vie
   CHECK((!all_placed(found) || worst_view(scan, found.poses) > 2));
 }
 
+TEST_CASE("register as published: with a small alpha the eight poses are not recovered, with a large one all are") {
+  const Case scan = polyhedron_in_eight_poses(1);
+  PaperOptions options;
+  for (const double alpha_deg : {20.0, 45.0, 60.0}) {
+    options.normal_angle = radians(alpha_deg);
+    const StartResult found = published(scan, options);
+    INFO("alpha " << alpha_deg);
+    CHECK(all_placed(found));
+    CHECK(worst_view(scan, found.poses) < 0.25);
+  }
+  options.normal_angle = radians(1.5);  // half of what the guesses are off
+  const StartResult found = published(scan, options);
+  CHECK((!all_placed(found) || worst_view(scan, found.poses) > 1));
+}
+
 TEST_CASE("register as published: a sculptured part is put together view by view from its triangulations") {
   SimulateOptions scanner;
   scanner.resolution = 128, scanner.sigma = 0.02;
