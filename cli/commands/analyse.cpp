@@ -59,8 +59,6 @@ Result<AnalyseFiles> files_for(const AnalyseArguments& given, const Session& ses
     all.push_back(file);
     if (std::find(files.meshes.begin(), files.meshes.end(), mesh) == files.meshes.end()) files.meshes.push_back(mesh);
   }
-  if (!given.urdf.empty() && given.urdf == given.mjcf)
-    return usage_error("--urdf and --mjcf name the same file: " + given.urdf.string());
   all.insert(all.end(), files.meshes.begin(), files.meshes.end());
   if (!given.json.empty()) all.push_back(given.json);
   if (!session.options.out.empty()) {
@@ -71,6 +69,11 @@ Result<AnalyseFiles> files_for(const AnalyseArguments& given, const Session& ses
   }
   for (const auto& file : all)
     if (auto ok = check_overwriting(file, session.options.force); !ok) return ok.error();
+  if (!files.model.empty()) all.push_back(files.model);
+  for (auto& file : all) file = std::filesystem::absolute(file).lexically_normal();
+  std::sort(all.begin(), all.end());
+  if (const auto twice = std::adjacent_find(all.begin(), all.end()); twice != all.end())
+    return usage_error("two options name the same file, " + twice->string() + ": give it to one of them");
   return files;
 }
 

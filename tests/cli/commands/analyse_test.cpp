@@ -236,7 +236,8 @@ TEST_CASE("analyse: bad_usage: every wish that cannot be met ends with 2 and one
       {{"--urdf", "part.stl"}, "its mesh goes into the .stl of the same name"},
       {{"--urdf", "missing/part.urdf"}, "there is no folder missing"},
       {{"--urdf", "model.json"}, "exists already"},
-      {{"--urdf", "a.xml", "--mjcf", "a.xml"}, "name the same file"},
+      {{"--urdf", "a.xml", "--mjcf", "a.xml"}, "two options name the same file"},
+      {{"--urdf", "a.json", "--json-file", "./a.json"}, "two options name the same file"},
       {{"--frame", "world"}, "expected one of scan, part"},
       {{"--target", "mass=0.1kg", "--by", "length", "--out", "model.json"}, "exists already"},
   };
