@@ -28,11 +28,11 @@ constexpr const char* analyse_help =
                                                                the thickness at which it weighs that, and that model
   partscribe analyse model.json --json | jq .mass              for a program
 
-Everything is computed from the exact boundary that STEP holds, in its frame. For each named dimension the model is built
-twice more, with the dimension a little larger and a little smaller; the table says what that does per mm or radian. The
-uncertainty of the mass follows from those of the dimensions. Exit code 0 when the numbers were printed; 2 if an option is
-wrong, a file exists already or no value meets the target; 3 if the model cannot be read, is an open surface, or has no
-boundary that OpenCASCADE can build.)";
+Everything is computed from the exact boundary that STEP holds, in its frame. For each named dimension the model is
+built twice more, with the dimension a little larger and a little smaller; the table says what that does per mm or
+radian. The uncertainty of the mass follows from those of the dimensions. Exit code 0 when the numbers were printed; 2
+if an option is wrong, a file exists already or no value meets the target; 3 if the model cannot be read, is an open
+surface, or has no boundary that OpenCASCADE can build.)";
 
 struct AnalyseArguments {
   Path model;

@@ -84,7 +84,7 @@ Result<CheckedModel> with_value(const CheckedModel& model, std::string_view name
     return usage_error("parameter '" + found->name + "' is computed from " + from + "; change those");
   }
   found->value = value;
-  return checked(std::move(changed), found->name + " = " + print_number(value));
+  return checked(std::move(changed), found->name + " = " + print_number(snapped(value, 1e-6)));
 }
 
 Result<std::vector<Sensitivity>> sensitivities(const CheckedModel& model, const MassProperties& body,
