@@ -21,6 +21,7 @@ Examples
   partscribe verify edited.scad bracket.ply             does my edited script still fit the scan?
   partscribe explain bracket-partscribe/model.json      why each dimension is what it is
   partscribe measure bracket.ply                        its faces, holes and walls, without building anything
+  partscribe analyse bracket-partscribe                 its mass and inertia, and which dimensions matter
   partscribe simulate pin.stl --sigma 0.02              a scan of a shape that you know
 )";
 
@@ -91,8 +92,7 @@ void declare_shared(Arguments& arguments, SharedOptions& options) {
 }
 
 /// The words of the command line as the parser wants them: "help build" is "build --help", and after "--" all words are
-/// files, whatever they begin with. `verify` and `measure` write their JSON to a file when one is named: "--json
-/// a.json".
+/// files, whatever they begin with. Some commands write their JSON to a file when one is named: "--json a.json".
 std::vector<std::string> words_of(int argc, const char* const* argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   if (words.front() == "help") {
@@ -105,7 +105,8 @@ std::vector<std::string> words_of(int argc, const char* const* argv) {
       if (word->starts_with('-')) *word = "./" + *word;
     words.erase(mark);
   }
-  if (words.empty() || (words.front() != "verify" && words.front() != "measure")) return words;
+  if (words.empty() || (words.front() != "verify" && words.front() != "measure" && words.front() != "analyse"))
+    return words;
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (words[i].starts_with("--json=")) words[i] = "--json-file=" + words[i].substr(7);
     if (words[i] == "--json" && i + 1 < words.size() && words[i + 1].ends_with(".json")) words[i] = "--json-file";

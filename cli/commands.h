@@ -28,6 +28,7 @@ Command verify_command();
 Command report_command();
 Command explain_command();
 Command measure_command();
+Command analyse_command();
 Command simulate_command();
 Command views_command();
 Command paper_command();

@@ -232,10 +232,15 @@ Tessellation tessellated(const TopoDS_Shape& shape, const TopTools_IndexedMapOfS
   return result;
 }
 
-}  // namespace
+/// The body and what its triangles tell.
+struct TessellatedBody {
+  Brep brep;
+  TopTools_IndexedMapOfShape faces;
+  Tessellation tessellation;
+};
 
-Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
-  const Model& model = *checked;
+/// Builds and checks; exceptions are the caller's.
+Result<TessellatedBody> built_and_checked(const Model& model, Context& context) {
   const Model simple = lowered(model, values_of(model));
   Builder builder(simple);
   auto part = builder.build(context);
@@ -244,50 +249,64 @@ Result<Brep> build_brep(const CheckedModel& checked, Context& context) {
   const Object& last = model.objects.back();
   const std::string where = "object '" + last.name + "': ";
 
-  try {
-    Brep brep;
-    brep.solid = !is_sheet(last.shape);
-    brep.error = builder.error();
-    brep.shape =
-        std::make_shared<TopoDS_Shape>(model.as_scanned ? moved(*part, evaluate(model.scan_from_part, values)) : *part);
-    const TopoDS_Shape& shape = *brep.shape;
+  TessellatedBody body;
+  Brep& brep = body.brep;
+  brep.solid = !is_sheet(last.shape);
+  brep.error = builder.error();
+  brep.shape =
+      std::make_shared<TopoDS_Shape>(model.as_scanned ? moved(*part, evaluate(model.scan_from_part, values)) : *part);
+  const TopoDS_Shape& shape = *brep.shape;
 
-    TopTools_IndexedMapOfShape faces;
-    TopExp::MapShapes(shape, TopAbs_FACE, faces);
-    if (faces.Extent() == 0) return bad_input(where + "expected a body, found nothing left of it");
-    if (!BRepCheck_Analyzer(shape).IsValid()) {
-      return bad_input(where + "expected a valid boundary, OpenCASCADE's check refuses it");
+  TopExp::MapShapes(shape, TopAbs_FACE, body.faces);
+  if (body.faces.Extent() == 0) return bad_input(where + "expected a body, found nothing left of it");
+  if (!BRepCheck_Analyzer(shape).IsValid()) {
+    return bad_input(where + "expected a valid boundary, OpenCASCADE's check refuses it");
+  }
+  body.tessellation = tessellated(shape, body.faces, model.tolerance);
+  if (brep.solid) {
+    const double volume = volume_of(shape), allowed = 1e-3 * std::abs(volume) + 2 * model.tolerance * area_of(shape);
+    if (!(volume > 0) || !body.tessellation.complete || std::abs(volume - body.tessellation.volume) > allowed) {
+      return bad_input(where + "expected a boundary whose volume agrees with its triangles, found " +
+                       print_number(volume) + " and " + print_number(body.tessellation.volume) + " mm^3");
     }
-    const Tessellation tessellation = tessellated(shape, faces, model.tolerance);
-    if (brep.solid) {
-      const double volume = volume_of(shape), allowed = 1e-3 * std::abs(volume) + 2 * model.tolerance * area_of(shape);
-      if (!(volume > 0) || !tessellation.complete || std::abs(volume - tessellation.volume) > allowed) {
-        return bad_input(where + "expected a boundary whose volume agrees with its triangles, found " +
-                         print_number(volume) + " and " + print_number(tessellation.volume) + " mm^3");
-      }
-    }
-    if (faces.Extent() <= most_named_faces) {
-      const ModelDistance distance(model);
-      std::map<std::string, int> object_number;
-      for (std::size_t i = 0; i < model.objects.size(); ++i) object_number[model.objects[i].name] = static_cast<int>(i);
-      std::map<std::string, int> used;
-      for (int i = 1; i <= faces.Extent(); ++i) {
-        const ModelHit hit = distance(tessellation.inner_points[static_cast<std::size_t>(i) - 1]);
-        const ModelFace& named = distance.faces()[static_cast<std::size_t>(hit.face)];
-        const int count = ++used[named.name];
-        WrittenFace face;
-        face.face = std::make_shared<TopoDS_Shape>(faces(i));
-        face.name = count == 1 ? named.name : named.name + " (" + std::to_string(count) + ")";
-        face.color = palette[static_cast<std::size_t>(object_number.at(named.object)) % palette.size()];
-        brep.faces.push_back(std::move(face));
-      }
-    }
-    return brep;
-  } catch (const Standard_Failure& failure) {
-    return bad_input(where +
-                     "expected a boundary that can be measured, OpenCASCADE says: " + failure.GetMessageString());
+  }
+  return body;
+}
+
+void name_faces(TessellatedBody& body, const Model& model) {
+  const ModelDistance distance(model);
+  std::map<std::string, int> object_number;
+  for (std::size_t i = 0; i < model.objects.size(); ++i) object_number[model.objects[i].name] = static_cast<int>(i);
+  std::map<std::string, int> used;
+  for (int i = 1; i <= body.faces.Extent(); ++i) {
+    const ModelHit hit = distance(body.tessellation.inner_points[static_cast<std::size_t>(i) - 1]);
+    const ModelFace& named = distance.faces()[static_cast<std::size_t>(hit.face)];
+    const int count = ++used[named.name];
+    WrittenFace face;
+    face.face = std::make_shared<TopoDS_Shape>(body.faces(i));
+    face.name = count == 1 ? named.name : named.name + " (" + std::to_string(count) + ")";
+    face.color = palette[static_cast<std::size_t>(object_number.at(named.object)) % palette.size()];
+    body.brep.faces.push_back(std::move(face));
   }
 }
+
+Result<Brep> built(const Model& model, bool named, Context& context) {
+  try {
+    auto body = built_and_checked(model, context);
+    if (!body.ok()) return body.error();
+    if (named && body->faces.Extent() <= most_named_faces) name_faces(*body, model);
+    return std::move(body->brep);
+  } catch (const Standard_Failure& failure) {
+    return bad_input("object '" + model.objects.back().name +
+                     "': expected a boundary that can be measured, OpenCASCADE says: " + failure.GetMessageString());
+  }
+}
+
+}  // namespace
+
+Result<Brep> build_brep(const CheckedModel& model, Context& context) { return built(*model, true, context); }
+
+Result<Brep> build_body(const CheckedModel& model, Context& context) { return built(*model, false, context); }
 
 Result<Brep> brep_of(const CheckedModel& model, const EmitOptions& options, Context& context) {
   if (!options.brep) return build_brep(model, context);

@@ -34,6 +34,9 @@ struct Brep {
 /// that agrees with its own tessellation. Errors name the object that could not be built.
 Result<Brep> build_brep(const CheckedModel& model, Context& context);
 
+/// The same without names of faces, which take as long as the rest: for bodies that are only measured.
+Result<Brep> build_body(const CheckedModel& model, Context& context);
+
 /// The boundary that several backends write.
 struct SharedBrep {
   std::optional<Result<Brep>> built;

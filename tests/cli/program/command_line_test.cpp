@@ -35,7 +35,7 @@ TEST_CASE("command line: help and version succeed and speak to standard output")
   const auto help = run_partscribe({"--help"});
   CHECK(help.exit_code == 0);
   for (const char* command :
-       {"build", "scan", "fit", "emit", "verify", "report", "explain", "measure", "simulate", "views"}) {
+       {"build", "scan", "fit", "emit", "verify", "report", "explain", "measure", "analyse", "simulate", "views"}) {
     CHECK(help.out.find(std::string("  ") + command) != std::string::npos);
     const auto own = run_partscribe({command, "--help"});
     CHECK(own.exit_code == 0);

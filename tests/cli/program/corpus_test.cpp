@@ -55,6 +55,13 @@ std::string cylinder_xyz(std::uint64_t seed, bool shuffled) {
   return text;
 }
 
+/// The parameter with the largest value.
+nlohmann::json longest_of(const nlohmann::json& model) {
+  const auto& all = model.at("parameters");
+  return *std::max_element(all.begin(), all.end(),
+                           [](const auto& a, const auto& b) { return a.at("value") < b.at("value"); });
+}
+
 const std::vector<std::string> compared = {"model.json", "part.scad", "part.scl", "part.igs", "part.step"};
 
 }  // namespace
@@ -112,6 +119,39 @@ TEST_CASE("corpus: the tie bar is found as an extrusion with two holes, and veri
   const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
   CHECK(model.at("objects").back().at("shape").at("kind") == "extrude");
   for (const double size : {30.0, 16.0, 10.0, 12.0}) CHECK(has_value(model, size, 0.03));
+}
+
+TEST_CASE("corpus: a carton that was really scanned is a box with its sizes, verified, and no other box is") {
+  const TemporaryDirectory folder;
+  const std::string scan = source_file("corpus/carton/scan/carton.ply").string();
+  const Path out = folder.path() / "out";
+  const auto output = run_partscribe({"build", scan, "--units", "mm", "--tolerance", "2.5", "--procedure", "box",
+                                      "--to", "openscad,step", "--out", out.string()});
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 0);
+  const auto model = nlohmann::json::parse(bytes_of(out / "model.json"));
+  CHECK(model.at("objects").back().at("shape").at("kind") == "box");
+  // What planes through the middles of its sides say, which nobody fitted with this program; the sides bulge by a mm.
+  for (const double size : {28.0, 71.1, 87.8}) CHECK(has_value(model, size, 1));
+  const auto mass = run_partscribe({"analyse", out.string(), "--quick", "--json"});
+  CHECK(nlohmann::json::parse(mass.out).at("volume").get<double>() == Approx(172983).epsilon(0.04));
+
+  // The same box, longer by twice the tolerance.
+  const auto longest = longest_of(model);
+  double volume = nlohmann::json::parse(mass.out).at("volume").get<double>();
+  volume *= 1 + 5 / longest.at("value").get<double>();
+  const auto longer = run_partscribe({"analyse", out.string(), "--quick", "--target",
+                                      "volume=" + print_number(snapped(volume, 1)) + "mm3", "--by", longest.at("name"),
+                                      "--out", (folder.path() / "longer.json").string()});
+  INFO(longer.err);
+  REQUIRE(longer.exit_code == 0);
+  REQUIRE(run_partscribe({"emit", (folder.path() / "longer.json").string(), "--to", "openscad", "--out",
+                          (folder.path() / "longer").string()})
+              .exit_code == 0);
+  const auto verdict = run_partscribe(
+      {"verify", (folder.path() / "longer/part.scad").string(), scan, "--units", "mm", "--tolerance", "2.5", "--json"});
+  CHECK(verdict.exit_code == 1);
+  CHECK(nlohmann::json::parse(verdict.out).at("verdict") == "out_of_tolerance");
 }
 
 TEST_CASE("corpus: the order of points and the number of threads change no byte") {
