@@ -41,6 +41,7 @@ struct BuildArguments {
   std::vector<std::string> to;
   FitArguments fit;
   PoseArguments poses;
+  std::string filter = "none";  ///< none, rlts, profile
   Path templates;
 };
 
@@ -199,7 +200,9 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   const Path& folder = results.path();
   const bool registers = arguments.poses.poses != "given";
   if (auto ok = session.stage("read"); !ok) return ok.error();
-  auto placed = read_views(arguments.scans, arguments.poses, Points::measured, session);
+  auto placed =
+      read_views(arguments.scans, arguments.poses, arguments.filter == "none" ? Points::measured : Points::flagged,
+                 session, arguments.filter == "profile" ? RltsForm::profile : RltsForm::combined);
   if (!placed) return placed.error();
   Scan* const scan = &placed->scan;
   if (auto ok = make_folder(folder); !ok) return ok.error();
@@ -209,6 +212,9 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
       (scan->mesh.empty() ? "" : " of a mesh with " + std::to_string(scan->mesh.triangles.size()) + " triangles") +
       " in " + std::to_string(scan->views.size()) + (scan->views.size() == 1 ? " view" : " views") + "; " +
       tolerance.reason + ".\n");
+  if (placed->filter.rejected > 0)
+    session.print("Set aside " + std::to_string(placed->filter.rejected) + " of " +
+                  std::to_string(placed->filter.returns) + " returns of range images as outliers.\n");
 
   if (auto ok = session.stage("fit"); !ok) return ok.error();
   // Away from the folder of the results, which are written when the answer is known.
@@ -300,6 +306,10 @@ Command build_command() {
           [arguments](Arguments& a) {
             a.paths(arguments->scans, "scan", "scan files of one part");
             declare(arguments->poses, a);
+            a.choice(arguments->filter, "--filter", {"none", "rlts", "profile"},
+                     "what tells outliers of range images before the fit: nothing, for the fit does so itself; or "
+                     "reweighted least trimmed squares in windows, or through five samples of a row as published in "
+                     "1993, which also take walls of one pixel");
             a.list(arguments->to, "--to", "LIST", "which of openscad,alpha1,iges,step to write (default: all)");
             a.text(arguments->fit.name, "--name", "NAME", "name of the part (default: from the first file)");
             a.flag(arguments->fit.no_nominal, "--no-nominal",

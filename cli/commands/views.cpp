@@ -145,7 +145,7 @@ void declare(PoseArguments& poses, Arguments& arguments) {
 }
 
 Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points,
-                               Session& session) {
+                               Session& session, RltsForm form) {
   if (poses.correct_depth && poses.poses != "turntable")
     return usage_error(
         "--correct-depth: expected --poses turntable, whose round part shows what is wrong with depths, found "
@@ -179,9 +179,11 @@ Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArgume
     say(*registration, placed.scan, session);
     placed.registration = std::move(*registration);
   }
-  if (points == Points::filtered) {
+  const bool any_image = std::any_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
+  if (points != Points::measured && any_image) {
     if (auto ok = session.stage("filter"); !ok) return ok.error();
-    placed.filter = filter_views(placed.scan, images, session.context);
+    placed.filter = points == Points::filtered ? filter_views(placed.scan, images, session.context)
+                                               : flag_outliers(placed.scan, images, form, session.context);
   }
   if (placed.registration) place_views(*placed.registration, placed.scan);
   return placed;

@@ -30,14 +30,17 @@ struct PlacedViews {
   std::optional<Registration> registration;  ///< unless the poses were taken as given
 };
 
+/// What the range-image filter does with points, where there are range images.
 enum class Points {
-  measured,  ///< for fits and verdicts
+  measured,  ///< nothing
+  flagged,   ///< marks outliers; places stay as measured, for fits and verdicts
   filtered,
 };
 
-/// Views that registration refuses are left out and named. Fails if no two views can be brought together.
+/// `form`: of the filter that flags. Views that registration refuses are left out and named. Fails if no two views can
+/// be brought together.
 Result<PlacedViews> read_views(const std::vector<Path>& inputs, const PoseArguments& poses, Points points,
-                               Session& session);
+                               Session& session, RltsForm form = RltsForm::combined);
 
 /// poses.json: where each view stood and how sure that is. `cloud_sha256`: of the cloud.ply that holds their points.
 std::string poses_json(const PlacedViews& views, const std::string& cloud_sha256);

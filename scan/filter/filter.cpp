@@ -37,20 +37,15 @@ Sample sample_of(const RangeImage& image, const FilteredImage& filtered, std::si
   return {point, normal.dot(away) > 0 ? Vec3(-normal) : normal};
 }
 
-}  // namespace
-
-bool are_range_images(const std::vector<RangeImage>& images) {
-  return !images.empty() && std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
-}
-
-FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context, FilterSigma of) {
+/// The filter's answer for each view that is a range image, and the points of the view that have a pixel in it.
+template <class Visit>
+FilterSummary filter_each(Scan& scan, const std::vector<RangeImage>& images, const RltsOptions& options,
+                          Context& context, const Visit& visit) {
   FilterSummary summary;
   PointCloud& cloud = scan.cloud;
   if (images.size() != scan.views.size() || cloud.pixel.size() != cloud.size() || cloud.view.size() != cloud.size())
     return summary;
   cloud.rejected.resize(cloud.size(), 0);
-  const bool all_images = are_range_images(images);
-  if (all_images) cloud.normals.assign(cloud.size(), Vec3::Zero()), cloud.sigma.assign(cloud.size(), 0.0f);
   std::vector<std::vector<std::uint32_t>> points_of(images.size());
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud.view[i] >= 0 && static_cast<std::size_t>(cloud.view[i]) < points_of.size() && cloud.pixel[i] >= 0)
@@ -60,27 +55,55 @@ FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Co
     const RangeImage& image = images[v];
     if (image.width == 0) continue;
     context.report("filter", double(v) / double(images.size()));
-    const FilteredImage filtered = rlts_filter(image, {}, context);
+    const FilteredImage filtered = rlts_filter(image, options, context);
     ++summary.views, summary.returns += filtered.returns, summary.rejected += filtered.rejected;
     sigmas.push_back(filtered.noise.sigma(1));
-    const Pose& pose = image.world_from_view;
     for (const std::uint32_t i : points_of[v]) {
       const auto pixel = static_cast<std::size_t>(cloud.pixel[i]);
       if (pixel >= filtered.kept.size()) continue;
-      if (!filtered.kept[pixel]) cloud.rejected[i] = 1;
-      if (!filtered.kept[pixel]) continue;
-      const Sample sample = sample_of(image, filtered, pixel);
-      cloud.points[i] = pose * sample.point;
-      if (!all_images) continue;
-      cloud.normals[i] = pose.rotation * sample.normal;
-      const double cosine = sample.normal.isZero() ? 1 : std::abs(cloud.normals[i].dot(cloud.rays[i]));
-      const double sigma = of == FilterSigma::of_noise ? filtered.sigma[pixel]
-                                                       : std::hypot(filtered.sigma[pixel], filtered.doubt[pixel]);
-      cloud.sigma[i] = static_cast<float>(sigma * cosine);
+      if (!filtered.kept[pixel])
+        cloud.rejected[i] = 1;
+      else
+        visit(image, filtered, pixel, i);
     }
   }
   if (!sigmas.empty()) summary.sigma = median(std::move(sigmas));
   return summary;
+}
+
+}  // namespace
+
+bool are_range_images(const std::vector<RangeImage>& images) {
+  return !images.empty() && std::all_of(images.begin(), images.end(), [](const RangeImage& i) { return i.width > 0; });
+}
+
+FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context, FilterSigma of) {
+  PointCloud& cloud = scan.cloud;
+  const bool columns = are_range_images(images) && images.size() == scan.views.size();
+  std::vector<Vec3> normals(columns ? cloud.size() : 0, Vec3::Zero());
+  std::vector<float> sigmas(normals.size(), 0.0f);
+  const auto summary = filter_each(
+      scan, images, {}, context,
+      [&](const RangeImage& image, const FilteredImage& filtered, std::size_t pixel, std::uint32_t i) {
+        const Sample sample = sample_of(image, filtered, pixel);
+        const Pose& pose = image.world_from_view;
+        cloud.points[i] = pose * sample.point;
+        if (!columns) return;
+        normals[i] = pose.rotation * sample.normal;
+        const double cosine = sample.normal.isZero() ? 1 : std::abs(normals[i].dot(cloud.rays[i]));
+        const double sigma = of == FilterSigma::of_noise ? filtered.sigma[pixel]
+                                                         : std::hypot(filtered.sigma[pixel], filtered.doubt[pixel]);
+        sigmas[i] = static_cast<float>(sigma * cosine);
+      });
+  if (columns && summary.views > 0) cloud.normals = std::move(normals), cloud.sigma = std::move(sigmas);
+  return summary;
+}
+
+FilterSummary flag_outliers(Scan& scan, const std::vector<RangeImage>& images, RltsForm form, Context& context) {
+  RltsOptions options;
+  options.form = form;
+  return filter_each(scan, images, options, context,
+                     [](const RangeImage&, const FilteredImage&, std::size_t, std::uint32_t) {});
 }
 
 std::vector<RegisterView> views_to_register(const Scan& scan, const std::vector<RangeImage>& images, Context& context) {

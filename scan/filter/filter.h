@@ -6,6 +6,7 @@
 
 #include "core/context.h"
 #include "geometry/images/range_image.h"
+#include "geometry/images/rlts_filter.h"
 #include "geometry/points/point_cloud.h"
 #include "scan/register/register.h"
 
@@ -31,6 +32,10 @@ enum class FilterSigma {
 /// a range image. For registration and merging; fits and verdicts average on their own and take points as measured.
 FilterSummary filter_views(Scan& scan, const std::vector<RangeImage>& images, Context& context,
                            FilterSigma sigma = FilterSigma::of_place);
+
+/// Flags the points whose pixels the filter rejects; places stay as measured, and so do flags that are there. For fits
+/// and verdicts.
+FilterSummary flag_outliers(Scan& scan, const std::vector<RangeImage>& images, RltsForm form, Context& context);
 
 /// The views of a scan as registration wants them: filtered, with normals, sigma of their noise and where they were
 /// measured, if every view is a range image; as measured if not. A scan that filter_views has seen is taken as it is;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -152,6 +153,36 @@ TEST_CASE("corpus: a carton that was really scanned is a box with its sizes, ver
       {"verify", (folder.path() / "longer/part.scad").string(), scan, "--units", "mm", "--tolerance", "2.5", "--json"});
   CHECK(verdict.exit_code == 1);
   CHECK(nlohmann::json::parse(verdict.out).at("verdict") == "out_of_tolerance");
+}
+
+TEST_CASE("corpus: range images can be filtered before the fit, which then sees what was measured without flipped bits") {
+  const TemporaryDirectory folder;
+  const std::string shape = source_file("tests/golden/cylinder/part.step").string();
+  const Path scan = folder.path() / "scan";
+  const auto simulated = run_partscribe({"simulate", shape, "--bit-error", "0.04", "--sigma", "0.02", "--resolution",
+                                         "96", "--no-merged", "--out", scan.string()});
+  INFO(simulated.err);
+  REQUIRE(simulated.exit_code == 0);
+  std::map<std::string, nlohmann::json> models;
+  for (const std::string filter : {"rlts", "profile", "none"}) {
+    const Path out = folder.path() / filter;
+    const auto output = run_partscribe({"build", (scan / "scan.json").string(), "--tolerance", "0.2", "--to",
+                                        "openscad", "--filter", filter, "--out", out.string()});
+    INFO(filter << ": " << output.out << output.err);
+    CHECK((output.out.find("returns of range images as outliers") != std::string::npos) == (filter != "none"));
+    const bool fitted = std::filesystem::exists(out / "model.json");
+    REQUIRE((fitted || filter == "none"));
+    if (!fitted) continue;
+    models[filter] = nlohmann::json::parse(bytes_of(out / "model.json"));
+    if (filter == "none") continue;
+    CHECK(output.exit_code == 0);
+    CHECK(has_value(models[filter], 24, 0.1));
+  }
+  // Errors of a code's low bits look like noise, so that fewer are rejected than were made.
+  const auto& provenance = models["rlts"].at("provenance");
+  const double share = provenance.at("rejected").get<double>() / provenance.at("points").get<double>();
+  CHECK(share > 0.015);
+  CHECK(share < 0.06);
 }
 
 TEST_CASE("corpus: the order of points and the number of threads change no byte") {

@@ -55,6 +55,27 @@ TEST_CASE("filter: outliers are found and stay where they were") {
   CHECK(double(lost) < 0.03 * double(good));
 }
 
+TEST_CASE("filter: outliers can be flagged alone, by the published profile as well, and no place moves") {
+  Ball ball = scanned_ball(Projection::orthographic);
+  Context context;
+  for (const RltsForm form : {RltsForm::combined, RltsForm::profile}) {
+    Scan scan = ball.scan.merged;
+    const FilterSummary summary = flag_outliers(scan, ball.images, form, context);
+    CHECK(summary.views == ball.images.size());
+    CHECK(scan.cloud.points == ball.scan.merged.cloud.points);
+    CHECK(scan.cloud.normals.empty());
+    std::size_t bad = 0, caught = 0, flagged = 0;
+    for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+      flagged += scan.cloud.rejected[i];
+      if (off(scan.cloud.points[i]) < 12 * sigma) continue;
+      ++bad, caught += scan.cloud.rejected[i];
+    }
+    CHECK(flagged == summary.rejected);
+    CHECK(double(caught) > 0.9 * double(bad));
+    CHECK(double(flagged) < 0.1 * double(scan.cloud.size()));
+  }
+}
+
 TEST_CASE("filter: values lie nearer to the surface, with normals that face out") {
   for (const Projection projection : {Projection::orthographic, Projection::pinhole}) {
     Ball ball = scanned_ball(projection);
