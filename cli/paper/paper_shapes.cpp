@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "cli/describe.h"
@@ -53,15 +54,21 @@ fit::SuperellipsoidFit superellipsoid_of(const PaperSubject& subject, Context& c
   return fit::recover_superellipsoid(points, context, normals);
 }
 
-/// The goodness of the fit by equation (6) as published, straight and tapered, as cells of a table.
+/// The goodness of fits by equation (6) as published, straight and tapered, as cells of a table. From one start (6)
+/// ends in one of several minima: the best of some selections of the points counts.
 std::vector<std::string> published_cells(const PaperSubject& subject) {
-  std::vector<Vec3> points;
+  constexpr std::size_t selections = 6;
   const auto all = subject.points();
-  for (std::size_t i = 0; i < all.size(); i += std::max<std::size_t>(1, all.size() / 1500)) points.push_back(all[i]);
+  const std::size_t stride = std::max(selections, all.size() / 1000);
   std::vector<std::string> cells;
   for (const bool taper : {false, true}) {
-    const auto fit = fit::published_superellipsoid(points, {.taper = taper});
-    cells.push_back(fit ? readable(fit->gof) : "none");
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < selections; ++k) {
+      std::vector<Vec3> points;
+      for (std::size_t i = k * stride / selections; i < all.size(); i += stride) points.push_back(all[i]);
+      if (const auto fit = fit::published_superellipsoid(points, {.taper = taper})) best = std::min(best, fit->gof);
+    }
+    cells.push_back(readable(best));
   }
   return cells;
 }
@@ -167,7 +174,7 @@ PaperFigure superellipsoids_figure(const PaperSubjects& subjects, Context& conte
       "mean radial distance in mm. The paper has 0.10, 1.08 and 0.06 for the pin, 0.15, 0.87 and 0.15 for "
       "the face, 0.10, 0.10 and 0.22 for the hand. The pin's good fit indicates a turned part, the "
       "bad ones of face and hand nothing: bounding surfaces describe them. The last columns are goodness by equation "
-      "(6) as published, without tapering and with it, which pays most for the hand.";
+      "(6) as published, without tapering and with it, the best of six selections of the points.";
   figure.table = {
       {"image", "e1", "e2", "tapering", "goodness of fit", "mm", "indicated", "(6), straight", "(6), tapered"}};
   for (const PaperSubject* subject : {&subjects.pin, &subjects.mask, &subjects.hand}) {

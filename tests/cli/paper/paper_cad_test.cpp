@@ -7,7 +7,6 @@
 #include "codegen/emit.h"
 #include "core/files.h"
 #include "fit/input/prepare.h"
-#include "fit/propose/as_published/published_superellipsoid.h"
 #include "fit/propose/superellipsoid.h"
 #include "fit/refine/tidy.h"
 #include "fit/surface/fallback.h"
@@ -45,20 +44,6 @@ Bounded bounded(const PaperSubject& subject, double tolerance, Context& context)
   auto model = model::checked(fit::model_of(surfaces->candidate, *input), subject.name);
   REQUIRE(model);
   return {scan, std::move(*model)};
-}
-
-/// Mean distance between points and a superellipsoid along the rays from its centre, mm.
-double radial_distance(const fit::PublishedSuperellipsoid& fit, const std::vector<Vec3>& points) {
-  const auto& s = fit.shape;
-  double sum = 0;
-  for (const Vec3& p : points) {
-    const Vec3 q = fit.scan_from_shape.inverse() * p;
-    const double x = std::abs(q.x() / s.a1 / (1 + s.taper_x * q.z() / s.a3)),
-                 y = std::abs(q.y() / s.a2 / (1 + s.taper_y * q.z() / s.a3)), z = std::abs(q.z() / s.a3);
-    const double f = std::pow(std::pow(x, 2 / s.e2) + std::pow(y, 2 / s.e2), s.e2 / s.e1) + std::pow(z, 2 / s.e1);
-    sum += q.norm() * std::abs(std::pow(f, -s.e1 / 2) - 1);
-  }
-  return sum / double(points.size());
 }
 
 }  // namespace
@@ -126,24 +111,6 @@ TEST_CASE("paper models: superellipsoids of face and hand fit badly, and boundin
   }
   const Bounded hand = bounded(subjects.hand, 1, context);  // of the face see above
   CHECK(std::holds_alternative<model::SurfaceSet>(hand.model->objects.back().shape));
-}
-
-TEST_CASE("paper models: tapering lets the superellipsoid of equation (6) fit the hand in a third of the distance") {
-  std::vector<Vec3> points;
-  const auto all = subjects_of_paper().hand.points();
-  for (std::size_t i = 0; i < all.size(); i += 17) points.push_back(all[i]);
-  const auto straight = fit::published_superellipsoid(points, {.taper = false});
-  const auto tapered = fit::published_superellipsoid(points, {.taper = true});
-  REQUIRE(straight);
-  REQUIRE(tapered);
-  CHECK(straight->shape.taper_x == 0);
-  CHECK(std::max(std::abs(tapered->shape.taper_x), std::abs(tapered->shape.taper_y)) > 0.3);
-  CHECK(tapered->objective < 0.2 * straight->objective);
-  CHECK(tapered->gof < 0.4 * straight->gof);
-  const double before = radial_distance(*straight, points), after = radial_distance(*tapered, points);
-  INFO(before << " mm without, " << after << " mm with");
-  CHECK(after < before / 3);
-  CHECK(after > 1);  // a bad fit still
 }
 
 TEST_CASE("paper models: figure 13 shows the pin as procedures and the face as a spline surface", "[.statistics]") {
