@@ -14,24 +14,6 @@
 namespace partscribe::cli {
 namespace {
 
-/// A view's filtered points as a scan, the sensor looking along -z.
-Scan scan_of(const PaperSubject& subject) {
-  Scan scan;
-  scan.views.push_back({});
-  scan.views.back().file = subject.file;
-  scan.views.back().width = subject.image.width, scan.views.back().height = subject.image.height;
-  for (int row = 0; row < subject.image.height; ++row)
-    for (int column = 0; column < subject.image.width; ++column) {
-      const Vec3 normal = subject.normal(column, row);
-      if (normal.isZero()) continue;
-      scan.cloud.points.push_back(subject.place(column, row));
-      scan.cloud.view.push_back(0);
-      scan.cloud.pixel.push_back(std::int32_t(subject.index(column, row)));
-      scan.cloud.rays.push_back({0, 0, -1});
-    }
-  return scan;
-}
-
 /// The first lines of a text, and how many follow.
 std::string beginning(const std::string& text, int lines) {
   std::istringstream stream(text);
@@ -57,7 +39,9 @@ Result<std::vector<PaperFigure>> model_figures(const PaperSubjects& subjects, Co
   PaperFigure models;
   models.title = "Figure 13: CAD models";
   models.text = "The pin at " + print_number(pin_tolerance) + " mm, from six views: " + procedure_text(**pin) +
-                ". The face mask at " + print_number(face_tolerance) + " mm, from one: " + procedure_text(**face) + ".";
+                ". The face mask at " + print_number(face_tolerance) + " mm, from one: " + procedure_text(**face) +
+                ", whose distance from the points, averaged over neighbours, is at most " +
+                readable((*face)->objects.back().evidence.max) + " mm.";
   models.table = {{"parameter of the pin", "found, mm"}};
   for (const auto& parameter : (*pin)->parameters)
     if (parameter.fitted > 0) models.table.push_back({parameter.name, with_sigma(parameter.fitted, parameter.sigma)});

@@ -79,6 +79,23 @@ std::vector<Vec3> PaperSubject::points() const {
   return result;
 }
 
+Scan scan_of(const PaperSubject& subject) {
+  Scan scan;
+  scan.views.push_back({});
+  scan.views.back().file = subject.file;
+  scan.views.back().width = subject.image.width, scan.views.back().height = subject.image.height;
+  for (int row = 0; row < subject.image.height; ++row)
+    for (int column = 0; column < subject.image.width; ++column) {
+      const Vec3 normal = subject.normal(column, row);
+      if (normal.isZero()) continue;
+      scan.cloud.points.push_back(subject.place(column, row));
+      scan.cloud.view.push_back(0);
+      scan.cloud.pixel.push_back(std::int32_t(subject.index(column, row)));
+      scan.cloud.rays.push_back({0, 0, -1});
+    }
+  return scan;
+}
+
 Result<PaperSubjects> paper_subjects(Context& context) {
   PaperSubjects subjects;
   auto model = model::read_model_json(pin_model_text, "the built-in pin");

@@ -39,6 +39,9 @@ struct PaperSubject {
   Vec3 normal(int column, int row) const;  ///< unit, towards the sensor; zero where unknown
 };
 
+/// The filtered pixels as the scan of one view, the sensor looking along -z.
+Scan scan_of(const PaperSubject& subject);
+
 struct PaperSubjects {
   model::Model pin_model;  ///< the pin's truth
   Scan pin_scan;           ///< of six views; the first is `pin`

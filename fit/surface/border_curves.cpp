@@ -85,4 +85,28 @@ std::vector<NurbsCurve<2>> border_curves(const std::vector<Vec2>& places, double
   return result;
 }
 
+NurbsCurve<2> held_in(NurbsCurve<2> curve, const Vec2& low, const Vec2& high, double most) {
+  const auto inside = [&](const Vec2& p) { return Vec2(p.cwiseMax(low).cwiseMin(high)); };
+  const auto beyond = [&](const Vec2& p) { return (inside(p) - p).norm(); };
+  // The distance of a polygon from its curve falls to a quarter with each halving of the spans.
+  for (int round = 0; round < 16; ++round) {
+    std::vector<double> more;
+    const auto& knots = curve.t.knots;
+    const auto degree = static_cast<std::size_t>(curve.t.degree);
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+      double mean = 0;
+      for (std::size_t k = 1; k <= degree; ++k) mean += knots[i + k] / double(degree);
+      if (beyond(curve.points[i]) <= most + beyond(curve.at(mean))) continue;
+      for (std::size_t k = i; k <= i + degree; ++k)
+        if (knots[k] < knots[k + 1]) more.push_back(0.5 * (knots[k] + knots[k + 1]));
+    }
+    if (more.empty()) break;
+    std::sort(more.begin(), more.end());
+    more.erase(std::unique(more.begin(), more.end()), more.end());
+    for (const double t : more) curve = with_knot(curve, t);
+  }
+  for (Vec2& p : curve.points) p = inside(p);
+  return curve;
+}
+
 }  // namespace partscribe::fit

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/number.h"
+#include "fit/surface/border_curves.h"
 
 namespace partscribe::fit {
 
@@ -62,11 +63,12 @@ void round_numbers(TrimmedSurface& trimmed, double tolerance) {
   for (KnotVector* t : {&trimmed.surface.u, &trimmed.surface.v})
     for (double& knot : t->knots) knot = snapped(knot, step);
   for (auto& loop : trimmed.loops)
-    for (auto& trim : loop)
-      for (Vec2& p : trim.curve.points) {
-        const KnotVector &u = trimmed.surface.u, &v = trimmed.surface.v;
+    for (auto& trim : loop) {
+      const KnotVector &u = trimmed.surface.u, &v = trimmed.surface.v;
+      trim.curve = held_in(std::move(trim.curve), {u.low(), v.low()}, {u.high(), v.high()}, 0.02 * tolerance);
+      for (Vec2& p : trim.curve.points)
         p = {std::clamp(snapped(p.x(), step), u.low(), u.high()), std::clamp(snapped(p.y(), step), v.low(), v.high())};
-      }
+    }
 }
 
 }  // namespace partscribe::fit

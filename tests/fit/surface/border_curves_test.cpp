@@ -79,3 +79,37 @@ TEST_CASE("border curves: half a disc is a line and a curve between two corners"
   CHECK(farthest(places, curves) < 0.1);
   closes(curves);
 }
+
+TEST_CASE("border curves: held in a box, a curve stays where it is while its control points come inside") {
+  // A circle of radius 10 in four spans: its control points lie up to 1.3 mm outside of it.
+  std::vector<Vec2> places;
+  for (int i = 0; i < 200; ++i) places.emplace_back(10 * std::cos(2 * pi * i / 200), 10 * std::sin(2 * pi * i / 200));
+  const auto curves = border_curves(places, 0.1);
+  REQUIRE(curves.size() == 1);
+  const Vec2 high = Vec2::Constant(10.15), low = -high;
+  const auto leaves = [&](const NurbsCurve<2>& curve) {
+    double most = 0;
+    for (const Vec2& p : curve.points) most = std::max(most, (p.cwiseMax(low).cwiseMin(high) - p).norm());
+    return most;
+  };
+  const auto moved = [&](const NurbsCurve<2>& curve) {
+    double most = 0;
+    for (int i = 0; i <= 1000; ++i) most = std::max(most, (curve.at(i / 1000.0) - curves[0].at(i / 1000.0)).norm());
+    return most;
+  };
+  REQUIRE(leaves(curves[0]) > 0.3);
+  const auto held = held_in(curves[0], low, high, 0.01);
+  CHECK(leaves(held) == 0);
+  CHECK(moved(held) < 0.01);
+  CHECK(held.points.size() < 4 * curves[0].points.size());
+  // Control points that are merely moved inside take the curve with them.
+  NurbsCurve<2> pressed = curves[0];
+  for (Vec2& p : pressed.points) p = p.cwiseMax(low).cwiseMin(high);
+  CHECK(moved(pressed) > 0.1);
+  // Where a curve leaves the box itself it follows the border.
+  const auto cut = held_in(curves[0], {-20, -20}, {8, 20}, 0.01);
+  double right = -20;
+  for (int i = 0; i <= 1000; ++i) right = std::max(right, cut.at(i / 1000.0).x());
+  CHECK(right == Approx(8).margin(0.02));
+  CHECK(right < 8 + 1e-9);
+}
