@@ -122,7 +122,7 @@ TEST_CASE("paper models: figure 13 shows the pin as procedures and the face as a
   INFO(models.text);
   CHECK(models.text.find("a sheet of 1 B-spline surface") != std::string::npos);
   REQUIRE(models.pictures.size() == 3);
-  for (const auto& picture : models.pictures) CHECK(picture.png.size() > 5000);
+  for (const auto& picture : models.pictures) CHECK(picture.png.size() > 2500);
   const auto at = models.text.find("is at most ");
   REQUIRE(at != std::string::npos);
   CHECK(std::atof(models.text.c_str() + at + 11) < 1);
