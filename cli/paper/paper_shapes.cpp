@@ -14,6 +14,7 @@
 #include "fit/propose/as_published/published_superellipsoid.h"
 #include "fit/propose/superellipsoid.h"
 #include "fit/surface/generalized_delaunay.h"
+#include "fit/surface/sized_spline.h"
 #include "geometry/images/region_growing.h"
 
 namespace partscribe::cli {
@@ -218,9 +219,10 @@ PaperFigure characterization_figure(const PaperSubjects& subjects) {
                             std::array<std::size_t, 9>{0, 0, 3, 2, 1, 4, 5, 6, 7}[std::size_t(characters[i].kind)]);
         sheet.pixel(256 * k + column, row, color);
       }
+    const fit::NetSize net = fit::net_size(counts);
     figure.table.push_back({subject->name, std::to_string(patches.patches.size()), std::to_string(counts.along_row),
                             std::to_string(counts.along_column),
-                            std::to_string(3 * counts.along_row) + " x " + std::to_string(3 * counts.along_column)});
+                            std::to_string(net.columns) + " x " + std::to_string(net.rows)});
     ++k;
   }
   figure.pictures = {{"figure-9.png", sheet.png(), "three maps in colours"}};
