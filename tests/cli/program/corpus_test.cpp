@@ -155,7 +155,8 @@ TEST_CASE("corpus: a carton that was really scanned is a box with its sizes, ver
   CHECK(nlohmann::json::parse(verdict.out).at("verdict") == "out_of_tolerance");
 }
 
-TEST_CASE("corpus: range images can be filtered before the fit, which then sees what was measured without flipped bits") {
+TEST_CASE(
+    "corpus: range images can be filtered before the fit, which then sees what was measured without flipped bits") {
   const TemporaryDirectory folder;
   const std::string shape = source_file("tests/golden/cylinder/part.step").string();
   const Path scan = folder.path() / "scan";
