@@ -1,4 +1,5 @@
 /// Every shape from a simulated scan to four verified artifacts, as a user runs it.
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -50,14 +51,21 @@ void expect_found(const std::string& part, const std::string& kind, const std::v
   CHECK(verdict.at("artifacts").size() == 4);
 }
 
-/// Moves a control point in the middle of a surface by 2 mm in the OpenSCAD script: that one is refused, the script as
-/// it was is not. There a point moves the surface by a good third of its own way.
+/// Moves the control point in the middle of a surface by 2 mm along the normal in the OpenSCAD script: that one is
+/// refused, the script as it was is not. There a point moves the surface by a good third of its own way.
 void check_moved_point(const nlohmann::json& patch, const Path& out, const Path& scan, const char* tolerance) {
   std::string script = bytes_of(out / "part.scad");
-  const auto& p = patch.at("control")[patch.at("control").size() / 2 + 2];
-  const std::string before = "[" + print_number(p[0]) + ", " + print_number(p[1]) + ", " + print_number(p[2]) + "]";
-  const std::string after =
-      "[" + print_number(p[0]) + ", " + print_number(p[1]) + ", " + print_number(p[2].get<double>() + 2) + "]";
+  const auto& net = patch.at("control");
+  const auto columns = patch.at("knots_v").size() - patch.at("degree_v").get<std::size_t>() - 1;
+  const std::size_t middle = net.size() / columns / 2 * columns + columns / 2;
+  const auto point = [&](std::size_t i) { return Vec3(net[i][0], net[i][1], net[i][2]); };
+  const auto text = [](const Vec3& p) {
+    return "[" + print_number(p.x()) + ", " + print_number(p.y()) + ", " + print_number(p.z()) + "]";
+  };
+  const Vec3 along_u = point(middle + columns) - point(middle - columns),
+             along_v = point(middle + 1) - point(middle - 1);
+  const std::string before = text(point(middle));
+  const std::string after = text(point(middle) + 2 * along_u.cross(along_v).normalized());
   const auto at = script.find(before);
   REQUIRE(at != std::string::npos);
   REQUIRE(write_file(out / "edited.scad", script.replace(at, before.size(), after)).ok());
