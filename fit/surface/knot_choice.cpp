@@ -35,13 +35,32 @@ std::vector<Across> jumps(const NurbsSurface& s, bool along_u) {
   return result;
 }
 
+/// What a surface leaves, over what is allowed: the largest, and a norm that all large ones count in.
+struct Left {
+  double worst = 0, norm = 0;
+};
+Left left_by(const NetEquations& equations, const NurbsSurface& surface, double averaged, double allowed) {
+  const auto left = equations.left(surface);
+  Left result;
+  for (std::size_t i = 0; i < left.mean.size(); ++i) {
+    if (left.points[i] < averaged) continue;
+    const double d = std::abs(left.mean[i]) / allowed, d2 = d * d, d4 = d2 * d2;
+    result.worst = std::max(result.worst, d);
+    result.norm += d4 * d4;
+  }
+  return result;
+}
+
 /// Which of the fine breaks are knots, ascending, the ends left out.
 using Chosen = std::array<std::vector<int>, 2>;
 
 class Choice {
  public:
   Choice(const NetEquations& equations, const NurbsSurface& start, const KnotChoiceOptions& options)
-      : equations_(equations), options_(options), breaks_{equations.u().breaks(), equations.v().breaks()} {
+      : equations_(equations),
+        options_(options),
+        breaks_{equations.u().breaks(), equations.v().breaks()},
+        surface_(start) {
     for (std::size_t k : {0u, 1u}) {
       const auto used = (k == 0 ? start.u : start.v).breaks();
       for (std::size_t i = 1; i + 1 < used.size(); ++i) {
@@ -49,7 +68,6 @@ class Choice {
         best_[k].push_back(int(at - breaks_[k].begin()));
       }
     }
-    surface_ = start;
   }
 
   std::pair<KnotVector, KnotVector> fewest() {
@@ -71,23 +89,11 @@ class Choice {
     return (double(chosen[0].size()) + 4) * (double(chosen[1].size()) + 4);
   }
 
-  /// What is left, over what is allowed: the largest, and a norm that all large ones count in.
-  struct Left {
-    double worst = 1e300, norm = 1e300;
-  };
   Left left(const Chosen& chosen, std::optional<NurbsSurface>* found = nullptr) const {
     ++asked_;
-    Left result;
     auto surface = equations_.solve(knots(chosen, 0), knots(chosen, 1), options_.fairness);
-    if (!surface) return result;
-    const auto left = equations_.left(*surface);
-    result = {0, 0};
-    for (std::size_t i = 0; i < left.mean.size(); ++i) {
-      if (left.points[i] < options_.averaged) continue;
-      const double d = std::abs(left.mean[i]) / options_.allowed, d2 = d * d, d4 = d2 * d2;
-      result.worst = std::max(result.worst, d);
-      result.norm += d4 * d4;
-    }
+    if (!surface) return {1e300, 1e300};
+    const Left result = left_by(equations_, *surface, options_.averaged, options_.allowed);
     if (found) *found = std::move(surface);
     return result;
   }
@@ -129,7 +135,7 @@ class Choice {
   }
 
   /// `count` knots at equal shares, in different places.
-  std::vector<int> dealt(const std::vector<double>& sum, int count) const {
+  static std::vector<int> dealt(const std::vector<double>& sum, int count) {
     const int last = int(sum.size()) - 1;
     count = std::min(count, last - 1);
     std::vector<int> result;
@@ -251,11 +257,7 @@ std::vector<KnotJump> knots_by_jump(const NurbsSurface& surface) {
 }
 
 double left_over(const NetEquations& equations, const NurbsSurface& surface, double averaged) {
-  const auto left = equations.left(surface);
-  double worst = 0;
-  for (std::size_t i = 0; i < left.mean.size(); ++i)
-    if (left.points[i] >= averaged) worst = std::max(worst, std::abs(left.mean[i]));
-  return worst;
+  return left_by(equations, surface, averaged, 1).worst;
 }
 
 std::pair<KnotVector, KnotVector> fewest_knots(const NetEquations& equations, const NurbsSurface& start,

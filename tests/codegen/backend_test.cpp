@@ -17,6 +17,7 @@
 #include "model/distance/distance.h"
 #include "model/json.h"
 #include "model/surface_patches.h"
+#include "testing/checked_model.h"
 #include "testing/golden_models.h"
 #include "testing/program.h"
 #include "testing/surface_sets.h"
@@ -31,12 +32,6 @@ namespace {
 const std::vector<std::string> own_backends = {"openscad", "iges", "step"};
 
 Path golden_folder(const std::string& part) { return source_file("tests/golden/" + part); }
-
-CheckedModel checked_model(const Model& model) {
-  auto result = checked(model, model.name);
-  REQUIRE(result.ok());
-  return std::move(result).value();
-}
 
 Artifact emitted(const Model& model, const std::string& backend) {
   Context context;

@@ -12,20 +12,14 @@
 #include "fit/surface/fallback.h"
 #include "fit/surface/triangulate.h"
 #include "model/distance/distance.h"
+#include "testing/paper_subjects.h"
 #include "verify/verify.h"
 
 using namespace partscribe;
 using namespace partscribe::cli;
+using partscribe::testing::subjects_of_paper;
 
 namespace {
-
-const PaperSubjects& subjects_of_paper() {
-  static const PaperSubjects subjects = [] {
-    Context context;
-    return *paper_subjects(context);
-  }();
-  return subjects;
-}
 
 /// What `build` does where no procedure is found.
 struct Bounded {

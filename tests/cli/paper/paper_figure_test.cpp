@@ -6,19 +6,13 @@
 #include <set>
 
 #include "cli/paper/paper_page.h"
+#include "testing/paper_subjects.h"
 
 using namespace partscribe;
 using namespace partscribe::cli;
+using partscribe::testing::subjects_of_paper;
 
 namespace {
-
-const PaperSubjects& subjects_of_paper() {
-  static const PaperSubjects subjects = [] {
-    Context context;
-    return *paper_subjects(context);
-  }();
-  return subjects;
-}
 
 double number_in(const PaperFigure& figure, std::size_t row, std::size_t column) {
   REQUIRE(figure.table.size() > row);

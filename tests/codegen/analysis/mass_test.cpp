@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "codegen/exchange/brep.h"
+#include "testing/checked_model.h"
 #include "testing/models.h"
 #include "verify/exchange/mesh_shape.h"
 
@@ -16,16 +17,9 @@ using namespace codegen;
 
 namespace {
 
-CheckedModel sound(Model m) {
-  auto result = checked(std::move(m), "test");
-  INFO((result ? "" : result.error().message));
-  REQUIRE(result.ok());
-  return *result;
-}
-
 MassProperties mass_of(Model m) {
   Context context;
-  const auto mass = mass_properties(sound(std::move(m)), context);
+  const auto mass = mass_properties(checked_model(std::move(m)), context);
   INFO((mass ? "" : mass.error().message));
   REQUIRE(mass.ok());
   return *mass;
@@ -132,7 +126,7 @@ TEST_CASE("mass: of every solid shape agrees with the sum over its triangles") {
   Context context;
   int solids = 0;
   for (const Model& m : one_of_each()) {
-    const auto model = sound(m);
+    const auto model = checked_model(m);
     if (is_sheet(m.objects.back().shape)) continue;
     ++solids;
     INFO(kind_of(m.objects.back().shape));
@@ -149,7 +143,7 @@ TEST_CASE("mass: of every solid shape agrees with the sum over its triangles") {
 
 TEST_CASE("mass: bad_input: an open surface has no volume, and one line says so") {
   Context context;
-  const auto mass = mass_properties(sound(model_with(cowl())), context);
+  const auto mass = mass_properties(checked_model(model_with(cowl())), context);
   REQUIRE_FALSE(mass.ok());
   CHECK(mass.error().kind == ErrorKind::bad_input);
   CHECK(mass.error().message ==

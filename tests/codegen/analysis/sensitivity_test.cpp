@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "testing/checked_model.h"
 #include "testing/models.h"
 
 namespace partscribe::testing {
@@ -13,16 +14,9 @@ using namespace codegen;
 
 namespace {
 
-CheckedModel valid(Model m) {
-  auto result = checked(std::move(m), "test");
-  INFO((result ? "" : result.error().message));
-  REQUIRE(result.ok());
-  return *result;
-}
-
 std::vector<Sensitivity> sensitivities_of(const Model& m, const SensitivityOptions& options = {}) {
   Context context;
-  const auto model = valid(m);
+  const auto model = checked_model(m);
   const auto body = mass_properties(model, context);
   REQUIRE(body.ok());
   const auto all = sensitivities(model, *body, options, context);
@@ -152,7 +146,7 @@ TEST_CASE("sensitivity: bad_name: an unknown parameter names those that exist, a
   Model m = block();
   m.parameters.push_back(length("twice", 60));
   m.parameters.back().formula = Expr::of("length") * Expr(2);
-  const auto model = valid(m);
+  const auto model = checked_model(m);
   const auto unknown = with_value(model, "lenght", 3);
   REQUIRE_FALSE(unknown.ok());
   CHECK(unknown.error().kind == ErrorKind::usage);
@@ -168,7 +162,7 @@ TEST_CASE("sensitivity: bad_name: an unknown parameter names those that exist, a
 
 TEST_CASE("sensitivity: stops when it is told to") {
   Context context;
-  const auto model = valid(block());
+  const auto model = checked_model(block());
   const auto body = mass_properties(model, context);
   REQUIRE(body.ok());
   context.cancelled = true;

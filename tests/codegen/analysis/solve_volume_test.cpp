@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "testing/checked_model.h"
 #include "testing/models.h"
 
 namespace partscribe::testing {
@@ -14,10 +15,7 @@ namespace {
 
 Result<SolvedVolume> solved(const Model& m, const std::string& name, double volume) {
   Context context;
-  const auto model = checked(m, "test");
-  INFO((model ? "" : model.error().message));
-  REQUIRE(model.ok());
-  return solve_volume(*model, name, volume, context);
+  return solve_volume(checked_model(m), name, volume, context);
 }
 
 Model ball() { return model_with(Sphere{Expr::of("radius")}, {length("radius", 11)}); }
