@@ -56,6 +56,9 @@ std::string noun_of(const Shape& shape) {
            verify::counted(set.patches.size(), "B-spline surface") + " with " +
            verify::counted(control, "control point");
   }
+  if (kind == "swept_surface")
+    return "what a B-spline surface with " +
+           verify::counted(std::get<SweptSurface>(shape).surface.control.size(), "control point") + " passes";
   if (kind == "union") return "a union";
   if (kind == "difference") return "a body with cuts";
   if (kind == "intersection") return "an intersection";

@@ -15,14 +15,15 @@ struct FullName {
 };
 constexpr std::array full_names = {FullName{"frustum of a cone", "cone"}, FullName{"convex polyhedron", "half_spaces"},
                                    FullName{"extrusion", "extrude"}, FullName{"surface of revolution", "revolve"},
-                                   FullName{"body with holes", "drilled"}};
+                                   FullName{"body with holes", "drilled"},
+                                   FullName{"body with free-form faces", "sculpted"}};
 
 }  // namespace
 
 const std::vector<std::string>& procedure_words() {
   static const std::vector<std::string> words = {
       "sphere",  "box",     "cylinder",    "cone",    "torus",       "wedge",          "fillet",   "ellipsoid",
-      "revolve", "extrude", "half_spaces", "drilled", "supertoroid", "superellipsoid", only_a_mesh};
+      "revolve", "extrude", "half_spaces", "drilled", "sculpted", "supertoroid", "superellipsoid", only_a_mesh};
   return words;
 }
 

@@ -347,6 +347,16 @@ struct Check {
     }
   }
 
+  void check_swept(const std::string& where, const SweptSurfaceOf<double>& s) {
+    if (const auto wrong = complaint_about_whole(s.surface)) return complain(where + ": surface" + *wrong);
+    if (s.direction.size() != 3 || !std::ranges::all_of(s.direction, [](double x) { return std::isfinite(x); }) ||
+        !(Vec3(s.direction.data()).norm() > 0))
+      return complain(where + ": expected a direction of three numbers, not all of them 0");
+    constexpr double least = 0.02;  // cosine
+    if (std::abs(leaving_cosine(s.surface, Vec3(s.direction.data()))) < least)
+      complain(where + ": the surface must not run along the direction in which it moves, nor turn back");
+  }
+
   void check_hole(const std::string& where, const HoleOf<double>& s) {
     auto want = [&](bool good, const char* rule) {
       if (!good) complain(where + ": " + rule);
@@ -408,6 +418,7 @@ struct Check {
                    },
                    [&](const PocketOf<double>& s) { check_extrusion(where, solid_of(s)); },
                    [&](const BossOf<double>& s) { check_extrusion(where, solid_of(s)); },
+                   [&](const SweptSurfaceOf<double>& s) { check_swept(where, s); },
                    [&](const LinearPatternOf<double>& s) {
                      check_names(where, {s.object}, 1, earlier);
                      if (s.count > 1.5 && s.step_x == 0 && s.step_y == 0 && s.step_z == 0)

@@ -88,6 +88,21 @@ struct BossOf {
   bool operator==(const BossOf&) const = default;
 };
 
+/// What a B-spline surface passes while it moves along a vector. Cut from a body it leaves the surface as a face;
+/// joined to one, it is a pad whose face it is.
+template <class N>
+struct SweptSurfaceOf {
+  static constexpr std::string_view kind = "swept_surface";
+  TrimmedPatch surface;           ///< the whole of it: without trims
+  std::vector<double> direction;  ///< mm, (x, y, z): how far it moves; it crosses the surface from one side everywhere
+  template <class S, class V>
+  static void fields(S& s, V&& v) {
+    v("surface", s.surface, "the surface, without trims");
+    v("direction", s.direction, "how far the surface moves along x, y and z");
+  }
+  bool operator==(const SweptSurfaceOf&) const = default;
+};
+
 /// An earlier object `count` times, each a step further than the one before; the first stays where it is.
 template <class N>
 struct LinearPatternOf {

@@ -115,9 +115,13 @@ struct FieldWriter {
   void operator()(const char* name, const std::vector<std::array<std::uint32_t, 3>>& v, const char*) const {
     out[name] = v;
   }
-  void operator()(const char* name, const Sketch& sketch, const char*) const {
+  template <class Item>
+  void operator()(const char* name, const Item& item, const char*) const requires requires(FieldWriter w) {
+    Item::fields(item, w);
+  }
+  {
     Json j = Json::object();
-    Sketch::fields(sketch, FieldWriter{j});
+    Item::fields(item, FieldWriter{j});
     out[name] = std::move(j);
   }
   void operator()(const char* name, const std::vector<SketchRelation>& items, const char* meaning) const {
@@ -125,6 +129,9 @@ struct FieldWriter {
   }
   void operator()(const char* name, const std::vector<TriFace>& items, const char* meaning) const {
     if (!items.empty()) operator()<TriFace>(name, items, meaning);
+  }
+  void operator()(const char* name, const std::vector<PatchTrim>& items, const char* meaning) const {
+    if (!items.empty()) operator()<PatchTrim>(name, items, meaning);
   }
   template <class Item>
   void operator()(const char* name, const std::vector<Item>& items, const char*) const requires
@@ -211,14 +218,19 @@ struct FieldReader {
       v.push_back(t);
     }
   }
-  void operator()(const char* name, Sketch& sketch, const char*) const {
-    Sketch::fields(sketch, FieldReader{member(in, name, path), at(name)});
+  template <class Item>
+  void operator()(const char* name, Item& item, const char*) const requires requires(FieldReader r) {
+    Item::fields(item, r);
   }
+  { Item::fields(item, FieldReader{member(in, name, path), at(name)}); }
   void operator()(const char* name, std::vector<SketchRelation>& items, const char* meaning) const {
     if (in.is_object() && in.contains(name)) operator()<SketchRelation>(name, items, meaning);
   }
   void operator()(const char* name, std::vector<TriFace>& items, const char* meaning) const {
     if (in.is_object() && in.contains(name)) operator()<TriFace>(name, items, meaning);
+  }
+  void operator()(const char* name, std::vector<PatchTrim>& items, const char* meaning) const {
+    if (in.is_object() && in.contains(name)) operator()<PatchTrim>(name, items, meaning);
   }
   template <class Item>
   void operator()(const char* name, std::vector<Item>& items, const char*) const requires

@@ -13,8 +13,8 @@ template <class N>
 using ShapeOf = std::variant<BoxOf<N>, WedgeOf<N>, CylinderOf<N>, ConeOf<N>, SphereOf<N>, EllipsoidOf<N>, TorusOf<N>,
                              SuperellipsoidOf<N>, SupertoroidOf<N>, FilletOf<N>, HalfSpacesOf<N>, ExtrudeOf<N>,
                              RevolveOf<N>, TriSurfaceOf<N>, SurfaceSetOf<N>, UnionOf<N>, DifferenceOf<N>,
-                             IntersectionOf<N>, HoleOf<N>, SlotOf<N>, PocketOf<N>, BossOf<N>, LinearPatternOf<N>,
-                             CircularPatternOf<N>, MirrorOf<N>, EdgeFilletOf<N>, EdgeChamferOf<N>>;
+                             IntersectionOf<N>, HoleOf<N>, SlotOf<N>, PocketOf<N>, BossOf<N>, SweptSurfaceOf<N>,
+                             LinearPatternOf<N>, CircularPatternOf<N>, MirrorOf<N>, EdgeFilletOf<N>, EdgeChamferOf<N>>;
 
 using Box = BoxOf<Expr>;
 using Wedge = WedgeOf<Expr>;
@@ -39,6 +39,7 @@ using Hole = HoleOf<Expr>;
 using Slot = SlotOf<Expr>;
 using Pocket = PocketOf<Expr>;
 using Boss = BossOf<Expr>;
+using SweptSurface = SweptSurfaceOf<Expr>;
 using LinearPattern = LinearPatternOf<Expr>;
 using CircularPattern = CircularPatternOf<Expr>;
 using Mirror = MirrorOf<Expr>;

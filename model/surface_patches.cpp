@@ -118,7 +118,9 @@ TrimmedPatch trimmed_patch(const TrimmedSurface& trimmed, std::string name) {
   return result;
 }
 
-std::optional<std::string> complaint_about(const TrimmedPatch& patch) {
+namespace {
+
+std::optional<std::string> complaint_about_surface(const TrimmedPatch& patch) {
   if (auto wrong = complaint_about(patch.degree_u, patch.knots_u, "along u")) return wrong;
   if (auto wrong = complaint_about(patch.degree_v, patch.knots_v, "along v")) return wrong;
   const std::size_t rows = patch.knots_u.size() - static_cast<std::size_t>(patch.degree_u) - 1;
@@ -132,7 +134,91 @@ std::optional<std::string> complaint_about(const TrimmedPatch& patch) {
   if (!finite(patch.weights) ||
       std::any_of(patch.weights.begin(), patch.weights.end(), [](double w) { return w <= 0; }))
     return ": its weights must be above 0";
+  return std::nullopt;
+}
+
+/// A straight trim that is an edge of its own number.
+SurfaceTrim side_of_rectangle(int edge, const Vec2& from, const Vec2& to) {
+  return {{{1, {0, 0, 1, 1}}, {from, to}, {}}, edge};
+}
+
+/// All of a surface; `edges` run along v = low, u = high, v = high, u = low.
+TrimmedSurface whole(NurbsSurface surface, const std::array<int, 4>& edges) {
+  const Vec2 low(surface.u.low(), surface.v.low()), high(surface.u.high(), surface.v.high());
+  const Vec2 right(high.x(), low.y()), left(low.x(), high.y());
+  return {std::move(surface),
+          {{side_of_rectangle(edges[0], low, right), side_of_rectangle(edges[1], right, high),
+            side_of_rectangle(edges[2], high, left), side_of_rectangle(edges[3], left, low)}}};
+}
+
+}  // namespace
+
+std::optional<std::string> complaint_about(const TrimmedPatch& patch) {
+  if (auto wrong = complaint_about_surface(patch)) return wrong;
   return complaint_about_loops(patch);
+}
+
+TrimmedPatch with_border(const TrimmedPatch& patch) {
+  return trimmed_patch(whole(trimmed_surface(patch).surface, {1, 2, 3, 4}), patch.name);
+}
+
+std::optional<std::string> complaint_about_whole(const TrimmedPatch& patch) {
+  if (!patch.trims.empty()) return ": expected no trims, found " + std::to_string(patch.trims.size());
+  return complaint_about_surface(patch);
+}
+
+std::vector<TrimmedPatch> swept(const TrimmedPatch& patch, const Vec3& direction) {
+  const NurbsSurface below = trimmed_surface(patch).surface;
+  NurbsSurface above = below;
+  for (Vec3& p : above.points) p += direction;
+  const int rows = below.u.count(), columns = below.v.count();
+  /// The ruled surface over a row or column of control points, in ascending order or against it.
+  const auto side = [&](bool along_u, bool last, bool against, const std::array<int, 4>& edges) {
+    const KnotVector& t = along_u ? below.u : below.v;
+    NurbsSurface ruled{t, {1, {0, 0, 1, 1}}, {}, {}};
+    if (against)
+      for (std::size_t i = 0; i < t.knots.size(); ++i)
+        ruled.u.knots[i] = t.low() + t.high() - t.knots[t.knots.size() - 1 - i];
+    const int count = along_u ? rows : columns;
+    for (int k = 0; k < count; ++k) {
+      const int at = against ? count - 1 - k : k;
+      const int row = along_u ? at : last ? rows - 1 : 0, column = !along_u ? at : last ? columns - 1 : 0;
+      const auto i = static_cast<std::size_t>(row * columns + column);
+      ruled.points.push_back(below.points[i]), ruled.points.push_back(above.points[i]);
+      if (!below.weights.empty()) ruled.weights.insert(ruled.weights.end(), 2, below.weights[i]);
+    }
+    return whole(std::move(ruled), edges);
+  };
+  std::vector<TrimmedSurface> made = {turned_over(whole(below, {1, 2, 3, 4})), whole(above, {5, 6, 7, 8}),
+                                      side(true, false, false, {1, 10, 5, 9}), side(false, true, false, {2, 11, 6, 10}),
+                                      side(true, true, true, {3, 12, 7, 11}),  side(false, false, true, {4, 9, 8, 12})};
+  static constexpr const char* names[] = {"surface", "end", "side 1", "side 2", "side 3", "side 4"};
+  std::vector<TrimmedPatch> result;
+  const bool by_the_back = leaving_cosine(patch, direction) < 0;
+  for (std::size_t i = 0; i < made.size(); ++i)
+    result.push_back(trimmed_patch(by_the_back ? turned_over(made[i]) : made[i], names[i]));
+  return result;
+}
+
+double leaving_cosine(const TrimmedPatch& patch, const Vec3& direction) {
+  const NurbsSurface surface = trimmed_surface(patch).surface;
+  constexpr int samples = 4;  // of each span and direction
+  double least = 1, most = -1;
+  const auto places = [](const KnotVector& t) {
+    std::vector<double> result;
+    const auto breaks = t.breaks();
+    for (std::size_t i = 0; i + 1 < breaks.size(); ++i)
+      for (int k = 0; k < samples; ++k) result.push_back(breaks[i] + (breaks[i + 1] - breaks[i]) * (k + 0.5) / samples);
+    result.push_back(t.low()), result.push_back(t.high());
+    return result;
+  };
+  for (const double u : places(surface.u))
+    for (const double v : places(surface.v)) {
+      const Vec3 n = surface.derivatives(u, v).normal();
+      const double cosine = n.norm() > 0 && direction.norm() > 0 ? n.dot(direction) / direction.norm() : 0;
+      least = std::min(least, cosine), most = std::max(most, cosine);
+    }
+  return least > 0 ? least : most < 0 ? most : 0;
 }
 
 TrimmedPatch mirrored(const TrimmedPatch& patch, int axis) {

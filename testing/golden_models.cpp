@@ -596,13 +596,30 @@ Model handle() {
   return m;
 }
 
+/// A block whose top is free form, with a hole in it.
+Model saddle() {
+  Model m = model("saddle", "saddle", "a block with a free-form top");
+  length(m, "length", 60, 60.004, 0.004, "size along x");
+  length(m, "width", 40, 39.998, 0.004, "size along y");
+  length(m, "height", 26, 26.01, 0.01, "of the block before its top was cut");
+  length(m, "hole_d", 8, 8.003, 0.003, "diameter of the hole");
+  step(m, "block", Box{p("length"), p("width"), p("height")}, "the block");
+  step(m, "top", wave(), "what is cut from its top");
+  step(m, "hole", Hole{p("hole_d"), p("height")}, "through hole");
+  m.objects.back().frame = {p("length") / 2, p("width") / 2, p("height"), 0, 0, 0};
+  finish(m, Difference{{"block", "top", "hole"}});
+  place(m);
+  return m;
+}
+
 }  // namespace
 
 std::vector<Model> golden_models() {
   return {sphere(),         box(),         wedge(),   cylinder(),    cone(),          torus(),     ellipsoid(),
           superellipsoid(), supertoroid(), fillet(),  half_spaces(), pin(),           tie_bar(),   tri_surface(),
           sheet(),          nurbs_vase(),  bracket(), lens(),        drilled_plate(), flange(),    tray(),
-          clamp(),          elbow(),       cover(),   handle(),      washer(),        cowl_part(), cushion_part()};
+          clamp(),          elbow(),       cover(),   handle(),      washer(),        cowl_part(), cushion_part(),
+          saddle()};
 }
 
 }  // namespace partscribe::testing

@@ -1,4 +1,4 @@
-/// Small surface sets for tests: a sheet with a hole, and a closed body of six patches.
+/// Small bodies of B-spline surfaces for tests: a sheet with a hole, a closed body of six patches, a swept surface.
 #pragma once
 
 #include <array>
@@ -43,6 +43,23 @@ inline SurfaceSet cowl() {
   set.patches = {patch};
   set.thickness = Expr(2);
   return set;
+}
+
+/// A wave over (-2, -2) to (62, 42), 12 to 21 mm high, rational in the middle, that moves up by 20 and a little
+/// sideways.
+inline SweptSurface wave() {
+  SweptSurface s;
+  s.surface = {"wave", 3, 2, {-2, -2, -2, -2, 30, 62, 62, 62, 62}, {-2, -2, -2, 20, 42, 42, 42}, {}, {}, {}};
+  const double heights[5][4] = {
+      {14, 15, 15, 14}, {18, 23, 21, 17}, {13, 10, 12, 15}, {15, 22, 24, 18}, {12, 14, 15, 13}};
+  const double xs[] = {-2, 9, 30, 51, 62}, ys[] = {-2, 10, 30, 42};
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 4; ++j) {
+      s.surface.control.push_back({xs[i], ys[j], heights[i][j]});
+      s.surface.weights.push_back(i == 2 ? 1.25 : 1);
+    }
+  s.direction = {1, 0, 20};
+  return s;
 }
 
 /// A cube of 20 whose sides bulge by biquadratic patches; two of them rational.

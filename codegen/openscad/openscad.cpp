@@ -14,6 +14,7 @@
 #include "core/number.h"
 #include "model/lower/lower.h"
 #include "model/lower/solids.h"
+#include "model/surface_patches.h"
 
 namespace partscribe::codegen {
 namespace {
@@ -400,21 +401,37 @@ class Writer {
     return pack_.render(s.closed ? "tri_surface.scad" : "sheet.scad", data);
   }
 
+  std::function<std::string(std::string)> fresh_module() {
+    return [this](std::string wanted) {
+      while (!modules_.insert(wanted).second) wanted += "_surface";
+      return wanted;
+    };
+  }
+
   Result<std::string> module_of(const Object& o, const SurfaceSet& s) {
     TemplateRecord data = data_of_fields(o, s);
     const std::string name = text_.names().object.at(o.name);
     const double stated = text_.value(s.thickness), thickness = stated > 0 ? stated : 10 * model_.tolerance;
-    const auto names = [&](std::string wanted) {
-      while (!modules_.insert(wanted).second) wanted += "_surface";
-      return wanted;
-    };
-    OpenscadSurfaces made = openscad_surfaces(s, name, thickness, model_.tolerance, names);
+    OpenscadSurfaces made = openscad_surfaces(s, name, thickness, model_.tolerance, fresh_module());
     for (auto& t : made.tables) tables_.push_back(std::move(t));
     data["sheet"] = s.closed ? "" : "yes";
     data["surfaces"] = made.surfaces, data["corners"] = made.corners, data["towards"] = made.towards;
     if (!s.closed && stated <= 0) data["thickness"] = print_number(thickness);
     needs_.library = true;
     return pack_.render("surface_set.scad", data);
+  }
+
+  Result<std::string> module_of(const Object& o, const SweptSurface& s) {
+    TemplateRecord data = data_of(o);
+    const std::string name = text_.names().object.at(o.name);
+    SurfaceSet sheet;
+    sheet.patches = {with_border(s.surface)};
+    const OpenscadSurfaces made = openscad_surfaces(sheet, name, 1, model_.tolerance, fresh_module());
+    tables_.insert(tables_.end(), made.tables.begin(), made.tables.end());
+    data["surfaces"] = made.surfaces, data["corners"] = made.corners;
+    data["direction"] = point_text(Vec3(s.direction.data()));
+    needs_.library = true;
+    return pack_.render("swept_surface.scad", data);
   }
 
   void table(const std::string& name, const std::string& remark, const std::vector<std::string>& entries) {
@@ -452,8 +469,8 @@ class Writer {
 Result<Artifact> emit_openscad(const CheckedModel& checked, const EmitOptions& options, Context&) {
   auto pack = load_template_pack("openscad", options.templates);
   if (!pack.ok()) return pack.error();
-  const Model model =
-      lowered(*checked, Kinds{Hole::kind, Slot::kind, LinearPattern::kind, CircularPattern::kind, Mirror::kind});
+  const Model model = lowered(*checked, Kinds{Hole::kind, Slot::kind, SweptSurface::kind, LinearPattern::kind,
+                                              CircularPattern::kind, Mirror::kind});
   Writer writer(model, *checked, *pack);
   auto script = writer.write();
   if (!script.ok()) return script.error();

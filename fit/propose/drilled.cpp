@@ -9,7 +9,6 @@
 #include "core/statistics.h"
 #include "fit/evidence/evidence.h"
 #include "fit/propose/drill.h"
-#include "fit/refine/refine.h"
 #include "geometry/points/keep_points.h"
 #include "geometry/segment/holes.h"
 #include "model/distance/distance.h"
@@ -68,11 +67,7 @@ DrilledHole drilled(const FoundHole& found, const FitInput& input) {
   return hole;
 }
 
-std::vector<DrilledHole> holes_in(const FitInput& input, Context& context) {
-  FaceOptions options;
-  options.tolerance = input.tolerance;
-  const Faces faces =
-      input.closed ? faces_of(*input.scan, options, context) : faces_of_cloud(input.cloud, options, context);
+std::vector<DrilledHole> holes_in(const FitInput& input, const Faces& faces) {
   const FeatureScale scale = feature_scale(faces);
   std::vector<DrilledHole> holes;
   for (const FoundHole& found : holes_of(faces, round_pieces(faces, scale), scale))
@@ -122,52 +117,19 @@ FitInput without(const std::vector<DrilledHole>& holes, const FitInput& input, C
   return rest;
 }
 
-bool same_numbers(const Candidate& a, const Candidate& b, double tolerance) {
-  return a.procedure == b.procedure &&
-         std::ranges::equal(a.parameters, b.parameters, [&](const Parameter& p, const Parameter& q) {
-           return std::abs(p.value - q.value) < 0.1 * tolerance;
-         });
-}
-
-/// Those within the tolerance that cost least, refined; each once.
-std::vector<Candidate> best_bodies(std::vector<Candidate> bodies, const FitInput& rest, Context& context) {
-  constexpr std::size_t most = 3;
-  struct Body {
-    Candidate candidate;
-    double cost;
-  };
-  std::vector<Body> found;
-  for (Candidate& body : bodies) {
-    if (context.cancelled) break;
-    if (!makes_sense(body)) continue;
-    RefineOptions quick;
-    quick.points = 6000, quick.iterations = 25, quick.uncertainty = false;
-    refine(body, rest, quick, context);
-    const auto same = [&](const Body& other) { return same_numbers(body, other.candidate, rest.tolerance); };
-    if (!makes_sense(body) || std::ranges::any_of(found, same)) continue;
-    const CandidateEvidence evidence = evidence_of(body, rest, context);
-    context.say("drilled: " + body.procedure + " off by " + millimetres(evidence.local_max, rest.tolerance));
-    if (evidence.local_max <= rest.tolerance) found.push_back({std::move(body), evidence.total()});
-  }
-  std::ranges::stable_sort(found, {}, &Body::cost);
-  if (found.size() > most) found.erase(found.begin() + most, found.end());
-  std::vector<Candidate> result;
-  for (Body& body : found) result.push_back(std::move(body.candidate));
-  return result;
-}
-
 }  // namespace
 
-std::vector<Candidate> propose_drilled(const FitInput& input, const BodyMaker& bodies, Context& context) {
+std::vector<Candidate> propose_drilled(const FitInput& input, const Faces& faces, const BodyMaker& bodies,
+                                       Context& context) {
   std::vector<Candidate> candidates;
-  const std::vector<DrilledHole> holes = holes_in(input, context);
+  const std::vector<DrilledHole> holes = holes_in(input, faces);
   if (holes.empty()) return candidates;
   const FitInput rest = without(holes, input, context);
   constexpr std::size_t least_points = 50;
   if (rest.cloud.size() < least_points) return candidates;
   context.say("drilled: " + print_number(double(holes.size())) + " holes, " + print_number(double(rest.cloud.size())) +
               " points outside of them");
-  for (const Candidate& body : best_bodies(bodies(rest), rest, context)) {
+  for (const Candidate& body : best_bodies(bodies(rest), rest, "drilled", context)) {
     if (in_sketch(body, holes)) break;  // cheaper than what follows, and found as one extrusion
     // Numbers that may be equal are one; the total cost says whether they are.
     std::size_t parameters = 0;

@@ -16,6 +16,7 @@
 #include "fit/propose/quadrics.h"
 #include "fit/propose/revolve.h"
 #include "fit/propose/ring.h"
+#include "fit/propose/sculpted.h"
 #include "fit/propose/torus_piece.h"
 #include "fit/refine/dimension.h"
 #include "fit/refine/refine.h"
@@ -141,9 +142,20 @@ struct Sought {
   const FitInput& input;
   const SuperellipsoidFit& hypothesis;
   const std::vector<Vec3>& directions;
-  bool body = false;     ///< within tolerance
-  bool drilled = false;  ///< one with holes in it
+  std::shared_ptr<const Faces>& faces;  ///< of the input, once somebody asked for them
+  bool body = false;                    ///< within tolerance
+  bool drilled = false;                 ///< one with holes in it
 };
+
+const Faces& faces_in(const Sought& s, Context& context) {
+  if (!s.faces) {
+    FaceOptions options;
+    options.tolerance = s.input.tolerance;
+    s.faces = std::make_shared<const Faces>(s.input.closed ? faces_of(*s.input.scan, options, context)
+                                                           : faces_of_cloud(s.input.cloud, options, context));
+  }
+  return *s.faces;
+}
 
 /// A maker of candidates.
 struct Maker {
@@ -152,6 +164,7 @@ struct Maker {
 };
 
 Proposals drilled_bodies(const Sought& s, Context& context);
+Proposals sculpted_bodies(const Sought& s, Context& context);
 
 /// In the order in which their results are listed. Outlines cost more than all else: where a body with holes was found
 /// only clear ones are looked for.
@@ -171,18 +184,28 @@ const std::vector<Maker>& makers() {
   return list;
 }
 
-/// Of the bodies that all other makers find beside the holes.
-Proposals drilled_bodies(const Sought& s, Context& context) {
-  const auto bodies = [&](const FitInput& rest) {
-    Sought undrilled{rest, s.hypothesis, s.directions};
-    undrilled.body = true;  // none of them is asked for holes again
+/// What all makers but those of the last resort propose for other points of the same part; `holes`: with holes as well.
+BodyMaker bodies_for(const Sought& s, bool holes, Context& context) {
+  return [&s, holes, &context](const FitInput& points) {
+    std::shared_ptr<const Faces> faces;
+    Sought sought{points, s.hypothesis, s.directions, faces};
+    sought.body = !holes;
     Proposals all;
     for (const auto& maker : makers())
       if (!maker.last_resort)
-        for (auto& candidate : maker.propose(undrilled, context)) all.push_back(std::move(candidate));
+        for (auto& candidate : maker.propose(sought, context)) all.push_back(std::move(candidate));
     return all;
   };
-  return propose_drilled(s.input, bodies, context);
+}
+
+/// Of the bodies that the others find beside the holes.
+Proposals drilled_bodies(const Sought& s, Context& context) {
+  return propose_drilled(s.input, faces_in(s, context), bodies_for(s, false, context), context);
+}
+
+/// Of the bodies that the others find where the free-form faces have lids.
+Proposals sculpted_bodies(const Sought& s, Context& context) {
+  return propose_sculpted(s.input, faces_in(s, context), bodies_for(s, true, context), context);
 }
 
 /// A ring that is better described as a torus or a turned part.
@@ -234,7 +257,7 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
                 ", cost " + print_number(std::round(j.evidence.total())) + (j.reason.empty() ? "" : ", " + j.reason));
     if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
   };
-  Sought sought{input, search.hypothesis, directions};
+  Sought sought{input, search.hypothesis, directions, search.faces};
   for (const auto& maker : makers()) {
     if (maker.last_resort != last_resort) continue;
     for (auto& candidate : maker.propose(sought, context))

@@ -1,6 +1,7 @@
 /// The search for a procedure: proposals are judged, compared, and the best is made fit for print.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "fit/evidence/evidence.h"
 #include "fit/procedures.h"
 #include "fit/propose/superellipsoid.h"
+#include "geometry/segment/faces.h"
 #include "model/model.h"
 
 namespace partscribe::fit {
@@ -29,8 +31,9 @@ struct Judged {
 /// What the makers proposed, what became of it, and the best as a model, if one meets the tolerance.
 struct ProcedureSearch {
   SuperellipsoidFit hypothesis;
-  std::vector<Judged> judged;  ///< the best first
-  bool found = false;          ///< the first of `judged`, as `model`
+  std::shared_ptr<const Faces> faces;  ///< of the scan, once a maker asked for them
+  std::vector<Judged> judged;          ///< the best first
+  bool found = false;                  ///< the first of `judged`, as `model`
   Model model;
   CandidateEvidence evidence;  ///< of the winner as it will be printed
   double covered = 0;

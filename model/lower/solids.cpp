@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/sketch.h"
+#include "model/surface_patches.h"
 
 namespace partscribe::model {
 namespace {
@@ -21,6 +22,11 @@ Expr cone_depth(const Expr& wide, const Expr& narrow, const Expr& angle) {
 bool zero(const Expr& e) { return e == Expr(0); }
 
 }  // namespace
+
+SurfaceSetOf<double> solid_of(const SweptSurfaceOf<double>& s) {
+  return {swept(s.surface, Vec3(s.direction.data())), true, 0};
+}
+SurfaceSet solid_of(const SweptSurface& s) { return {swept(s.surface, Vec3(s.direction.data())), true, 0}; }
 
 Extrude solid_of(const Fillet& s) {
   Loop loop{"outline", {SketchPoint{0, 0, "base"}}};

@@ -21,6 +21,10 @@ ExtrudeOf<N> solid_of(const BossOf<N>& s) {
   return {s.sketch, s.height, s.root, s.draft};
 }
 
+/// Six patches: the surface, its image where it ends up, and four ruled sides between their borders.
+SurfaceSetOf<double> solid_of(const SweptSurfaceOf<double>& swept);
+SurfaceSet solid_of(const SweptSurface& swept);
+
 /// A shape that a simpler solid says.
 template <class S>
 concept SaidSimpler = requires(const S& s) {

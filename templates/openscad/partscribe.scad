@@ -264,3 +264,11 @@ module surface_sheet(surfaces, corners, faces, rim, thickness, towards = undef) 
     towards == undef ? surface_normal(surfaces[k], at) : towards];
   thick_sheet(_corners(surfaces, corners), normals, faces, rim, thickness);
 }
+
+// What a sheet passes while it moves by a vector, which leaves it by the front everywhere or by the back everywhere.
+module swept_surface(surfaces, corners, faces, rim, direction) {
+  start = _corners(surfaces, corners);
+  by_the_front = surface_normal(surfaces[0], corners[0][0]) * direction > 0;
+  thick_sheet(by_the_front ? [for (p = start) p + direction] : start,
+    [for (p = start) by_the_front ? direction : -direction], faces, rim, thickness = 1);
+}

@@ -252,10 +252,9 @@ class Damages {
 
   /// Control points of surfaces, each along the normal of the surface where it acts most.
   void control_points(std::size_t o) {
-    const auto* set = std::get_if<SurfaceSet>(&model_.objects[o].shape);
-    if (!set) return;
-    for (std::size_t p = 0; p < set->patches.size(); ++p) {
-      const NurbsSurface surface = trimmed_surface(set->patches[p]).surface;
+    const auto patches = patches_of(model_.objects[o].shape);
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+      const NurbsSurface surface = trimmed_surface(*patches[p]).surface;
       const auto acts_at = [](const KnotVector& t, std::size_t i) {
         double sum = 0;
         for (int k = 1; k <= t.degree; ++k) sum += t.knots[i + static_cast<std::size_t>(k)];
@@ -266,10 +265,10 @@ class Damages {
       for (std::size_t i = 0; i < count; i += stride) {
         const Vec3 n = surface.derivatives(acts_at(surface.u, i / columns), acts_at(surface.v, i % columns)).normal();
         if (!(n.norm() > 0)) continue;
-        damage(Mutation::Kind::dented, set->patches[p].name + ": control point " + print_number(double(i)),
-               4 * tolerance_, false, [&, p, i, n](double size) -> std::optional<Model> {
+        damage(Mutation::Kind::dented, patches[p]->name + ": control point " + print_number(double(i)), 4 * tolerance_,
+               false, [&, p, i, n](double size) -> std::optional<Model> {
                  Model m = model_;
-                 auto& point = std::get<SurfaceSet>(m.objects[o].shape).patches[p].control[i];
+                 auto& point = patches_of(m.objects[o].shape)[p]->control[i];
                  for (std::size_t k = 0; k < 3; ++k) point[k] += size * n[int(k)];
                  return m;
                });

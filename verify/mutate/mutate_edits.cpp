@@ -25,8 +25,9 @@ OwnMirror mirror_in_place(Shape& shape, const Values& values) {
   } else if (auto* t = std::get_if<TriSurface>(&shape)) {
     for (auto& v : t->vertices) v[0] = -v[0];
     for (auto& triangle : t->triangles) std::swap(triangle[1], triangle[2]);
-  } else if (auto* set = std::get_if<SurfaceSet>(&shape)) {
-    for (auto& patch : set->patches) patch = mirrored(patch, 0);
+  } else {
+    for (TrimmedPatch* patch : patches_of(shape)) *patch = mirrored(*patch, 0);
+    if (auto* swept = std::get_if<SweptSurface>(&shape)) swept->direction[0] *= -1;
   }
   return {};  // all others are their own mirror image in x
 }
@@ -67,6 +68,19 @@ Sketch* sketch_of(Shape& shape) {
   return nullptr;
 }
 
+std::vector<TrimmedPatch*> patches_of(Shape& shape) {
+  std::vector<TrimmedPatch*> result;
+  if (auto* set = std::get_if<SurfaceSet>(&shape))
+    for (auto& patch : set->patches) result.push_back(&patch);
+  if (auto* swept = std::get_if<SweptSurface>(&shape)) result.push_back(&swept->surface);
+  return result;
+}
+
+std::vector<const TrimmedPatch*> patches_of(const Shape& shape) {
+  const auto patches = patches_of(const_cast<Shape&>(shape));
+  return {patches.begin(), patches.end()};
+}
+
 const Sketch* sketch_of(const Shape& shape) { return sketch_of(const_cast<Shape&>(shape)); }
 
 std::vector<std::string>* operands_of(Shape& shape) {
@@ -105,10 +119,11 @@ Model scaled(const Model& model, double factor, const Vec3& middle) {
     if (auto* t = std::get_if<TriSurface>(&object.shape))
       for (auto& v : t->vertices)
         for (auto& x : v) x *= factor;
-    if (auto* set = std::get_if<SurfaceSet>(&object.shape))
-      for (auto& patch : set->patches)
-        for (auto& p : patch.control)
-          for (auto& x : p) x *= factor;
+    for (TrimmedPatch* patch : patches_of(object.shape))
+      for (auto& p : patch->control)
+        for (auto& x : p) x *= factor;
+    if (auto* swept = std::get_if<SweptSurface>(&object.shape))
+      for (auto& x : swept->direction) x *= factor;
     for (Expr* e : {&object.frame.x, &object.frame.y, &object.frame.z}) *e = Expr(factor) * *e;
   }
   Frame& last = result.objects.back().frame;

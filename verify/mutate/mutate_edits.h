@@ -30,6 +30,10 @@ const Sketch* sketch_of(const Shape& shape);
 std::vector<std::string>* operands_of(Shape& shape);
 const std::vector<std::string>* operands_of(const Shape& shape);
 
+/// The surfaces of a set, or the swept one; none for other shapes.
+std::vector<TrimmedPatch*> patches_of(Shape& shape);
+std::vector<const TrimmedPatch*> patches_of(const Shape& shape);
+
 /// Mirrored in the part's frame, at `middle` along `axis`.
 Model mirrored(const Model& model, int axis, const Vec3& middle);
 
