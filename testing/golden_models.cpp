@@ -605,8 +605,8 @@ Model saddle() {
   length(m, "hole_d", 8, 8.003, 0.003, "diameter of the hole");
   step(m, "block", Box{p("length"), p("width"), p("height")}, "the block");
   step(m, "top", wave(), "what is cut from its top");
-  step(m, "hole", Hole{p("hole_d"), p("height")}, "through hole");
-  m.objects.back().frame = {p("length") / 2, p("width") / 2, p("height"), 0, 0, 0};
+  step(m, "hole", Hole{p("hole_d"), p("height")}, "through hole").frame = {
+      p("length") / 2, p("width") / 2, p("height"), 0, 0, 0};
   finish(m, Difference{{"block", "top", "hole"}});
   place(m);
   return m;

@@ -321,39 +321,55 @@ class Writer {
   Made expression_of(const Object& o, const SurfaceSet& s) {
     std::vector<std::string> surfaces;
     for (const auto& patch : s.patches) {
-      const std::string role = o.name + " " + (s.patches.size() == 1 ? "surface" : patch.name);
-      const std::string name = text_.fresh(role);
-      TemplateRecord data = {{"name", name},
-                             {"u", order_name(patch.degree_u + 1)},
-                             {"v", order_name(patch.degree_v + 1)},
-                             {"knots_u", collected(reals(patch.knots_u))},
-                             {"knots_v", collected(reals(patch.knots_v))},
-                             {"rows", net_rows(patch)}};
-      data["weighted"] = patch.weights.empty() ? "" : "yes";
-      data["weights"] = patch.weights.empty() ? TemplateList{} : weight_rows(patch);
-      TemplateList trims, loops;
-      for (const auto& trim : patch.trims) {
-        const std::string label = text_.fresh(role + " trim " + std::to_string(trims.size() + 1));
-        std::vector<std::string> points;
-        for (const auto& p : trim.control)
-          points.push_back("pt( " + print_real(p[0]) + ", " + print_real(p[1]) + ", 0.0 )");
-        trims.push_back({{"label", label},
-                         {"order", order_name(trim.degree + 1)},
-                         {"knots", collected(reals(trim.knots))},
-                         {"points", collected(points)}});
-        if (static_cast<std::size_t>(trim.loop) >= loops.size()) loops.push_back({{"curves", ""}});
-        auto& curves = std::get<std::string>(loops.back().at("curves").value);
-        curves += (curves.empty() ? "" : " ") + label + ";";
-      }
-      data["trims"] = trims, data["loops"] = loops;
-      if (auto done = step("surface_patch.scl", data); !done.ok()) return done.error();
-      surfaces.push_back(name);
+      auto name = surface_of(patch, o.name + " " + (s.patches.size() == 1 ? "surface" : patch.name));
+      if (!name.ok()) return name.error();
+      surfaces.push_back(std::move(*name));
     }
-    surfaces_ = true;
     if (surfaces.size() == 1 && !s.closed) return surfaces[0];
     const std::string faces = text_.fresh(o.name + " faces");
     steps_.push_back(faces + " : seqCollect {\n    " + collected(surfaces) + "\n}");
     return "shellOf( " + faces + " )";
+  }
+
+  Made expression_of(const Object& o, const SweptSurface& s) {
+    const auto name = surface_of(s.surface, o.name + " surface");
+    if (!name.ok()) return name.error();
+    std::string move;
+    for (const double x : s.direction) move += (move.empty() ? "" : ", ") + print_real(x);
+    return "solidOfSweptSurface( " + *name + ", vec( " + move + " ) )";
+  }
+
+  /// The statements that make a patch; its label.
+  Made surface_of(const TrimmedPatch& patch, const std::string& role) {
+    const std::string name = text_.fresh(role);
+    TemplateRecord data = {{"name", name},
+                           {"whole", patch.trims.empty() ? name : name + "Whole"},
+                           {"bordered", patch.trims.empty() ? "" : "yes"},
+                           {"u", order_name(patch.degree_u + 1)},
+                           {"v", order_name(patch.degree_v + 1)},
+                           {"knots_u", collected(reals(patch.knots_u))},
+                           {"knots_v", collected(reals(patch.knots_v))},
+                           {"rows", net_rows(patch)}};
+    data["weighted"] = patch.weights.empty() ? "" : "yes";
+    data["weights"] = patch.weights.empty() ? TemplateList{} : weight_rows(patch);
+    TemplateList trims, loops;
+    for (const auto& trim : patch.trims) {
+      const std::string label = text_.fresh(role + " trim " + std::to_string(trims.size() + 1));
+      std::vector<std::string> points;
+      for (const auto& p : trim.control)
+        points.push_back("pt( " + print_real(p[0]) + ", " + print_real(p[1]) + ", 0.0 )");
+      trims.push_back({{"label", label},
+                       {"order", order_name(trim.degree + 1)},
+                       {"knots", collected(reals(trim.knots))},
+                       {"points", collected(points)}});
+      if (static_cast<std::size_t>(trim.loop) >= loops.size()) loops.push_back({{"curves", ""}});
+      auto& curves = std::get<std::string>(loops.back().at("curves").value);
+      curves += (curves.empty() ? "" : " ") + label + ";";
+    }
+    data["trims"] = trims, data["loops"] = loops;
+    surfaces_ = true;
+    if (auto done = step("surface_patch.scl", data); !done.ok()) return done.error();
+    return name;
   }
 
   static std::vector<std::string> reals(const std::vector<double>& values) {
@@ -524,7 +540,7 @@ class Writer {
 Result<Artifact> emit_alpha1(const CheckedModel& checked, const EmitOptions& options, Context&) {
   auto pack = load_template_pack("alpha1", options.templates);
   if (!pack.ok()) return pack.error();
-  const Model model = lowered(*checked, Kinds{LinearPattern::kind, CircularPattern::kind});
+  const Model model = lowered(*checked, Kinds{SweptSurface::kind, LinearPattern::kind, CircularPattern::kind});
   Writer writer(model, *pack, options.stem);
   auto part = writer.write();
   if (!part.ok()) return part.error();

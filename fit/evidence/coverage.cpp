@@ -38,17 +38,18 @@ Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context&
           Vec3 outward = Vec3::Zero();
           for (int step = 0; step < 12; ++step) {
             const Vec3 q = part_from_scan * p;
-            d = distance(q).distance;
+            d = distance.bound(q);
             if (std::abs(d) < 1e-6 * size) break;
             const double h = 1e-6 * size;
             Vec3 g;
             for (int k = 0; k < 3; ++k)
-              g[k] = (distance(q + Vec3::Unit(k) * h).distance - distance(q - Vec3::Unit(k) * h).distance) / (2 * h);
+              g[k] = (distance.bound(q + Vec3::Unit(k) * h) - distance.bound(q - Vec3::Unit(k) * h)) / (2 * h);
             if (!(g.norm() > 1e-6)) break;
             outward = g.normalized();
             p -= candidate.scan_from_part.rotation * (outward * d);
           }
-          if (std::abs(d) > 1e-3 * size) continue;  // did not reach the surface
+          // It did not reach the surface, or a face that others hide.
+          if (std::abs(d) > 1e-3 * size || std::abs(distance(part_from_scan * p).distance) > 1e-3 * size) continue;
           seen[i] = std::sqrt(tree.nearest_one(p).sq_distance) < reach;
           // An edge is thin everywhere, and no wall.
           const Vec3 q = part_from_scan * p,

@@ -10,6 +10,7 @@
 
 #include "core/number.h"
 #include "fit/evidence/evidence.h"
+#include "fit/evidence/evidence.h"
 #include "fit/refine/refine.h"
 #include "fit/surface/piece_fit.h"
 #include "geometry/mesh/mesh_distance.h"
@@ -133,13 +134,13 @@ std::optional<Region> seen(const std::vector<std::uint32_t>& piece, const std::v
 }
 
 /// Together with the faces around it that are seen from the same direction.
-Region grown(const Region& region, const FitInput& input) {
+Region grown(const Region& region, const Surroundings& near, const FitInput& input) {
   const double steep = std::cos(radians(60));
   std::vector<std::uint8_t> in(input.cloud.size(), 0);
   Region result = region;
   for (const std::uint32_t i : region.points) in[i] = 1;
   for (std::size_t k = 0; k < result.points.size(); ++k)
-    for (const std::uint32_t j : around(*input.surroundings, result.points[k]))
+    for (const std::uint32_t j : around(near, result.points[k]))
       if (!in[j] && std::abs(input.cloud.normals[j].dot(region.out)) > steep) in[j] = 1, result.points.push_back(j);
   std::ranges::sort(result.points);
   return result;
@@ -259,7 +260,7 @@ void hold_lids(Candidate& part, const FitInput& input) {
 std::vector<Candidate> propose_sculpted(const FitInput& input, const Faces& faces, const BodyMaker& bodies,
                                         Context& context) {
   std::vector<Candidate> candidates;
-  if (!input.surroundings) return candidates;
+  const auto surroundings = input.surroundings ? input.surroundings : surroundings_of(input, context);
   std::vector<const Face*> plain;
   const double whole = area_of(faces);
   for (const Face& face : faces.faces)
@@ -270,16 +271,19 @@ std::vector<Candidate> propose_sculpted(const FitInput& input, const Faces& face
     free_form.push_back(f == no_face || !is_plain(faces.faces[f], whole));
   const std::vector<Vec3> directions = directions_of(plain);
   std::vector<Region> regions;
-  for (const auto& piece : pieces_of(free_form, *input.surroundings)) {
+  for (const auto& piece : pieces_of(free_form, *surroundings)) {
     auto region = seen(piece, directions, input);
+    context.say("sculpted: " + print_number(double(piece.size())) + " points beside " +
+                print_number(double(plain.size())) + " plain faces" + (region ? "" : ", not seen from one direction"));
     if (!region) return candidates;
     regions.push_back(std::move(*region));
   }
   if (regions.empty()) return candidates;
   // A surface that leaves the faces around it smoothly cannot be cut into them: these become part of it.
   std::vector<std::vector<Region>> choices = {regions};
-  for (Region& region : regions) region = grown(region, input);
+  for (Region& region : regions) region = grown(region, *surroundings, input);
   choices.push_back(regions);
+  bool enough = false;
   for (const auto& choice : choices) {
     std::vector<Cut> cuts;
     for (const Region& region : choice) {
@@ -292,7 +296,9 @@ std::vector<Candidate> propose_sculpted(const FitInput& input, const Faces& face
     for (const Candidate& body : best_bodies(bodies(stock), stock, "sculpted", context)) {
       candidates.push_back(sculpted(body, cuts, input));
       hold_lids(candidates.back(), input);
+      enough = enough || evidence_of(candidates.back(), input, context).local_max <= input.tolerance;
     }
+    if (enough) break;
   }
   return candidates;
 }

@@ -178,6 +178,7 @@ const std::vector<Maker>& makers() {
       {false, [](S s, Context& c) { return s.body ? Proposals() : drilled_bodies(s, c); }},
       {false, [](S s, Context& c) { return propose_extrudes(s.input, s.directions, s.drilled, c); }},
       {false, [](S s, Context& c) { return s.drilled ? Proposals() : propose_fillets(s.input, c); }},
+      {true, [](S s, Context& c) { return s.body || s.drilled ? Proposals() : sculpted_bodies(s, c); }},
       {true, [](S s, Context&) { return propose_superellipsoids(s.input, s.hypothesis); }},
       {true, [](S s, Context& c) { return propose_rings(s.input, s.directions, c); }},
   };

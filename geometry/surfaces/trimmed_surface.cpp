@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <queue>
 #include <set>
 
 #include "geometry/mesh/mesh_distance.h"
+#include "geometry/mesh/mesh_part.h"
 #include "geometry/surfaces/nurbs_edit.h"
 
 namespace partscribe::geometry {
@@ -519,6 +522,64 @@ struct SurfaceDistance::Parts {
     return (first.point - p).squaredNorm() <= (second.point - p).squaredNorm() ? first : second;
   }
 
+  /// The nearest place, from that on the triangles; `beyond`: on other surfaces as well where that of the triangle
+  /// ends.
+  Hit nearest(const Vec3& p, const MeshHit& near, std::size_t triangle, bool beyond) const {
+    const auto& corners = triangles.place[triangle];
+    const std::uint32_t patch = triangles.patch[triangle];
+    // From the shares of the nearest triangle's corners.
+    const Vec3 a = triangles.mesh.corner(triangle, 0), ab = triangles.mesh.corner(triangle, 1) - a,
+               ac = triangles.mesh.corner(triangle, 2) - a, d = near.point - a;
+    const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac),
+                 det = std::max(bb * cc - bc * bc, 1e-300);
+    const double s = (cc * d.dot(ab) - bc * d.dot(ac)) / det, t = (bb * d.dot(ac) - bc * d.dot(ab)) / det;
+    const Vec2 start = corners[0] + s * (corners[1] - corners[0]) + t * (corners[2] - corners[0]);
+    Hit hit{near.distance, patch, near.point, triangle_normal(triangles.mesh, triangle)};
+    // Within the mesh's deviation: a foot farther away belongs to another part of the surface.
+    double most = near.distance + 2 * deviation;
+    const auto take = [&](std::uint32_t of, const Vec2& from) {
+      const NurbsSurface& surface = surfaces[of].surface;
+      const SplineFoot foot = foot_near(surface, p, from.x(), from.y());
+      if (!(foot.distance <= most) || !holds(of, {foot.u, foot.v})) return false;
+      hit.distance = most = foot.distance, hit.point = foot.point, hit.patch = of;
+      if (const Vec3 n = surface.derivatives(foot.u, foot.v).normal(); n.squaredNorm() > 0.5) hit.normal = n;
+      return true;
+    };
+    if (take(patch, start)) return hit;
+    const BorderFoot edge = on_border(patch, p, start);
+    if (const double off = (edge.point - p).norm(); off < most) {
+      hit.distance = most = off, hit.point = edge.point;
+      const Vec2 uv = edge.trim->curve.at(edge.t);
+      const Vec3 n = surfaces[patch].surface.derivatives(uv.x(), uv.y()).normal();
+      if (n.squaredNorm() > 0.5) hit.normal = n;
+    }
+    if (!beyond) return hit;
+    // It may lie on the surface beyond the edge.
+    const auto& knots = edge.trim->curve.t;
+    for (const auto& [other, trim] : sides_of.at(edge.trim->edge))
+      if (trim != edge.trim) take(other, place_at(*trim, 1 - (edge.t - knots.low()) / (knots.high() - knots.low())));
+    return hit;
+  }
+
+  /// The triangles of one surface.
+  struct Alone {
+    std::vector<std::uint32_t> triangles;
+    MeshDistance distance;
+  };
+  const Alone& alone(std::uint32_t patch) const {
+    std::call_once(parted, [&] {
+      std::vector<std::vector<std::uint32_t>> of(surfaces.size());
+      for (std::uint32_t t = 0; t < triangles.patch.size(); ++t) of[triangles.patch[t]].push_back(t);
+      for (auto& list : of) {
+        const MeshPart part = part_of(triangles.mesh, list);
+        by_patch.push_back(std::make_unique<Alone>(Alone{std::move(list), MeshDistance(part.mesh)}));
+      }
+    });
+    return *by_patch[patch];
+  }
+  mutable std::once_flag parted;
+  mutable std::vector<std::unique_ptr<Alone>> by_patch;
+
   bool holds(std::uint32_t patch, const Vec2& uv) const {
     const auto crossed = crossings(loops[patch], uv.y());
     return (std::upper_bound(crossed.begin(), crossed.end(), uv.x()) - crossed.begin()) % 2 == 1;
@@ -537,44 +598,18 @@ Box3 SurfaceDistance::bounds() const {
 
 SurfaceDistance::Hit SurfaceDistance::operator()(const Vec3& p) const {
   const Parts& parts = *parts_;
-  const auto& mesh = parts.triangles.mesh;
   const MeshHit near = parts.distance.closest(p);
-  const auto& corners = parts.triangles.place[near.triangle];
-  const std::uint32_t patch = parts.triangles.patch[near.triangle];
-  // From the shares of the nearest triangle's corners.
-  const Vec3 a = mesh.corner(near.triangle, 0), ab = mesh.corner(near.triangle, 1) - a,
-             ac = mesh.corner(near.triangle, 2) - a, d = near.point - a;
-  const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac), det = std::max(bb * cc - bc * bc, 1e-300);
-  const double s = (cc * d.dot(ab) - bc * d.dot(ac)) / det, t = (bb * d.dot(ac) - bc * d.dot(ab)) / det;
-  const Vec2 start = corners[0] + s * (corners[1] - corners[0]) + t * (corners[2] - corners[0]);
-  Hit hit{near.distance, patch, near.point, triangle_normal(mesh, near.triangle)};
-  // Within the mesh's deviation: a foot farther away belongs to another part of the surface.
-  double most = near.distance + 2 * parts.deviation;
-  const auto take = [&](std::uint32_t of, const Vec2& from) {
-    const NurbsSurface& surface = parts.surfaces[of].surface;
-    const SplineFoot foot = foot_near(surface, p, from.x(), from.y());
-    if (!(foot.distance <= most) || !parts.holds(of, {foot.u, foot.v})) return false;
-    hit.distance = most = foot.distance, hit.point = foot.point, hit.patch = of;
-    if (const Vec3 n = surface.derivatives(foot.u, foot.v).normal(); n.squaredNorm() > 0.5) hit.normal = n;
-    return true;
-  };
-  if (!take(patch, start)) {
-    const BorderFoot edge = parts.on_border(patch, p, start);
-    if (const double d = (edge.point - p).norm(); d < most) {
-      hit.distance = most = d, hit.point = edge.point;
-      const Vec2 uv = edge.trim->curve.at(edge.t);
-      const Vec3 n = parts.surfaces[patch].surface.derivatives(uv.x(), uv.y()).normal();
-      if (n.squaredNorm() > 0.5) hit.normal = n;
-    }
-    // It may lie on the surface beyond the edge.
-    const auto& t = edge.trim->curve.t;
-    for (const auto& [other, trim] : parts.sides_of.at(edge.trim->edge))
-      if (trim != edge.trim) take(other, place_at(*trim, 1 - (edge.t - t.low()) / (t.high() - t.low())));
-  }
+  Hit hit = parts.nearest(p, near, near.triangle, true);
   const bool behind = parts.closed && near.distance > 2 * parts.deviation ? parts.distance.signed_distance(p) < 0
                                                                           : (p - hit.point).dot(hit.normal) < 0;
   if (behind) hit.distance = -hit.distance;
   return hit;
+}
+
+SurfaceDistance::Hit SurfaceDistance::on(std::uint32_t patch, const Vec3& p) const {
+  const Parts::Alone& alone = parts_->alone(patch);
+  const MeshHit near = alone.distance.closest(p);
+  return parts_->nearest(p, near, alone.triangles[near.triangle], false);
 }
 
 }  // namespace partscribe::geometry

@@ -68,6 +68,8 @@ class SurfaceDistance {
     Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();
   };
   Hit operator()(const Vec3& p) const;
+  /// The nearest place of one of the surfaces, at a distance of 0 or more.
+  Hit on(std::uint32_t patch, const Vec3& p) const;
   Box3 bounds() const;
 
  private:

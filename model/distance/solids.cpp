@@ -172,9 +172,9 @@ class SurfaceSolid : public Solid {
     const auto h = distance_(p);
     return {h.distance, static_cast<int>(h.patch)};
   }
-  Foot foot(const Vec3& p, int) const override {
-    const auto h = distance_(p);
-    return {std::abs(h.distance), h.point, h.normal};
+  Foot foot(const Vec3& p, int face) const override {
+    const auto h = distance_.on(static_cast<std::uint32_t>(face), p);
+    return {h.distance, h.point, h.normal};
   }
 
  private:

@@ -297,6 +297,18 @@ SclMade scl_drafted(const std::vector<SclGeometryPtr>& profiles, double below, d
   }
 }
 
+SclMade scl_swept(const SclGeometryPtr& surface, const Vec3& direction) {
+  if (!surface->shape) return refuse("expected a surface without a border, to move it");
+  if (!(direction.norm() > scl_join)) return refuse("expected a direction other than 0");
+  try {
+    BRepPrimAPI_MakePrism maker(*surface->shape, gp_Vec(direction.x(), direction.y(), direction.z()));
+    if (!maker.IsDone() || !has_solid(maker.Shape())) return refuse("the surface leaves no solid behind as it moves");
+    return made(SclGeometryKind::shell, outward(maker.Shape()), true);
+  } catch (const Standard_Failure& f) {
+    return failure("the surface leaves no solid behind as it moves", f);
+  }
+}
+
 SclMade scl_sewn(const std::vector<SclGeometryPtr>& surfaces) {
   if (surfaces.empty()) return refuse("expected surfaces to join");
   if (std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) { return !s->trimmed.empty(); }))

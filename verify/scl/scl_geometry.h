@@ -94,6 +94,8 @@ SclMade scl_extruded(const std::vector<SclGeometryPtr>& profiles, double height)
 /// The same from z = -below to height, with walls that lean inwards by an angle (rad) as z rises; at z = 0 it has the
 /// profiles.
 SclMade scl_drafted(const std::vector<SclGeometryPtr>& profiles, double below, double height, double draft);
+/// What a surface without borders passes as it moves.
+SclMade scl_swept(const SclGeometryPtr& surface, const Vec3& direction);
 /// Surfaces that meet along their edges, as one shell.
 SclMade scl_sewn(const std::vector<SclGeometryPtr>& surfaces);
 /// Flat convex facets, counter-clockwise seen from outside; equal corners are one. A solid if they close up.

@@ -512,6 +512,14 @@ const std::map<std::string, Entry>& natives() {
           const double below = a.number(), height = a.number(), draft = radians(a.number());
           return wrapped(a, [&] { return scl_drafted(p, below, height, draft); });
         }}},
+      {"sweepsurface",
+       {2, 2,
+        [](const SclValues& v, SclCallContext&) {
+          SclArguments a(v);
+          const auto surface = a.geometry({SclGeometryKind::surface}, "a surface");
+          const Vec3 direction = a.vector();
+          return wrapped(a, [&] { return scl_swept(surface, direction); });
+        }}},
       {"nurbssrf", {6, 6, rational_surface_call}},
       {"trimsurface", {2, 2, trim_call}},
       {"nurbscrv",
