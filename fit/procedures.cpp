@@ -13,8 +13,11 @@ namespace {
 struct FullName {
   std::string_view name, word;
 };
-constexpr std::array full_names = {FullName{"frustum of a cone", "cone"}, FullName{"convex polyhedron", "half_spaces"},
-                                   FullName{"extrusion", "extrude"}, FullName{"surface of revolution", "revolve"},
+constexpr std::array full_names = {FullName{"frustum of a cone", "cone"},
+                                   FullName{"frustum", "cone"},
+                                   FullName{"convex polyhedron", "half_spaces"},
+                                   FullName{"extrusion", "extrude"},
+                                   FullName{"surface of revolution", "revolve"},
                                    FullName{"body with holes", "drilled"},
                                    FullName{"body with free-form faces", "sculpted"}};
 
@@ -22,7 +25,7 @@ constexpr std::array full_names = {FullName{"frustum of a cone", "cone"}, FullNa
 
 const std::vector<std::string>& procedure_words() {
   static const std::vector<std::string> words = {
-      "sphere",  "box",     "cylinder",    "cone",    "torus",       "wedge",          "fillet",   "ellipsoid",
+      "sphere",  "box",     "cylinder",    "cone",    "torus",    "wedge",       "fillet",         "ellipsoid",
       "revolve", "extrude", "half_spaces", "drilled", "sculpted", "supertoroid", "superellipsoid", only_a_mesh};
   return words;
 }

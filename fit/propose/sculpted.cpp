@@ -250,7 +250,7 @@ void hold_lids(Candidate& part, const FitInput& input) {
       matters = std::abs(after(q).distance - before(q).distance) > 1e-3 * input.tolerance;
     }
     if (matters) continue;
-    p.note += ", before its end is cut away";
+    p.note += ", of the stock: this end is cut away and was not scanned";
     part.held.push_back({p.name, 0});
   }
 }

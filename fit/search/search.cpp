@@ -159,7 +159,8 @@ const Faces& faces_in(const Sought& s, Context& context) {
 
 /// A maker of candidates.
 struct Maker {
-  bool last_resort;  ///< its shapes serve as a description only where no procedure of the trade does
+  bool last_resort;                    ///< its shapes serve as a description only where no procedure of the trade does
+  std::vector<std::string> first_for;  ///< words of the procedures for which it is the one to ask
   std::function<Proposals(const Sought&, Context&)> propose;
 };
 
@@ -171,16 +172,18 @@ Proposals sculpted_bodies(const Sought& s, Context& context);
 const std::vector<Maker>& makers() {
   using S = const Sought&;
   static const std::vector<Maker> list = {
-      {false, [](S s, Context& c) { return propose_quadrics(s.input, s.hypothesis, c); }},
-      {false, [](S s, Context& c) { return propose_polyhedra(s.input, c); }},
-      {false, [](S s, Context& c) { return propose_revolves(s.input, s.directions, c); }},
-      {false, [](S s, Context&) { return propose_torus_piece(s.input); }},
-      {false, [](S s, Context& c) { return s.body ? Proposals() : drilled_bodies(s, c); }},
-      {false, [](S s, Context& c) { return propose_extrudes(s.input, s.directions, s.drilled, c); }},
-      {false, [](S s, Context& c) { return s.drilled ? Proposals() : propose_fillets(s.input, c); }},
-      {true, [](S s, Context& c) { return s.body || s.drilled ? Proposals() : sculpted_bodies(s, c); }},
-      {true, [](S s, Context&) { return propose_superellipsoids(s.input, s.hypothesis); }},
-      {true, [](S s, Context& c) { return propose_rings(s.input, s.directions, c); }},
+      {false, {"sphere", "ellipsoid"}, [](S s, Context& c) { return propose_quadrics(s.input, s.hypothesis, c); }},
+      {false, {"box", "wedge"}, [](S s, Context& c) { return propose_polyhedra(s.input, c); }},
+      {false,
+       {"cylinder", "cone", "revolve"},
+       [](S s, Context& c) { return propose_revolves(s.input, s.directions, c); }},
+      {false, {}, [](S s, Context&) { return propose_torus_piece(s.input); }},
+      {false, {}, [](S s, Context& c) { return s.body ? Proposals() : drilled_bodies(s, c); }},
+      {false, {}, [](S s, Context& c) { return propose_extrudes(s.input, s.directions, s.drilled, c); }},
+      {false, {}, [](S s, Context& c) { return s.drilled ? Proposals() : propose_fillets(s.input, c); }},
+      {true, {}, [](S s, Context& c) { return s.body || s.drilled ? Proposals() : sculpted_bodies(s, c); }},
+      {true, {}, [](S s, Context&) { return propose_superellipsoids(s.input, s.hypothesis); }},
+      {true, {}, [](S s, Context& c) { return propose_rings(s.input, s.directions, c); }},
   };
   return list;
 }
@@ -242,7 +245,19 @@ double distance_to(const Candidate& candidate, const Vec3& p) {
   return std::abs(ModelDistance(bare_model(candidate))(candidate.scan_from_part.inverse() * p).distance);
 }
 
-/// Asks the makers of one kind and judges what they propose.
+/// Whether what the hypothesis calls for was found and leaves nothing to others: it follows the data as closely as
+/// noise allows, and nearly all of its surface was seen. What else explains the data is the same surface, said at
+/// length.
+bool settled(const std::vector<Judged>& judged, const std::string& called, const FitInput& input) {
+  constexpr double as_noise = 1.1, nearly_all = 0.95;
+  return !among_outliers(input) && std::ranges::any_of(judged, [&](const Judged& j) {
+    return j.meets && procedure_word(j.candidate.procedure) == called && j.evidence.roughness < as_noise &&
+           j.coverage.covered > nearly_all;
+  });
+}
+
+/// Asks the makers of one kind and judges what they propose. The one that makes what the hypothesis calls for comes
+/// first.
 void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& input, const BuildOptions& options,
                      Context& context) {
   std::vector<Vec3> directions;
@@ -259,12 +274,21 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
     if (!said_before(j, search.judged, options.tolerance)) search.judged.push_back(std::move(j));
   };
   Sought sought{input, search.hypothesis, directions, search.faces};
-  for (const auto& maker : makers()) {
-    if (maker.last_resort != last_resort) continue;
-    for (auto& candidate : maker.propose(sought, context))
+  const std::string called = procedure_word(search.hypothesis.hypothesis.suggests);
+  std::vector<const Maker*> order;
+  for (const auto& maker : makers())
+    if (maker.last_resort == last_resort) order.push_back(&maker);
+  std::ranges::stable_partition(
+      order, [&](const Maker* maker) { return std::ranges::find(maker->first_for, called) != maker->first_for.end(); });
+  for (const Maker* maker : order) {
+    for (auto& candidate : maker->propose(sought, context))
       if (!context.cancelled) consider(std::move(candidate));
     for (const Judged& j : search.judged)
       if (j.meets) (j.candidate.steps.empty() ? sought.body : sought.drilled) = true;
+    if (settled(search.judged, called, input)) {
+      context.say("the hypothesis, " + called + ", explains all: nothing else is tried");
+      break;
+    }
   }
 }
 
