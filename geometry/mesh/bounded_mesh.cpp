@@ -17,6 +17,8 @@ double sq_longest(const MeshEdit::Corners& c) {
   return std::max({(c[1] - c[0]).squaredNorm(), (c[2] - c[1]).squaredNorm(), (c[0] - c[2]).squaredNorm()});
 }
 
+constexpr double share_of_bound = 0.99;  // what is left makes up for what is not exact
+
 struct Nearest {
   double sq_distance = std::numeric_limits<double>::infinity();
   std::uint32_t at = 0;  // of the added triangles
@@ -49,6 +51,7 @@ Nearest nearest(const MeshEdit& edit, const Vec3& p, double sq_bound) {
 BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& context)
     : mesh_(mesh),
       original_(mesh),
+      walk_(mesh),
       bound_(bound),
       origin_(mesh.bounds().center()),
       points_(mesh.vertices),
@@ -57,6 +60,7 @@ BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& contex
   seen_.assign(m, 0);
   unrest_.assign(m, 0);
   fans_.resize(n);
+  feet_.resize(n);
   border_.assign(n, 0);
   samples_of_.resize(m);
   left_ = m;
@@ -73,6 +77,7 @@ BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& contex
     if (!fans_[v].empty()) {
       sample_at[v] = static_cast<std::uint32_t>(sampled.size());
       sampled.push_back(v), owners_.push_back(fans_[v].front()), add_sample(fans_[v].front(), points_[v]);
+      feet_[v] = walk_.inside(fans_[v].front(), points_[v]);
     }
   planes_.resize(sampled.size());
   for (std::uint32_t t = 0; t < m; ++t) {
@@ -87,25 +92,24 @@ BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& contex
       const Vec3 along = c[(k + 1) % 3] - c[k];
       // How far the middle of the edge may lie from a surface that meets the original at its corners.
       double bend = 2 * bound_;
-      std::uint32_t beyond = t;
-      for (const std::uint32_t other : fans_[a])
-        if (other != t && std::count(triangles_[other].begin(), triangles_[other].end(), b)) beyond = other;
-      if (beyond == t) {
+      const std::uint32_t beyond = walk_.across(t, k);
+      if (beyond == ~0u) {
         border_[a] = border_[b] = 1;
         // A wall on the border edge keeps it in place.
         const Vec3 wall = along.cross(twice).normalized();
         for (const std::uint32_t v : {a, b})
           planes_[sample_at[v]].add_plane(wall, c[k] - origin_, 2 * along.squaredNorm());
       } else {
-        const double turn = std::acos(std::clamp(triangle_normal(mesh_, beyond).dot(twice) / size, -1.0, 1.0));
+        const double turn = std::acos(std::clamp(walk_.normal(beyond).dot(twice) / size, -1.0, 1.0));
         bend = turn * along.norm() / 8;
       }
       if (!(bend > 0.02 * bound_)) continue;
       bent = true;
-      if (beyond >= t) add_sample(t, 0.5 * (c[k] + c[(k + 1) % 3]));
+      if (beyond > t) add_sample(t, 0.5 * (c[k] + c[(k + 1) % 3]));
     }
     if (bent) add_sample(t, (c[0] + c[1] + c[2]) / 3);
   }
+  for (const std::uint32_t v : sampled) on_border_.push_back(border_[v]);
   find_narrow_places(sampled, context);
 }
 
@@ -141,7 +145,7 @@ void BoundedMesh::find_narrow_places(const std::vector<std::uint32_t>& sampled, 
   std::vector<Vec3> places, normals;
   for (const std::uint32_t s : chosen) {
     Vec3 sum = Vec3::Zero();
-    for (const std::uint32_t t : fans_[sampled[s]]) sum += triangle_normal(mesh_, t);
+    for (const std::uint32_t t : fans_[sampled[s]]) sum += walk_.normal(t);
     places.push_back(all[s]);
     normals.push_back(sum.normalized());
   }
@@ -206,9 +210,12 @@ double BoundedMesh::unrest(const std::vector<std::uint32_t>& triangles) const {
 
 bool BoundedMesh::allows(const MeshEdit& edit, double most_unrest) {
   if (edit.added.empty()) return false;
-  // Between samples a surface may be a little farther than at them.
-  const double bound = 0.95 * bound_, sq_bound = bound * bound;
-  if (edit.moved != ~0u && !original_.closest_within(edit.place, bound)) return false;
+  const double bound = share_of_bound * bound_, sq_bound = bound * bound;
+  if (edit.moved != ~0u) {
+    const auto foot = original_.closest_within(edit.place, bound);
+    if (!foot) return false;
+    foot_ = walk_.inside(foot->triangle, foot->point);
+  }
   // The original's samples must find a triangle...
   moved_.clear();
   unrest_of_added_.assign(edit.added.size(), 0);
@@ -227,23 +234,48 @@ bool BoundedMesh::allows(const MeshEdit& edit, double most_unrest) {
       if ((sum += share * share) >= most_unrest) return false;
       moved_.push_back({s, near.at});
     }
-  // ...and the new triangles the original.
-  for (const MeshEdit::Added& added : edit.added) {
-    const MeshEdit::Corners& c = added.corners;
-    const auto middle = original_.closest_within((c[0] + c[1] + c[2]) / 3, bound);
-    if (!middle) return false;
-    // On a thin wall the nearest surface may be the wrong side.
-    if (triangle_normal(mesh_, middle->triangle).dot(added.normal) < -0.3) return false;
-    const int n = std::clamp(static_cast<int>(std::ceil(2 * std::sqrt(sq_longest(c)) / edge_)), 2, 64);
+  return !strays(edit, bound) && !crosses(edit);
+}
+
+/// Is a new edge or the inside of a new triangle farther from the original than the bound?
+bool BoundedMesh::strays(const MeshEdit& edit, double bound) {
+  // Where the surfaces face each other, they are farthest apart at corners of the original (its samples), at corners
+  // of the mesh, and where edges of both cross.
+  for (std::size_t i = 0; i < edit.added.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = edit.added[i].vertices[k], w = edit.added[i].vertices[(k + 1) % 3];
+      if (v != edit.moved && w != edit.moved && edge_triangles(v, w) > 0) continue;
+      const auto same = [&](const MeshEdit::Added& other) {
+        for (int l = 0; l < 3; ++l)
+          if (other.vertices[l] == w && other.vertices[(l + 1) % 3] == v) return true;
+        return false;
+      };
+      if (std::any_of(edit.added.begin(), edit.added.begin() + i, same)) continue;
+      const Vec3 &a = edit.added[i].corners[k], &b = edit.added[i].corners[(k + 1) % 3];
+      const Walk walk =
+          walk_.along(a, v == edit.moved ? foot_ : feet_[v], b, w == edit.moved ? foot_ : feet_[w], bound);
+      if (walk == Walk::beyond) return true;
+      if (walk == Walk::within) continue;
+      // Along a border it is as good as probed.
+      const int n = std::clamp(static_cast<int>(std::ceil((b - a).norm() / (0.125 * edge_))), 2, 512);
+      MeshHint hint;
+      for (int step = 1; step < n; ++step)
+        if (!original_.comes_within(a + (b - a) * step / n, bound, hint)) return true;
+    }
+  // A triangle that has samples of a border may lie over a hole.
+  over_border_.assign(edit.added.size(), 0);
+  for (const auto& [sample, at] : moved_)
+    if (sample < on_border_.size() && on_border_[sample]) over_border_[at] = 1;
+  for (std::size_t i = 0; i < edit.added.size(); ++i) {
+    if (!over_border_[i]) continue;
+    const MeshEdit::Corners& c = edit.added[i].corners;
+    const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(sq_longest(c)) / edge_)), 2, 64);
     MeshHint hint;
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; i + j <= n; ++j) {
-        if (i == n || j == n || i + j == 0) continue;
-        const Vec3 p = (c[0] * (n - i - j) + c[1] * i + c[2] * j) / n;
-        if (!original_.comes_within(p, bound, hint)) return false;
-      }
+    for (int i = 1; i < n; ++i)
+      for (int j = 1; i + j < n; ++j)
+        if (!original_.comes_within((c[0] * (n - i - j) + c[1] * i + c[2] * j) / n, bound, hint)) return true;
   }
-  return !crosses(edit);
+  return false;
 }
 
 /// Would the new triangles pass through each other, or through others nearby? Asked where surfaces are near each other
@@ -261,6 +293,12 @@ bool BoundedMesh::crosses(const MeshEdit& edit) {
       if (s < across_.size())
         for (const std::uint32_t other : across_[s]) near_a_sample = true, note(owners_[other]);
   if (!near_a_sample) return false;
+  // On a thin wall the nearest surface may be the wrong side.
+  for (const MeshEdit::Added& added : edit.added) {
+    const auto& c = added.corners;
+    const MeshHit middle = original_.closest((c[0] + c[1] + c[2]) / 3);
+    if (walk_.normal(middle.triangle).dot(added.normal) < -0.3) return true;
+  }
   for (const std::uint32_t t : edit.removed)
     for (const std::uint32_t v : triangles_[t])
       for (const std::uint32_t other : fans_[v]) note(other);
@@ -293,7 +331,7 @@ void BoundedMesh::make(const MeshEdit& edit) {
     samples_of_[edit.added[at].triangle].push_back(sample);
     if (sample < owners_.size()) owners_[sample] = edit.added[at].triangle;
   }
-  if (edit.moved != ~0u) points_[edit.moved] = edit.place;
+  if (edit.moved != ~0u) points_[edit.moved] = edit.place, feet_[edit.moved] = foot_;
 }
 
 Vec3 BoundedMesh::better_place(const MeshEdit& edit) const {
