@@ -97,8 +97,10 @@ class BoundedMesh {
  private:
   bool add(MeshEdit& edit, std::uint32_t t, const Triangle& vertices, const Vec3& before, double shape_before) const;
   void add_sample(std::uint32_t t, const Vec3& p);
+  void sample_borders();
   void find_narrow_places(const std::vector<std::uint32_t>& sampled, Context& context);
   bool strays(const MeshEdit& edit, double bound);
+  bool covered(const MeshEdit::Corners& corners, double bound, double pitch, bool refine) const;
   bool crosses(const MeshEdit& edit);
 
   const TriangleMesh& mesh_;
@@ -115,7 +117,8 @@ class BoundedMesh {
   std::vector<SurfacePlace> feet_;  // of each vertex: near the nearest place of the original
   SurfacePlace foot_;               // of the vertex that allows() was asked to move
   std::vector<std::uint8_t> border_;
-  std::vector<std::uint8_t> on_border_;  // of the first samples
+  std::vector<std::uint8_t> on_border_;      // of the first samples
+  std::vector<std::uint8_t> beside_border_;  // of the original's triangles
   std::vector<std::vector<std::uint32_t>> fans_, samples_of_;
   std::vector<std::vector<std::uint32_t>> across_;  // of the first samples: others that surfaces could meet at
   std::vector<std::uint32_t> owners_;  // the triangle that each of the first samples, those at vertices, belongs to

@@ -55,16 +55,17 @@ Walk SurfaceWalk::along(const Vec3& a, const SurfacePlace& from, const Vec3& b, 
     if (leave < 0 || (place - from.point).dot(way) > ahead)
       leave = k, at = place, ahead = (place - from.point).dot(way);
   }
-  if (leave < 0) return Walk::lost;
+  if (leave < 0) return Walk::beyond;
   const double end = way.squaredNorm();
   for (std::uint32_t v = mesh_.triangles[t][leave], w = mesh_.triangles[t][(leave + 1) % 3];;) {
     // From v to w the edge is crossed, v is on the left as seen from t.
     const double share = std::clamp((at - a).dot(segment) * scale, 0.0, 1.0);
     if ((at - a - share * segment).squaredNorm() > sq_bound) return Walk::beyond;
     const std::uint32_t next = across_[t][leave];
-    if (next == ~0u) return Walk::lost;
     if (next == to.triangle) return Walk::within;
-    if ((at - from.point).dot(way) > end) return Walk::lost;
+    if (next == ~0u) return Walk::ended;
+    // Round in a circle, or past the end.
+    if (next == from.triangle || (at - from.point).dot(way) > end) return Walk::beyond;
     const auto& corners = mesh_.triangles[next];
     int k = 0;
     while (corners[k] == v || corners[k] == w) ++k;

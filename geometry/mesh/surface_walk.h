@@ -15,7 +15,11 @@ struct SurfacePlace {
   Vec3 point = Vec3::Zero();
 };
 
-enum class Walk { within, beyond, lost };
+enum class Walk {
+  within,
+  beyond,  ///< too far away, or it missed the end
+  ended    ///< at a border
+};
 
 class SurfaceWalk {
  public:
@@ -31,7 +35,7 @@ class SurfaceWalk {
   /// Goes from one place to another in the plane of both and of the normals there, and asks for the distance of the
   /// segment from a to b at each edge that it crosses. Where all are within `bound`, and so are the ends, the segment
   /// and the way are within it of each other everywhere: each piece lies in one triangle, and the distance from what
-  /// is convex is greatest at an end. `lost`: a border is in the way, or the end was passed by.
+  /// is convex is greatest at an end.
   Walk along(const Vec3& a, const SurfacePlace& from, const Vec3& b, const SurfacePlace& to, double bound) const;
 
  private:
