@@ -25,7 +25,8 @@ struct Nearest {
   bool above = false;    // does it project into the inside?
 };
 
-/// The first triangle from `start` on, and round, within `sq_bound` that p lies above; where there is none, the nearest.
+/// The first triangle from `start` on, and round, within `sq_bound` that p lies above; where there is none, the
+/// nearest.
 Nearest nearest(const MeshEdit& edit, const Vec3& p, double sq_bound, std::uint32_t start) {
   for (std::uint32_t i = 0, k = start; i < edit.added.size(); ++i, k = k + 1 < edit.added.size() ? k + 1 : 0) {
     const MeshEdit::Added& t = edit.added[k];
@@ -280,17 +281,23 @@ bool BoundedMesh::strays(const MeshEdit& edit, double bound) {
           walk_.along(a, v == edit.moved ? foot_ : feet_[v], b, w == edit.moved ? foot_ : feet_[w], bound);
       if (walk == Walk::beyond) return true;
       if (walk == Walk::within) continue;
-      // Along a border it is as good as probed.
-      const int n = std::clamp(static_cast<int>(std::ceil((b - a).norm() / (0.125 * edge_))), 2, 512);
-      MeshHint hint;
-      for (int step = 1; step < n; ++step)
-        if (!original_.comes_within(a + (b - a) * step / n, bound, hint)) return true;
+      // Along a border it is probed: as far as the bound leaves room from a place nothing can stray.
+      const double length = (b - a).norm();
+      for (double along = 0; along < length;) {
+        const auto hit = original_.closest_within(a + (b - a) * (along / length), bound);
+        if (!hit) return true;
+        along += std::max(bound - hit->distance, edge_ / 64);
+      }
     }
-  // A triangle that has samples of a border may lie over a hole.
-  over_border_.assign(edit.added.size(), 0);
+  // A triangle at a border, or one that has samples of it, may lie over a hole.
+  over_border_.clear();
+  for (const MeshEdit::Added& added : edit.added)
+    over_border_.push_back(
+        std::any_of(added.vertices.begin(), added.vertices.end(), [&](std::uint32_t v) { return border_[v] != 0; }));
   for (const auto& [sample, at] : moved_)
     if (sample < on_border_.size() && on_border_[sample]) over_border_[at] = 1;
   for (std::size_t i = 0; i < edit.added.size(); ++i)
+    // Between probes it may be a little farther than at them.
     if (over_border_[i] && !covered(edit.added[i].corners, 0.95 * bound, edge_, true)) return true;
   return false;
 }

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <bit>
+#include <cmath>
 #include <optional>
 
 #include "core/ensure.h"
