@@ -54,7 +54,7 @@ struct Question {
 };
 
 /// The answer with the fewest triangles that meets the tolerance, by a setting between one that does and one that does
-/// not, half a percent apart. `coarser`: the factor by which a setting makes fewer triangles.
+/// not, a percent apart. `coarser`: the factor by which a setting makes fewer triangles.
 Outcome searched(const Contestant& contestant, const Question& question, double start, double fine, double coarse,
                  int& runs) {
   const auto between = [](double a, double b) { return std::sqrt(a * b); };
@@ -75,11 +75,11 @@ Outcome searched(const Contestant& contestant, const Question& question, double 
   double setting = start;
   const bool first = try_setting(setting);
   const double step = first == (fine > coarse) ? 1 / 1.4 : 1.4;
-  while (runs < 20) {
+  while (runs < 12) {
     setting = whole ? std::round(setting * step) : setting * step;
     if (setting < std::min(fine, coarse) || setting > std::max(fine, coarse) || try_setting(setting) != first) break;
   }
-  while (std::abs(std::log(good / bad)) > 0.005 && (!whole || std::abs(good - bad) > 2) && runs < 45) {
+  while (std::abs(std::log(good / bad)) > 0.01 && (!whole || std::abs(good - bad) > 2) && runs < 45) {
     const double next = between(good, bad);
     try_setting(whole ? std::round(next) : next);
   }

@@ -17,15 +17,18 @@ double sq_longest(const MeshEdit::Corners& c) {
   return std::max({(c[1] - c[0]).squaredNorm(), (c[2] - c[1]).squaredNorm(), (c[0] - c[2]).squaredNorm()});
 }
 
+constexpr double share_of_bound = 0.99;  // what is left makes up for what is not exact
+
 struct Nearest {
   double sq_distance = std::numeric_limits<double>::infinity();
   std::uint32_t at = 0;  // of the added triangles
   bool above = false;    // does it project into the inside?
 };
 
-/// The first triangle within `sq_bound` that p lies above; where there is none, the nearest one.
-Nearest nearest(const MeshEdit& edit, const Vec3& p, double sq_bound) {
-  for (std::uint32_t k = 0; k < edit.added.size(); ++k) {
+/// The first triangle from `start` on, and round, within `sq_bound` that p lies above; where there is none, the
+/// nearest.
+Nearest nearest(const MeshEdit& edit, const Vec3& p, double sq_bound, std::uint32_t start) {
+  for (std::uint32_t i = 0, k = start; i < edit.added.size(); ++i, k = k + 1 < edit.added.size() ? k + 1 : 0) {
     const MeshEdit::Added& t = edit.added[k];
     const Vec3 a = p - t.corners[0];
     if (t.inward[0].dot(a) < 0 || t.inward[2].dot(a) < 0 || t.inward[1].dot(p - t.corners[1]) < 0) continue;
@@ -49,6 +52,7 @@ Nearest nearest(const MeshEdit& edit, const Vec3& p, double sq_bound) {
 BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& context)
     : mesh_(mesh),
       original_(mesh),
+      walk_(mesh),
       bound_(bound),
       origin_(mesh.bounds().center()),
       points_(mesh.vertices),
@@ -57,6 +61,7 @@ BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& contex
   seen_.assign(m, 0);
   unrest_.assign(m, 0);
   fans_.resize(n);
+  feet_.resize(n);
   border_.assign(n, 0);
   samples_of_.resize(m);
   left_ = m;
@@ -73,6 +78,7 @@ BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& contex
     if (!fans_[v].empty()) {
       sample_at[v] = static_cast<std::uint32_t>(sampled.size());
       sampled.push_back(v), owners_.push_back(fans_[v].front()), add_sample(fans_[v].front(), points_[v]);
+      feet_[v] = walk_.inside(fans_[v].front(), points_[v]);
     }
   planes_.resize(sampled.size());
   for (std::uint32_t t = 0; t < m; ++t) {
@@ -85,28 +91,42 @@ BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& contex
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
       const Vec3 along = c[(k + 1) % 3] - c[k];
-      // How far the middle of the edge may lie from a surface that meets the original at its corners.
-      double bend = 2 * bound_;
-      std::uint32_t beyond = t;
-      for (const std::uint32_t other : fans_[a])
-        if (other != t && std::count(triangles_[other].begin(), triangles_[other].end(), b)) beyond = other;
-      if (beyond == t) {
+      const std::uint32_t beyond = walk_.across(t, k);
+      if (beyond == ~0u) {
         border_[a] = border_[b] = 1;
+        const int n = std::clamp(static_cast<int>(along.norm() / std::max(0.25 * bound_, edge_ / 8)), 1, 64);
+        for (int i = 1; i < n; ++i) add_sample(t, c[k] + along * i / n);
         // A wall on the border edge keeps it in place.
         const Vec3 wall = along.cross(twice).normalized();
         for (const std::uint32_t v : {a, b})
           planes_[sample_at[v]].add_plane(wall, c[k] - origin_, 2 * along.squaredNorm());
-      } else {
-        const double turn = std::acos(std::clamp(triangle_normal(mesh_, beyond).dot(twice) / size, -1.0, 1.0));
-        bend = turn * along.norm() / 8;
+        continue;
       }
-      if (!(bend > 0.02 * bound_)) continue;
+      const double turn = std::acos(std::clamp(walk_.normal(beyond).dot(twice) / size, -1.0, 1.0));
+      // How far the middle of the edge may lie from a surface that meets the original at its corners.
+      if (!(turn * along.norm() / 8 > 0.02 * bound_)) continue;
       bent = true;
-      if (beyond >= t) add_sample(t, 0.5 * (c[k] + c[(k + 1) % 3]));
+      if (beyond > t) add_sample(t, 0.5 * (c[k] + c[(k + 1) % 3]));
     }
     if (bent) add_sample(t, (c[0] + c[1] + c[2]) / 3);
   }
+  for (const std::uint32_t v : sampled) on_border_.push_back(border_[v]);
+  sample_borders();
   find_narrow_places(sampled, context);
+}
+
+/// Beside borders surfaces do not face each other: large triangles there are sampled all over.
+void BoundedMesh::sample_borders() {
+  beside_border_.assign(triangles_.size(), 0);
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    for (const std::uint32_t v : triangles_[t]) beside_border_[t] |= border_[v];
+    if (!beside_border_[t]) continue;
+    const auto c = corners(t);
+    const int n = std::clamp(static_cast<int>(std::sqrt(sq_longest(c)) / std::max(bound_, edge_ / 8)) + 1, 1, 32);
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j)
+        if (i < n && j < n && i + j > 0) add_sample(t, (c[0] * (n - i - j) + c[1] * i + c[2] * j) / n);
+  }
 }
 
 std::vector<Quadric> BoundedMesh::quadrics() const {
@@ -141,7 +161,7 @@ void BoundedMesh::find_narrow_places(const std::vector<std::uint32_t>& sampled, 
   std::vector<Vec3> places, normals;
   for (const std::uint32_t s : chosen) {
     Vec3 sum = Vec3::Zero();
-    for (const std::uint32_t t : fans_[sampled[s]]) sum += triangle_normal(mesh_, t);
+    for (const std::uint32_t t : fans_[sampled[s]]) sum += walk_.normal(t);
     places.push_back(all[s]);
     normals.push_back(sum.normalized());
   }
@@ -206,44 +226,95 @@ double BoundedMesh::unrest(const std::vector<std::uint32_t>& triangles) const {
 
 bool BoundedMesh::allows(const MeshEdit& edit, double most_unrest) {
   if (edit.added.empty()) return false;
-  // Between samples a surface may be a little farther than at them.
-  const double bound = 0.95 * bound_, sq_bound = bound * bound;
-  if (edit.moved != ~0u && !original_.closest_within(edit.place, bound)) return false;
+  const double bound = share_of_bound * bound_, sq_bound = bound * bound;
+  if (edit.moved != ~0u) {
+    const auto foot = original_.closest_within(edit.place, bound);
+    if (!foot) return false;
+    foot_ = walk_.inside(foot->triangle, foot->point);
+  }
   // The original's samples must find a triangle...
   moved_.clear();
   unrest_of_added_.assign(edit.added.size(), 0);
   double sum = 0;
+  std::uint32_t last = 0;
   for (const std::uint32_t t : edit.removed)
     for (std::size_t i = 0; i < samples_of_[t].size(); ++i) {
       const std::uint32_t s = samples_of_[t][i];
-      const Nearest near = nearest(edit, samples_[s], sq_bound);
+      const Nearest near = nearest(edit, samples_[s], sq_bound, last);
       if (near.sq_distance > sq_bound) {
         // What forbids one edit will forbid the next: it is asked first.
         std::swap(samples_of_[t][0], samples_of_[t][i]);
         return false;
       }
+      last = near.at;
       const double share = near.sq_distance / sq_bound;
       unrest_of_added_[near.at] += share * share;
       if ((sum += share * share) >= most_unrest) return false;
       moved_.push_back({s, near.at});
     }
-  // ...and the new triangles the original.
+  return !strays(edit, bound) && !crosses(edit);
+}
+
+/// Does a new triangle face the wrong way, or come farther from the original than the bound with an edge or inside?
+bool BoundedMesh::strays(const MeshEdit& edit, double bound) {
+  // Where the surfaces face each other, they are farthest apart at corners of the original (its samples), at corners
+  // of the mesh, and where edges of both cross.
   for (const MeshEdit::Added& added : edit.added) {
-    const MeshEdit::Corners& c = added.corners;
-    const auto middle = original_.closest_within((c[0] + c[1] + c[2]) / 3, bound);
-    if (!middle) return false;
-    // On a thin wall the nearest surface may be the wrong side.
-    if (triangle_normal(mesh_, middle->triangle).dot(added.normal) < -0.3) return false;
-    const int n = std::clamp(static_cast<int>(std::ceil(2 * std::sqrt(sq_longest(c)) / edge_)), 2, 64);
-    MeshHint hint;
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; i + j <= n; ++j) {
-        if (i == n || j == n || i + j == 0) continue;
-        const Vec3 p = (c[0] * (n - i - j) + c[1] * i + c[2] * j) / n;
-        if (!original_.comes_within(p, bound, hint)) return false;
-      }
+    // Needles do not show by themselves that they turned over.
+    const auto faces = [&](std::uint32_t v) {
+      return walk_.normal((v == edit.moved ? foot_ : feet_[v]).triangle).dot(added.normal) > -0.3;
+    };
+    if (std::none_of(added.vertices.begin(), added.vertices.end(), faces)) return true;
   }
-  return !crosses(edit);
+  for (std::size_t i = 0; i < edit.added.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = edit.added[i].vertices[k], w = edit.added[i].vertices[(k + 1) % 3];
+      if (edit.moved != ~0u ? v != edit.moved && w != edit.moved : edge_triangles(v, w) > 0) continue;
+      const auto same = [&](const MeshEdit::Added& other) {
+        for (int l = 0; l < 3; ++l)
+          if (other.vertices[l] == w && other.vertices[(l + 1) % 3] == v) return true;
+        return false;
+      };
+      if (std::any_of(edit.added.begin(), edit.added.begin() + i, same)) continue;
+      const Vec3 &a = edit.added[i].corners[k], &b = edit.added[i].corners[(k + 1) % 3];
+      const Walk walk =
+          walk_.along(a, v == edit.moved ? foot_ : feet_[v], b, w == edit.moved ? foot_ : feet_[w], bound);
+      if (walk == Walk::beyond) return true;
+      if (walk == Walk::within) continue;
+      // Along a border it is probed: as far as the bound leaves room from a place nothing can stray.
+      const double length = (b - a).norm();
+      for (double along = 0; along < length;) {
+        const auto hit = original_.closest_within(a + (b - a) * (along / length), bound);
+        if (!hit) return true;
+        along += std::max(bound - hit->distance, edge_ / 64);
+      }
+    }
+  // A triangle at a border, or one that has samples of it, may lie over a hole.
+  over_border_.clear();
+  for (const MeshEdit::Added& added : edit.added)
+    over_border_.push_back(
+        std::any_of(added.vertices.begin(), added.vertices.end(), [&](std::uint32_t v) { return border_[v] != 0; }));
+  for (const auto& [sample, at] : moved_)
+    if (sample < on_border_.size() && on_border_[sample]) over_border_[at] = 1;
+  for (std::size_t i = 0; i < edit.added.size(); ++i)
+    // Between probes it may be a little farther than at them.
+    if (over_border_[i] && !covered(edit.added[i].corners, 0.95 * bound, edge_, true)) return true;
+  return false;
+}
+
+/// Are probes inside a triangle, `pitch` apart, within the bound of the original? Finer ones follow beside borders.
+bool BoundedMesh::covered(const MeshEdit::Corners& c, double bound, double pitch, bool refine) const {
+  const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(sq_longest(c)) / pitch)), 2, 64);
+  MeshHint hint;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      const Vec3 p = (c[0] * (n - i - j) + c[1] * i + c[2] * j) / n, u = (c[1] - c[0]) / n, v = (c[2] - c[0]) / n;
+      if (!original_.comes_within(p, bound, hint)) return false;
+      if (!refine || hint.triangle == ~0u || !beside_border_[hint.triangle]) continue;
+      if (!covered({p, p + u, p + v}, bound, pitch / 8, false)) return false;
+      if (i + j + 2 <= n && !covered({p + u, p + u + v, p + v}, bound, pitch / 8, false)) return false;
+    }
+  return true;
 }
 
 /// Would the new triangles pass through each other, or through others nearby? Asked where surfaces are near each other
@@ -261,6 +332,12 @@ bool BoundedMesh::crosses(const MeshEdit& edit) {
       if (s < across_.size())
         for (const std::uint32_t other : across_[s]) near_a_sample = true, note(owners_[other]);
   if (!near_a_sample) return false;
+  // On a thin wall the nearest surface may be the wrong side.
+  for (const MeshEdit::Added& added : edit.added) {
+    const auto& c = added.corners;
+    const MeshHit middle = original_.closest((c[0] + c[1] + c[2]) / 3);
+    if (walk_.normal(middle.triangle).dot(added.normal) < -0.3) return true;
+  }
   for (const std::uint32_t t : edit.removed)
     for (const std::uint32_t v : triangles_[t])
       for (const std::uint32_t other : fans_[v]) note(other);
@@ -293,17 +370,19 @@ void BoundedMesh::make(const MeshEdit& edit) {
     samples_of_[edit.added[at].triangle].push_back(sample);
     if (sample < owners_.size()) owners_[sample] = edit.added[at].triangle;
   }
-  if (edit.moved != ~0u) points_[edit.moved] = edit.place;
+  if (edit.moved != ~0u) points_[edit.moved] = edit.place, feet_[edit.moved] = foot_;
 }
 
 Vec3 BoundedMesh::better_place(const MeshEdit& edit) const {
   // A foot follows the vertex as its barycentric coordinate says.
   Mat3 system = Mat3::Zero();
   Vec3 right = Vec3::Zero();
+  std::uint32_t last = 0;
   for (const std::uint32_t t : edit.removed)
     for (const std::uint32_t s : samples_of_[t]) {
       const Vec3& p = samples_[s];
-      const Nearest near = nearest(edit, p, bound_ * bound_);
+      const Nearest near = nearest(edit, p, bound_ * bound_, last);
+      last = near.at;
       if (!(near.sq_distance > 0.01 * bound_ * bound_)) continue;  // what counts little
       const MeshEdit::Added& added = edit.added[near.at];
       const auto& c = added.corners;

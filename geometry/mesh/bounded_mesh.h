@@ -9,6 +9,7 @@
 
 #include "core/context.h"
 #include "geometry/mesh/mesh_distance.h"
+#include "geometry/mesh/surface_walk.h"
 #include "geometry/mesh/triangle_mesh.h"
 
 namespace partscribe::geometry {
@@ -96,11 +97,15 @@ class BoundedMesh {
  private:
   bool add(MeshEdit& edit, std::uint32_t t, const Triangle& vertices, const Vec3& before, double shape_before) const;
   void add_sample(std::uint32_t t, const Vec3& p);
+  void sample_borders();
   void find_narrow_places(const std::vector<std::uint32_t>& sampled, Context& context);
+  bool strays(const MeshEdit& edit, double bound);
+  bool covered(const MeshEdit::Corners& corners, double bound, double pitch, bool refine) const;
   bool crosses(const MeshEdit& edit);
 
   const TriangleMesh& mesh_;
   MeshDistance original_;
+  SurfaceWalk walk_;
   double bound_;
   Vec3 origin_;
   double edge_ = 1;  // mm, the original's mean
@@ -109,7 +114,11 @@ class BoundedMesh {
   std::vector<Vec3> samples_;    // first one for each corner, then others
   std::vector<Quadric> planes_;  // of the first samples
   std::vector<Triangle> triangles_;
+  std::vector<SurfacePlace> feet_;  // of each vertex: near the nearest place of the original
+  SurfacePlace foot_;               // of the vertex that allows() was asked to move
   std::vector<std::uint8_t> border_;
+  std::vector<std::uint8_t> on_border_;      // of the first samples
+  std::vector<std::uint8_t> beside_border_;  // of the original's triangles
   std::vector<std::vector<std::uint32_t>> fans_, samples_of_;
   std::vector<std::vector<std::uint32_t>> across_;  // of the first samples: others that surfaces could meet at
   std::vector<std::uint32_t> owners_;  // the triangle that each of the first samples, those at vertices, belongs to
@@ -118,6 +127,7 @@ class BoundedMesh {
   std::uint32_t look_ = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> moved_;  // what allows() found: sample, which of `added`
   std::vector<double> unrest_of_added_;
+  std::vector<std::uint8_t> over_border_;
   std::vector<std::uint32_t> nearby_;
 };
 

@@ -1,26 +1,49 @@
 #include "geometry/mesh/decimate.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <queue>
+#include <optional>
 
 #include "core/ensure.h"
-#include "geometry/decompose.h"
 #include "geometry/mesh/bounded_mesh.h"
 
 namespace partscribe::geometry {
 namespace {
 
 struct Collapse {
-  double cost;
   std::uint32_t a, b, stamp_a, stamp_b;
-  /// The queue delivers the cheapest first; equal costs in order of their vertices.
-  bool operator<(const Collapse& other) const {
-    if (cost != other.cost) return cost > other.cost;
-    return a != other.a ? a > other.a : b > other.b;
+};
+
+/// Delivers the cheapest first, to an eighth of a power of two, and equal ones in the order in which they came: a heap
+/// spends its time waiting for memory.
+class CollapseQueue {
+ public:
+  void clear() { levels_.assign(levels_.size(), {}), lowest_ = levels_.size(); }
+  void push(double cost, const Collapse& collapse) {
+    // Bits of positive numbers are in the order of the numbers.
+    const std::size_t level = std::bit_cast<std::uint64_t>(cost) >> 49;
+    levels_[level].waiting.push_back(collapse);
+    lowest_ = std::min(lowest_, level);
   }
+  std::optional<Collapse> pop() {
+    for (; lowest_ < levels_.size(); ++lowest_) {
+      Level& level = levels_[lowest_];
+      if (level.next < level.waiting.size()) return level.waiting[level.next++];
+      level = {};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct Level {
+    std::vector<Collapse> waiting;
+    std::size_t next = 0;
+  };
+  std::vector<Level> levels_ = std::vector<Level>(std::size_t{1} << 15);
+  std::size_t lowest_ = 0;
 };
 
 class Decimator {
@@ -38,7 +61,7 @@ class Decimator {
       const std::size_t before = mesh_.triangles_left();
       if (round > 0) relax();
       collapse_all();
-      if (context_.cancelled || before - mesh_.triangles_left() < before / 100 + 1) break;
+      if (context_.cancelled || before - mesh_.triangles_left() < before / 50 + 1) break;
     }
     return mesh_.result();
   }
@@ -52,18 +75,18 @@ class Decimator {
   /// Collapses edges, those first that cost least by the planes of the original, until no more can go.
   void collapse_all() {
     quadrics_ = mesh_.quadrics();
-    queue_ = {};
+    queue_.clear();
     for (std::uint32_t v = 0; v < mesh_.vertices(); ++v) {
       if (mesh_.fan(v).empty()) continue;
       mesh_.neighbours(v, around_a_);
       for (const std::uint32_t w : around_a_)
         if (v < w) push(v, w);
     }
-    for (std::size_t step = 0; !queue_.empty() && !done(); ++step) {
-      const Collapse next = queue_.top();
-      queue_.pop();
-      if (stamps_[next.a] != next.stamp_a || stamps_[next.b] != next.stamp_b) continue;
-      try_collapse(next.a, next.b);
+    for (std::size_t step = 0; !done(); ++step) {
+      const auto next = queue_.pop();
+      if (!next) break;
+      if (stamps_[next->a] != next->stamp_a || stamps_[next->b] != next->stamp_b) continue;
+      try_collapse(next->a, next->b);
       if (step % 4096 == 0)
         context_.report("decimate", 1 - static_cast<double>(mesh_.triangles_left()) /
                                             static_cast<double>(std::max<std::size_t>(1, start_)));
@@ -78,7 +101,7 @@ class Decimator {
     // Where planes leave a direction free, the middle of the edge is as good as any.
     const double weight = 1e-5 * q.a.trace() + 1e-300;
     const Mat3 system = q.a + weight * Mat3::Identity();
-    place = solve_ldlt(system, Vec3(-q.b + weight * middle));
+    place = system.inverse() * (weight * middle - q.b);
     const double sq_length = (pa - pb).squaredNorm();
     if (!place.allFinite() || (place - middle).squaredNorm() > 4 * sq_length) place = q.at(pa) <= q.at(pb) ? pa : pb;
     // Among equally flat edges short ones go first: they leave better triangles.
@@ -91,7 +114,10 @@ class Decimator {
     if (frozen(a) || frozen(b)) return;
     if (a > b) std::swap(a, b);
     Vec3 place;
-    queue_.push({best_place(a, b, place), a, b, stamps_[a], stamps_[b]});
+    const double cost = best_place(a, b, place), weight = quadrics_[a].a.trace() + quadrics_[b].a.trace();
+    // Planes so far away on average leave no hope.
+    if (cost > 5 * options_.max_error * options_.max_error * weight) return;
+    queue_.push(cost, {a, b, stamps_[a], stamps_[b]});
   }
 
   bool topology_allows(std::uint32_t a, std::uint32_t b) {
@@ -132,9 +158,9 @@ class Decimator {
   bool can_collapse(std::uint32_t a, std::uint32_t b) {
     Vec3 place;
     best_place(a, b, place);
-    for (int step = 0; step <= options_.steps; ++step) {
-      if (!prepare_collapse(a, b, place)) break;
+    for (int step = 0; prepare_collapse(a, b, place); ++step) {
       if (mesh_.allows(edit_)) return true;
+      if (step == options_.steps) break;
       place = mesh_.better_place(edit_);
     }
     const Quadric &qa = quadrics_[a], &qb = quadrics_[b];
@@ -218,7 +244,7 @@ class Decimator {
   std::size_t start_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> stamps_;
-  std::priority_queue<Collapse> queue_;
+  CollapseQueue queue_;
   std::vector<std::uint32_t> around_a_, around_b_, common_;
   MeshEdit edit_;
 };
