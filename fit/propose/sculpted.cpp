@@ -10,7 +10,6 @@
 
 #include "core/number.h"
 #include "fit/evidence/evidence.h"
-#include "fit/evidence/evidence.h"
 #include "fit/refine/refine.h"
 #include "fit/surface/piece_fit.h"
 #include "geometry/mesh/mesh_distance.h"
@@ -28,6 +27,7 @@ const double steepest = std::cos(radians(72));  // of a region, from the directi
 struct Region {
   std::vector<std::uint32_t> points;  // of the cloud, ascending
   Vec3 out = Vec3::UnitZ();           // unit: from there all of it is seen
+  double lid = 0;                     // mm along `out`: the stock ends there
 };
 
 /// A region's surface, and how far above its lowest place the stock is cut away.
@@ -146,9 +146,14 @@ Region grown(const Region& region, const Surroundings& near, const FitInput& inp
   return result;
 }
 
-double lid_of(const Region& region, const FitInput& input) {
+/// Where the stock ends: at the plane that the region is sunk into, or a little above all of it.
+double lid_of(const Region& region, const std::vector<const Face*>& plain, const FitInput& input) {
+  const double along = std::cos(radians(1));
   double highest = -1e300;
   for (const std::uint32_t i : region.points) highest = std::max(highest, input.cloud.points[i].dot(region.out));
+  for (const Face* face : plain)
+    if (face->kind == FaceKind::plane && std::abs(face->surface().axis.dot(region.out)) > along)
+      if (const double at = face->middle.dot(region.out); std::abs(at - highest) < 2 * input.tolerance) return at;
   return highest + 2 * input.tolerance;
 }
 
@@ -156,10 +161,9 @@ double lid_of(const Region& region, const FitInput& input) {
 FitInput with_lids(const std::vector<Region>& regions, const FitInput& input, Context& context) {
   FitInput stock = input;
   for (const Region& region : regions) {
-    const double lid = lid_of(region, input);
     for (const std::uint32_t i : region.points) {
       Vec3& p = stock.cloud.points[i];
-      p += (lid - p.dot(region.out)) * region.out;
+      p += (region.lid - p.dot(region.out)) * region.out;
       stock.cloud.normals[i] = region.out;
     }
   }
@@ -188,9 +192,8 @@ std::optional<Cut> cut_of(const Region& region, const std::vector<Vec3>& directi
   auto fit = fit_piece(data, input, context);
   if (!fit) return std::nullopt;
   for (const Vec3& p : fit->surface.points) lowest = std::min(lowest, p.dot(region.out));
-  const double unit = power_of_ten_below(lid_of(region, input) - lowest);
-  return Cut{std::move(fit->surface),
-             unit * std::ceil((lid_of(region, input) - lowest + 5 * input.tolerance) / unit) * region.out};
+  const double depth = region.lid - lowest + 5 * input.tolerance, unit = power_of_ten_below(depth);
+  return Cut{std::move(fit->surface), unit * std::ceil(depth / unit) * region.out};
 }
 
 /// The direction itself, or the axis that it is nearly along.
@@ -283,6 +286,8 @@ std::vector<Candidate> propose_sculpted(const FitInput& input, const Faces& face
   std::vector<std::vector<Region>> choices = {regions};
   for (Region& region : regions) region = grown(region, *surroundings, input);
   choices.push_back(regions);
+  for (auto& choice : choices)
+    for (Region& region : choice) region.lid = lid_of(region, plain, input);
   bool enough = false;
   for (const auto& choice : choices) {
     std::vector<Cut> cuts;
