@@ -3,7 +3,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "fit/build.h"
+#include "testing/models.h"
+#include "testing/sampled.h"
+
 using namespace partscribe::fit;
+using namespace partscribe::testing;
 
 namespace {
 
@@ -53,4 +58,49 @@ TEST_CASE("search: what is off at one place among outliers, and costs no more in
   CHECK(said(winner, rival, 0.2).find("the data cannot tell") == 0);
   rival.evidence.description = 0;  // one that makes no sense was not measured
   CHECK(said(winner, rival, 0.2) == "deviates by 4 mm");
+}
+
+namespace {
+
+/// What a build says in its log, and its model.
+struct Told {
+  std::string log;
+  Model model;
+};
+
+Told built(Model truth) {
+  truth.as_scanned = false;
+  Scan scan = sampled(truth, {.points = 12000, .noise = 0.02, .reach = 45, .seed = 4});
+  Told told;
+  Context context;
+  context.log = [&](const std::string& line) { told.log += line + "\n"; };
+  BuildOptions options;
+  options.tolerance = 0.15;
+  auto model = build_model(scan, options, context);
+  if (model) told.model = **model;
+  return told;
+}
+
+bool says(const Told& told, const std::string& words) { return told.log.find(words) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("search: a ball that the hypothesis calls is all that is tried") {
+  const Told told = built(model_with(Sphere{20}));
+  REQUIRE(told.model.objects.size() == 1);
+  CHECK(std::holds_alternative<Sphere>(told.model.objects[0].shape));
+  CHECK(told.model.hypothesis.suggests == "sphere");
+  CHECK(says(told, "the hypothesis, sphere, explains all"));
+  CHECK_FALSE(says(told, "extrude:"));
+}
+
+TEST_CASE("search: where the hypothesis is wrong the others are tried") {
+  // A block without a corner: to the hypothesis it is a block.
+  const Told told = built(model_with(Extrude{{{polygon({{0, 0}, {40, 0}, {40, 24}, {33, 30}, {0, 30}})}}, 20}));
+  REQUIRE_FALSE(told.model.objects.empty());
+  CHECK(told.model.hypothesis.suggests == "box");
+  CHECK_FALSE(says(told, "explains all"));
+  CHECK(says(told, "extrude:"));
+  CHECK_FALSE(told.model.fallback);
+  CHECK_FALSE(std::holds_alternative<Box>(told.model.objects.back().shape));
 }
