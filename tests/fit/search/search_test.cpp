@@ -89,7 +89,7 @@ TEST_CASE("search: a ball that the hypothesis calls is all that is tried") {
   const Told told = built(model_with(Sphere{20}));
   REQUIRE(told.model.objects.size() == 1);
   CHECK(std::holds_alternative<Sphere>(told.model.objects[0].shape));
-  CHECK(told.model.hypothesis.suggests == "sphere");
+  CHECK(told.model.hypothesis->suggests == "sphere");
   CHECK(says(told, "the hypothesis, sphere, explains all"));
   CHECK_FALSE(says(told, "extrude:"));
 }
@@ -98,7 +98,7 @@ TEST_CASE("search: where the hypothesis is wrong the others are tried") {
   // A block without a corner: to the hypothesis it is a block.
   const Told told = built(model_with(Extrude{{{polygon({{0, 0}, {40, 0}, {40, 24}, {33, 30}, {0, 30}})}}, 20}));
   REQUIRE_FALSE(told.model.objects.empty());
-  CHECK(told.model.hypothesis.suggests == "box");
+  CHECK(told.model.hypothesis->suggests == "box");
   CHECK_FALSE(says(told, "explains all"));
   CHECK(says(told, "extrude:"));
   CHECK_FALSE(told.model.fallback);
