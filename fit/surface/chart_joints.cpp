@@ -21,6 +21,7 @@ constexpr double edge_weight = 30;        // of a place on an edge, against that
 constexpr double beside_weight = 10;      // of a place beside it
 constexpr int rounds = 6;                 // of drawing neighbours together
 constexpr std::size_t most_pieces = 200;  // of an edge's curve
+constexpr double straight_most = 3;       // tolerances: what is straightened may leave the surfaces
 
 SplineFoot foot_on(const ChartPiece& piece, const Vec3& p, const Vec2& near) {
   return foot_near(piece.surface, p, near.x(), near.y());
@@ -50,7 +51,10 @@ class Joiner {
     for (int round = 0; round < rounds; ++round) {
       settle();
       context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
-      if (!draw_together(round + 2 < rounds ? 1e300 : meeting * input_.tolerance)) return {};
+      if (!draw_together(round + 2 < rounds ? 1e300 : meeting * input_.tolerance)) {
+        context_.say("free form: surfaces cannot be drawn together");
+        return {};
+      }
     }
     settle();
     context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
@@ -269,6 +273,8 @@ class Joiner {
           add(joint.places[i], joint.uv[s][i], edge_weight), ++data.held;
       });
       auto fit = fit_piece_again(data, piece.surface, held_tolerance, input_, context_);
+      // Where neighbours disagree no net is fine enough: such an edge is met as it can be.
+      if (!fit) fit = fit_piece_again(data, piece.surface, 1e300, input_, context_);
       if (!fit) return false;
       piece.surface = std::move(fit->surface);
       fit->places.resize(piece.data.points.size());
@@ -390,17 +396,34 @@ class Joiner {
     return false;
   }
 
-  /// Between two shares and some way beyond.
+  /// Between two shares and some way beyond: a short way straight, else smoothed, for places far from the surfaces are
+  /// no edge.
   void straighten(Joint& joint, double low, double high, int more_of) const {
     const double count = double(joint.places.size() - 1), more = more_of * (0.25 * (high - low) + 2 / count);
     const auto from = static_cast<std::size_t>(std::max(std::floor((low - more) * count), 0.0));
     const auto to = static_cast<std::size_t>(std::min(std::ceil((high + more) * count), count));
+    if ((joint.places[to] - joint.places[from]).norm() > straight_most * input_.tolerance) {
+      for (int round = 0; round < 50; ++round) {
+        even(joint.places, from, to);
+        for (auto& uv : joint.uv)
+          if (!uv.empty()) even(uv, from, to);
+      }
+      return;
+    }
     for (std::size_t i = from + 1; i < to; ++i) {
       const double t = double(i - from) / double(to - from);
       joint.places[i] = joint.places[from] + t * (joint.places[to] - joint.places[from]);
       for (int s = 0; s < 2; ++s)
         if (side(joint, s)) joint.uv[s][i] = joint.uv[s][from] + t * (joint.uv[s][to] - joint.uv[s][from]);
     }
+  }
+
+  /// Each place between two to the mean of those beside it.
+  template <class List>
+  static void even(List& list, std::size_t from, std::size_t to) {
+    const List before(list.begin() + std::ptrdiff_t(from), list.begin() + std::ptrdiff_t(to) + 1);
+    for (std::size_t i = 1; i + 1 < before.size(); ++i)
+      list[from + i] = 0.5 * before[i] + 0.25 * (before[i - 1] + before[i + 1]);
   }
 
   std::vector<TrimmedSurface> with_loops() const {
