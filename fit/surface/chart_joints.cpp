@@ -403,11 +403,9 @@ class Joiner {
     const auto from = static_cast<std::size_t>(std::max(std::floor((low - more) * count), 0.0));
     const auto to = static_cast<std::size_t>(std::min(std::ceil((high + more) * count), count));
     if ((joint.places[to] - joint.places[from]).norm() > straight_most * input_.tolerance) {
-      for (int round = 0; round < 50; ++round) {
-        even(joint.places, from, to);
-        for (auto& uv : joint.uv)
-          if (!uv.empty()) even(uv, from, to);
-      }
+      redraw(joint.places, from, to);
+      for (auto& uv : joint.uv)
+        if (!uv.empty()) redraw(uv, from, to);
       return;
     }
     for (std::size_t i = from + 1; i < to; ++i) {
@@ -418,12 +416,15 @@ class Joiner {
     }
   }
 
-  /// Each place between two to the mean of those beside it.
-  template <class List>
-  static void even(List& list, std::size_t from, std::size_t to) {
-    const List before(list.begin() + std::ptrdiff_t(from), list.begin() + std::ptrdiff_t(to) + 1);
-    for (std::size_t i = 1; i + 1 < before.size(); ++i)
-      list[from + i] = 0.5 * before[i] + 0.25 * (before[i - 1] + before[i + 1]);
+  /// Places between two as one cubic near them.
+  template <int Size>
+  static void redraw(std::vector<Eigen::Matrix<double, Size, 1>>& list, std::size_t from, std::size_t to) {
+    const std::vector<Eigen::Matrix<double, Size, 1>> before(list.begin() + std::ptrdiff_t(from),
+                                                             list.begin() + std::ptrdiff_t(to) + 1);
+    std::vector<double> at;
+    for (std::size_t i = 0; i < before.size(); ++i) at.push_back(double(i) / double(before.size() - 1));
+    const auto curve = curve_through<Size>(before, at, clamped(3, {0, 1}));
+    for (std::size_t i = 1; i + 1 < before.size(); ++i) list[from + i] = curve.at(at[i]);
   }
 
   std::vector<TrimmedSurface> with_loops() const {
