@@ -21,6 +21,7 @@ constexpr double edge_weight = 30;        // of a place on an edge, against that
 constexpr double beside_weight = 10;      // of a place beside it
 constexpr int rounds = 6;                 // of drawing neighbours together
 constexpr std::size_t most_pieces = 200;  // of an edge's curve
+constexpr double by_node = 0.2;           // of an edge: what crosses there is straightened up to its end
 constexpr double straight_most = 3;       // tolerances: what is straightened may leave the surfaces
 
 SplineFoot foot_on(const ChartPiece& piece, const Vec3& p, const Vec2& near) {
@@ -383,7 +384,8 @@ class Joiner {
               straight[a.joint].emplace_back(std::min(a.share, b.share), std::max(a.share, b.share));
             } else {
               for (const Stretch* s : {&a, &b})
-                straight[s->joint].emplace_back(s->share > 0.5 ? s->share : 0, s->share > 0.5 ? 1 : s->share);
+                straight[s->joint].emplace_back(s->share < by_node ? 0 : s->share,
+                                                s->share > 1 - by_node ? 1 : s->share);
             }
           }
       }
@@ -396,10 +398,11 @@ class Joiner {
     return false;
   }
 
-  /// Between two shares and some way beyond: a short way straight, else smoothed, for places far from the surfaces are
-  /// no edge.
+  /// Between two shares and some way beyond: a short way straight, else as a cubic, for places far from the surfaces
+  /// are no edge.
   void straighten(Joint& joint, double low, double high, int more_of) const {
-    const double count = double(joint.places.size() - 1), more = more_of * (0.25 * (high - low) + 2 / count);
+    const double count = double(joint.places.size() - 1),
+                 more = more_of * (0.25 * (high - low) + std::max(2 / count, 0.01));
     const auto from = static_cast<std::size_t>(std::max(std::floor((low - more) * count), 0.0));
     const auto to = static_cast<std::size_t>(std::min(std::ceil((high + more) * count), count));
     if ((joint.places[to] - joint.places[from]).norm() > straight_most * input_.tolerance) {
