@@ -16,13 +16,14 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr double meeting = 0.1;           // of the tolerance: how closely surfaces are to meet the mean of their edge
-constexpr double edge_weight = 30;        // of a place on an edge, against that of a point
-constexpr double beside_weight = 10;      // of a place beside it
-constexpr int rounds = 6;                 // of drawing neighbours together
-constexpr std::size_t most_pieces = 200;  // of an edge's curve
-constexpr double by_node = 0.2;           // of an edge: what crosses there is straightened up to its end
-constexpr double straight_most = 3;       // tolerances: what is straightened may leave the surfaces
+constexpr double meeting = 0.1;            // of the tolerance: how closely surfaces are to meet the mean of their edge
+constexpr double edge_weight = 30;         // of a place on an edge, against that of a point
+constexpr double beside_weight = 10;       // of a place beside it
+constexpr int rounds = 6;                  // of drawing neighbours together
+constexpr std::size_t most_pieces = 200;   // of an edge's curve
+constexpr std::size_t most_places = 4000;  // of an edge, beyond which no more of them help
+constexpr double by_node = 0.2;            // of an edge: what crosses there is straightened up to its end
+constexpr double straight_most = 3;        // tolerances: what is straightened may leave the surfaces
 
 SplineFoot foot_on(const ChartPiece& piece, const Vec3& p, const Vec2& near) {
   return foot_near(piece.surface, p, near.x(), near.y());
@@ -324,7 +325,7 @@ class Joiner {
         finer.push_back(breaks[i + 1]);
       }
       if (finer.size() == breaks.size()) {
-        if (++densified > 3) return;  // as near as the surfaces are to each other
+        if (++densified > 3 || count > most_places) return;  // as near as the surfaces are to each other
         densify(joint), share_out();
       }
       if (finer.size() > most_pieces) return;
@@ -370,7 +371,7 @@ class Joiner {
   /// Edges that leave a node in nearly the same direction may cross close to it, and one that turns sharply may cross
   /// itself: there they become straight.
   bool uncrossed() {
-    for (int round = 0; round < 20; ++round) {
+    for (int round = 0; round < 8 && !context_.cancelled; ++round) {
       std::map<std::size_t, std::vector<std::pair<double, double>>> straight;  // stretches of joints, in shares
       for (std::size_t c = 0; c < current_.size(); ++c) {
         const auto list = stretches_of(int(c));
