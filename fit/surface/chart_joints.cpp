@@ -16,11 +16,14 @@
 namespace partscribe::fit {
 namespace {
 
-constexpr double meeting = 0.1;           // of the tolerance: how closely surfaces are to meet the mean of their edge
-constexpr double edge_weight = 30;        // of a place on an edge, against that of a point
-constexpr double beside_weight = 10;      // of a place beside it
-constexpr int rounds = 6;                 // of drawing neighbours together
-constexpr std::size_t most_pieces = 200;  // of an edge's curve
+constexpr double meeting = 0.1;            // of the tolerance: how closely surfaces are to meet the mean of their edge
+constexpr double edge_weight = 30;         // of a place on an edge, against that of a point
+constexpr double beside_weight = 10;       // of a place beside it
+constexpr int rounds = 6;                  // of drawing neighbours together
+constexpr std::size_t most_pieces = 200;   // of an edge's curve
+constexpr std::size_t most_places = 4000;  // of an edge, beyond which no more of them help
+constexpr double by_node = 0.2;            // of an edge: what crosses there is straightened up to its end
+constexpr double straight_most = 3;        // tolerances: what is straightened may leave the surfaces
 
 SplineFoot foot_on(const ChartPiece& piece, const Vec3& p, const Vec2& near) {
   return foot_near(piece.surface, p, near.x(), near.y());
@@ -50,7 +53,10 @@ class Joiner {
     for (int round = 0; round < rounds; ++round) {
       settle();
       context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
-      if (!draw_together(round + 2 < rounds ? 1e300 : meeting * input_.tolerance)) return {};
+      if (!draw_together(round + 2 < rounds ? 1e300 : meeting * input_.tolerance)) {
+        context_.say("free form: surfaces cannot be drawn together");
+        return {};
+      }
     }
     settle();
     context_.say("free form: edges are up to " + print_number(snapped(gap(), 1e-4)) + " mm apart");
@@ -269,6 +275,8 @@ class Joiner {
           add(joint.places[i], joint.uv[s][i], edge_weight), ++data.held;
       });
       auto fit = fit_piece_again(data, piece.surface, held_tolerance, input_, context_);
+      // Where neighbours disagree no net is fine enough: such an edge is met as it can be.
+      if (!fit) fit = fit_piece_again(data, piece.surface, 1e300, input_, context_);
       if (!fit) return false;
       piece.surface = std::move(fit->surface);
       fit->places.resize(piece.data.points.size());
@@ -317,7 +325,7 @@ class Joiner {
         finer.push_back(breaks[i + 1]);
       }
       if (finer.size() == breaks.size()) {
-        if (++densified > 3) return;  // as near as the surfaces are to each other
+        if (++densified > 3 || count > most_places) return;  // as near as the surfaces are to each other
         densify(joint), share_out();
       }
       if (finer.size() > most_pieces) return;
@@ -363,7 +371,7 @@ class Joiner {
   /// Edges that leave a node in nearly the same direction may cross close to it, and one that turns sharply may cross
   /// itself: there they become straight.
   bool uncrossed() {
-    for (int round = 0; round < 20; ++round) {
+    for (int round = 0; round < 8 && !context_.cancelled; ++round) {
       std::map<std::size_t, std::vector<std::pair<double, double>>> straight;  // stretches of joints, in shares
       for (std::size_t c = 0; c < current_.size(); ++c) {
         const auto list = stretches_of(int(c));
@@ -377,7 +385,8 @@ class Joiner {
               straight[a.joint].emplace_back(std::min(a.share, b.share), std::max(a.share, b.share));
             } else {
               for (const Stretch* s : {&a, &b})
-                straight[s->joint].emplace_back(s->share > 0.5 ? s->share : 0, s->share > 0.5 ? 1 : s->share);
+                straight[s->joint].emplace_back(s->share < by_node ? 0 : s->share,
+                                                s->share > 1 - by_node ? 1 : s->share);
             }
           }
       }
@@ -390,17 +399,36 @@ class Joiner {
     return false;
   }
 
-  /// Between two shares and some way beyond.
+  /// Between two shares and some way beyond: a short way straight, else as a cubic, for places far from the surfaces
+  /// are no edge.
   void straighten(Joint& joint, double low, double high, int more_of) const {
-    const double count = double(joint.places.size() - 1), more = more_of * (0.25 * (high - low) + 2 / count);
+    const double count = double(joint.places.size() - 1),
+                 more = more_of * (0.25 * (high - low) + std::max(2 / count, 0.01));
     const auto from = static_cast<std::size_t>(std::max(std::floor((low - more) * count), 0.0));
     const auto to = static_cast<std::size_t>(std::min(std::ceil((high + more) * count), count));
+    if ((joint.places[to] - joint.places[from]).norm() > straight_most * input_.tolerance) {
+      redraw(joint.places, from, to);
+      for (auto& uv : joint.uv)
+        if (!uv.empty()) redraw(uv, from, to);
+      return;
+    }
     for (std::size_t i = from + 1; i < to; ++i) {
       const double t = double(i - from) / double(to - from);
       joint.places[i] = joint.places[from] + t * (joint.places[to] - joint.places[from]);
       for (int s = 0; s < 2; ++s)
         if (side(joint, s)) joint.uv[s][i] = joint.uv[s][from] + t * (joint.uv[s][to] - joint.uv[s][from]);
     }
+  }
+
+  /// Places between two as one cubic near them.
+  template <int Size>
+  static void redraw(std::vector<Eigen::Matrix<double, Size, 1>>& list, std::size_t from, std::size_t to) {
+    const std::vector<Eigen::Matrix<double, Size, 1>> before(list.begin() + std::ptrdiff_t(from),
+                                                             list.begin() + std::ptrdiff_t(to) + 1);
+    std::vector<double> at;
+    for (std::size_t i = 0; i < before.size(); ++i) at.push_back(double(i) / double(before.size() - 1));
+    const auto curve = curve_through<Size>(before, at, clamped(3, {0, 1}));
+    for (std::size_t i = 1; i + 1 < before.size(); ++i) list[from + i] = curve.at(at[i]);
   }
 
   std::vector<TrimmedSurface> with_loops() const {

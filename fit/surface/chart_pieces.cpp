@@ -18,6 +18,7 @@ namespace partscribe::fit {
 namespace {
 
 constexpr double strip_steep = 0.2;        // cosine between a triangle of the strip and the direction of its chart
+constexpr double roughness = 0.3;          // of the tolerance
 constexpr std::size_t chart_points = 200;  // a chart has at least so many
 
 /// Calls `visit` with n (n + 1) / 2 places inside of a triangle.
@@ -41,14 +42,16 @@ void add_lattice(ChartPiece& piece) {
 
 ChartPieces::ChartPieces(const TriangleMesh& mesh, const FitInput& input, Context& context)
     : mesh_(mesh), input_(input), context_(context), neighbours_(mesh_neighbours(mesh)) {
-  const MeshDistance distance(mesh, context.threads);
+  const bool drawn = input.scan && !input.scan->mesh.empty();
+  if (!drawn) even_out();
+  const MeshDistance distance(mesh_, context.threads);
   const auto hits = distance.closest(input.cloud.points, context.threads);
   on_.resize(mesh.triangles.size());
   for (std::uint32_t i = 0; i < hits.size(); ++i)
     if (hits[i].distance < 3 * input.tolerance)
       on_[hits[i].triangle].emplace_back(input.cloud.points[i], hits[i].point);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) normals_.push_back(triangle_normal(mesh, t));
-  if (!(input.scan && !input.scan->mesh.empty())) add_unseen();
+  if (!drawn) add_unseen();
   add_facets();
 }
 
@@ -85,17 +88,39 @@ void ChartPieces::add_unseen() {
   }
 }
 
+/// A reconstruction is rough by the noise of its points, and roughness makes creases and steep places where there are
+/// none. It is taken out without shrinking the surface [Taubin 1995]; no vertex moves by more than a share of the
+/// tolerance.
+void ChartPieces::even_out() {
+  const double most = roughness * input_.tolerance;
+  const auto before = mesh_.vertices;
+  for (int round = 0; round < 40; ++round) {
+    const double share = round % 2 == 0 ? 0.6 : -0.63;
+    const auto mean = means_around();
+    for (std::size_t v = 0; v < mean.size(); ++v) {
+      const Vec3 off = mesh_.vertices[v] + share * (mean[v] - mesh_.vertices[v]) - before[v];
+      mesh_.vertices[v] = before[v] + off * std::min(1.0, most / std::max(off.norm(), 1e-300));
+    }
+  }
+}
+
+/// Of each vertex the mean of its neighbours.
+std::vector<Vec3> ChartPieces::means_around() const {
+  std::vector<Vec3> sum(mesh_.vertices.size(), Vec3::Zero());
+  std::vector<int> count(sum.size(), 0);
+  for (const auto& t : mesh_.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      sum[t[k]] += mesh_.vertices[t[(k + 1) % 3]] + mesh_.vertices[t[(k + 2) % 3]], count[t[k]] += 2;
+  for (std::size_t v = 0; v < sum.size(); ++v) sum[v] = count[v] > 0 ? Vec3(sum[v] / count[v]) : mesh_.vertices[v];
+  return sum;
+}
+
 /// Vertices that are not `fixed` go to the mean of their neighbours, many times over.
 void ChartPieces::smooth(const std::vector<char>& fixed) {
   for (int round = 0; round < 200; ++round) {
-    std::vector<Vec3> sum(mesh_.vertices.size(), Vec3::Zero());
-    std::vector<int> count(sum.size(), 0);
-    for (const auto& t : mesh_.triangles)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (!fixed[t[k]])
-          sum[t[k]] += mesh_.vertices[t[(k + 1) % 3]] + mesh_.vertices[t[(k + 2) % 3]], count[t[k]] += 2;
-    for (std::size_t v = 0; v < sum.size(); ++v)
-      if (count[v] > 0) mesh_.vertices[v] = 0.5 * (mesh_.vertices[v] + sum[v] / count[v]);
+    const auto mean = means_around();
+    for (std::size_t v = 0; v < mean.size(); ++v)
+      if (!fixed[v]) mesh_.vertices[v] = 0.5 * (mesh_.vertices[v] + mean[v]);
   }
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) normals_[t] = triangle_normal(mesh_, t);
 }

@@ -42,6 +42,8 @@ class ChartPieces {
  private:
   void add_facets();
   void add_unseen();
+  void even_out();
+  std::vector<Vec3> means_around() const;
   void smooth(const std::vector<char>& fixed);
   Vec3 middle(std::size_t triangle) const;
   std::vector<std::uint32_t> with_strip(const std::vector<std::uint32_t>& chart, double share) const;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double widest = 0.57;        // cosine of the angle between a triangle's normal and its chart's
 constexpr double widest_small = 0.25;  // the same for a small chart and the one it joins
-constexpr double most_wide = 0.001;    // share of a chart's area that may be steeper
+constexpr double most_wide = 0.01;     // share of a chart's area that may be steeper
 constexpr double least_share = 5e-4;   // of the area: what creases cut off and is smaller is noise
 constexpr int most_charts = 400;
 constexpr std::uint32_t none = no_neighbour;

@@ -6,6 +6,7 @@
 #include "fit/input/prepare.h"
 #include "fit/surface/free_form.h"
 #include "fit/surface/triangulate.h"
+#include "geometry/mesh/handles.h"
 
 namespace partscribe::fit {
 
@@ -24,7 +25,9 @@ std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triang
   if (triangulator.of_faces(input.tolerance)) return std::nullopt;
   const auto mesh = triangulator.surface_of_data(input.tolerance);
   if (!mesh || context.cancelled) return std::nullopt;
-  auto surfaces = free_form(*mesh, input, context);
+  // Where a filling is nowhere farther off than points are apart, or than is asked, a handle may be noise as well.
+  const double handle = 4 * std::max(input.tolerance, input.thin_spacing);
+  auto surfaces = free_form(without_handles(*mesh, handle), input, context);
   if (!surfaces || context.cancelled) return std::nullopt;
   const CandidateEvidence evidence = evidence_of(*surfaces, dense_input(input, context), context);
   context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));

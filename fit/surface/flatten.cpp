@@ -89,9 +89,24 @@ std::optional<std::vector<Vec2>> on_disc(const TriangleMesh& disc, const std::ve
   return result;
 }
 
+/// Share of the area whose triangles are turned over.
+double turned_share(const TriangleMesh& mesh, const std::vector<Vec2>& places) {
+  double all = 0, over = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& c = mesh.triangles[t];
+    const Vec2 p = places[c[1]] - places[c[0]], q = places[c[2]] - places[c[0]];
+    const double size =
+        0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+    all += size;
+    if (p.x() * q.y() - p.y() * q.x() <= 0) over += size;
+  }
+  return all > 0 ? over / all : 1;
+}
+
 /// As rigid as possible [Liu et al. 2008]: every triangle is turned as it lies now, then all are joined by least
-/// squares; some times over.
-std::optional<std::vector<Vec2>> made_rigid(const TriangleMesh& mesh, std::vector<Vec2> places) {
+/// squares; some times over. The last layout in which hardly any triangle of the part that counts is turned over.
+std::optional<std::vector<Vec2>> made_rigid(const TriangleMesh& mesh, const TriangleMesh& counts,
+                                            std::vector<Vec2> places) {
   const int n = static_cast<int>(mesh.vertices.size());
   struct Flat {
     Vec2 corner[3];
@@ -121,7 +136,9 @@ std::optional<std::vector<Vec2>> made_rigid(const TriangleMesh& mesh, std::vecto
   matrix.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Sparse> factor(matrix);
   if (factor.info() != Eigen::Success) return std::nullopt;
+  std::optional<std::vector<Vec2>> open;
   for (int round = 0; round < 40; ++round) {
+    if (turned_share(counts, places) <= most_over) open = places;
     Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
     for (std::size_t t = 0; t < flat.size(); ++t) {
       // The rotation that fits best: as a complex number, the weighted sum of now times conjugate of flat.
@@ -145,7 +162,8 @@ std::optional<std::vector<Vec2>> made_rigid(const TriangleMesh& mesh, std::vecto
     if (!next.allFinite()) return std::nullopt;
     for (int i = 0; i < n; ++i) places[std::size_t(i)] = next.row(i).transpose();
   }
-  return places;
+  if (turned_share(counts, places) <= most_over) open = std::move(places);
+  return open;
 }
 
 /// Along their longest direction, from their middle.
@@ -161,20 +179,6 @@ void straighten(std::vector<Vec2>& places) {
     const Vec2 d = p - mean;
     p = {along.dot(d), along.x() * d.y() - along.y() * d.x()};
   }
-}
-
-/// Share of the area whose triangles are turned over.
-double turned_share(const TriangleMesh& mesh, const std::vector<Vec2>& places) {
-  double all = 0, over = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& c = mesh.triangles[t];
-    const Vec2 p = places[c[1]] - places[c[0]], q = places[c[2]] - places[c[0]];
-    const double size =
-        0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
-    all += size;
-    if (p.x() * q.y() - p.y() * q.x() <= 0) over += size;
-  }
-  return all > 0 ? over / all : 1;
 }
 
 /// By how the mesh is seen from one direction; nothing where it is steep.
@@ -226,10 +230,9 @@ std::optional<std::vector<Vec2>> flattened(const TriangleMesh& mesh) {
     const TriangleMesh disc = without_holes(mesh, loops, outline);
     const auto start = on_disc(disc, loops[outline]);
     if (!start) return std::nullopt;
-    places = made_rigid(disc, *start);
+    places = made_rigid(disc, mesh, *start);
     if (!places) return std::nullopt;
     places->resize(mesh.vertices.size());
-    if (turned_share(mesh, *places) > most_over) return std::nullopt;
   }
   straighten(*places);
   return places;

@@ -24,14 +24,11 @@ std::vector<TriangleMesh> pieces_by_area(const TriangleMesh& mesh) {
   return pieces;
 }
 
-/// One surface for a piece that can be laid out, several else.
+/// One surface for a piece that can be laid out and fitted so, several else.
 std::vector<TrimmedSurface> surfaces_of(const TriangleMesh& piece, const FitInput& input, Context& context) {
   if (!topology(piece).closed())
-    if (const auto places = flattened(piece)) {
-      std::vector<TrimmedSurface> result;
-      if (auto one = spline_sheet(piece, *places, input, context)) result.push_back(std::move(*one));
-      return result;
-    }
+    if (const auto places = flattened(piece))
+      if (auto one = spline_sheet(piece, *places, input, context)) return {std::move(*one)};
   return spline_charts(piece, input, context);
 }
 

@@ -13,7 +13,8 @@ Vec2 place_on(const TriangleMesh& mesh, std::span<const Vec2> places, std::size_
   const auto& t = mesh.triangles[triangle];
   const Vec3 a = mesh.vertices[t[0]], ab = mesh.vertices[t[1]] - a, ac = mesh.vertices[t[2]] - a, d = point - a;
   const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac);
-  const double det = std::max(bb * cc - bc * bc, 1e-300);
+  // A triangle without area has no inside: its longest edge says enough.
+  const double det = std::max({bb * cc - bc * bc, 1e-9 * std::max(bb * bb, cc * cc), 1e-300});
   const double s = (cc * d.dot(ab) - bc * d.dot(ac)) / det, r = (bb * d.dot(ac) - bc * d.dot(ab)) / det;
   return places[t[0]] + s * (places[t[1]] - places[t[0]]) + r * (places[t[2]] - places[t[0]]);
 }

@@ -70,3 +70,15 @@ TEST_CASE("piece fit: numbers are rounded so that nothing moves by more than a f
   CHECK(trimmed.surface.points[0].x() == Approx(0.12));
   CHECK(trimmed.loops[0][0].curve.points[0].x() == Approx(0.99));
 }
+
+TEST_CASE("piece fit: a point of a triangle without area has a place as well") {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {1, 1e-13, 0}, {0, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 0}};
+  const std::vector<Vec2> places = {{0, 0}, {2, 0}, {1, 0}, {0, 0}};
+  for (const std::size_t t : {0u, 1u}) {
+    const Vec2 at = place_on(mesh, places, t, Vec3(1.5, 1e-9, 0));
+    CHECK(at.allFinite());
+    CHECK(at.norm() < 10);
+  }
+}
