@@ -28,7 +28,7 @@ inline Scan sampled(const Model& model, const Sampling& s) {
   while (scan.cloud.points.size() < s.points) {
     Vec3 p = center + Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)) * s.reach;
     // Starts in a thin shell about the surface: every part of it gets its share, holes too.
-    if (std::abs(distance(p).distance) > 0.03 * s.reach) continue;
+    if (std::abs(distance.bound(p)) > 0.03 * s.reach || std::abs(distance(p).distance) > 0.03 * s.reach) continue;
     Vec3 g = Vec3::Zero();
     const double h = 1e-6 * s.reach;
     double d = 0;

@@ -264,6 +264,7 @@ void cut(TriangleMesh& mesh, const std::vector<std::uint32_t>& loop) {
 
 std::vector<std::vector<std::uint32_t>> handle_loops(const TriangleMesh& mesh, double longest) {
   const TriangleMesh closed = filled(mesh);
+  if (!topology(closed).closed()) return {};
   const LabelledEdges edges(closed);
   std::vector<Loop> loops;
   for (const auto root : edges.labelled_vertices()) {

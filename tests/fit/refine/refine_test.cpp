@@ -2,7 +2,7 @@
 #include "fit/refine/refine.h"
 
 #include <ceres/ceres.h>
-
+#undef CHECK  // its log has one as well; this file is compiled by itself
 #include <catch2/catch.hpp>
 #include <cmath>
 

@@ -82,3 +82,12 @@ TEST_CASE("handles: a border counts as filled") {
   const auto pipe = torus(10, 2, 60, 16, 20);
   CHECK(handle_loops(pipe, 100).empty());
 }
+
+TEST_CASE("handles: a mesh whose border touches itself is left as it is") {
+  // Two triangles that share a corner only.
+  TriangleMesh bow;
+  bow.vertices = {{0, 0, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}};
+  bow.triangles = {{0, 1, 2}, {0, 3, 4}};
+  CHECK(handle_loops(bow, 10).empty());
+  CHECK(without_handles(bow, 10).triangles == bow.triangles);
+}
