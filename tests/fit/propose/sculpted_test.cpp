@@ -44,7 +44,7 @@ TEST_CASE("sculpted: a block with a free-form top and a hole is a box, a surface
   CHECK_FALSE(found.fallback);
   CHECK(value_of(found, "length") == Approx(60).margin(0.02));
   CHECK(value_of(found, "width") == Approx(40).margin(0.02));
-  CHECK(value_of(found, "hole_d") == Approx(8).margin(0.03));
+  CHECK(value_of(found, "bore_d") == Approx(8).margin(0.03));
   std::size_t surfaces = 0;
   for (const Object& o : found.objects)
     if (const auto* swept = std::get_if<SweptSurface>(&o.shape)) {
