@@ -10,7 +10,8 @@ namespace partscribe::geometry {
 
 /// Closed loops of vertices no longer than `longest` mm that do not touch each other and without which the mesh stays
 /// as connected as it is, the shortest first: they run around handles, or through them. `mesh` must be manifold and
-/// consistently oriented; its border counts as filled; where that touches itself there are none. A mesh with many handles may have more loops when these are cut.
+/// consistently oriented; its border counts as filled, and where that touches itself there are no loops. A mesh with
+/// many handles may have more of them when these are cut.
 std::vector<std::vector<std::uint32_t>> handle_loops(const TriangleMesh& mesh, double longest);
 
 /// The mesh cut along handle_loops, both sides filled, until there are none of that length. What was surface stays
