@@ -263,6 +263,8 @@ void hold_lids(Candidate& part, const FitInput& input) {
 std::vector<Candidate> propose_sculpted(const FitInput& input, const Faces& faces, const BodyMaker& bodies,
                                         Context& context) {
   std::vector<Candidate> candidates;
+  // Among many outliers what lies beside the faces is no surface.
+  if (among_outliers(input) || input.outliers_left > many_outliers) return candidates;
   const auto surroundings = input.surroundings ? input.surroundings : surroundings_of(input, context);
   std::vector<const Face*> plain;
   const double whole = area_of(faces);

@@ -12,7 +12,7 @@ namespace partscribe::fit {
 /// `faces` are those of the scan. What no plane, cylinder or cone of some size describes is free form; each connected
 /// piece of it has to be seen from one direction. The piece is covered with a flat lid, `bodies` is asked for what
 /// there is then, as stock is before it is milled, and the surface through the piece cuts the lid off. Nothing where
-/// there is no such piece, or nothing else.
+/// there is no such piece, or nothing else, and among many outliers.
 std::vector<Candidate> propose_sculpted(const FitInput& input, const Faces& faces, const BodyMaker& bodies,
                                         Context& context);
 
