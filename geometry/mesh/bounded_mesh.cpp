@@ -92,7 +92,7 @@ BoundedMesh::BoundedMesh(const TriangleMesh& mesh, double bound, Context& contex
       const std::uint32_t a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
       const Vec3 along = c[(k + 1) % 3] - c[k];
       const std::uint32_t beyond = walk_.across(t, k);
-      if (beyond == ~0u) {
+      if (beyond == no_neighbour) {
         border_[a] = border_[b] = 1;
         const int n = std::clamp(static_cast<int>(along.norm() / std::max(0.25 * bound_, edge_ / 8)), 1, 64);
         for (int i = 1; i < n; ++i) add_sample(t, c[k] + along * i / n);

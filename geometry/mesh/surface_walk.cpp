@@ -5,25 +5,9 @@
 
 namespace partscribe::geometry {
 
-SurfaceWalk::SurfaceWalk(const TriangleMesh& mesh) : mesh_(mesh) {
-  across_.assign(mesh.triangles.size(), {~0u, ~0u, ~0u});
-  normals_.resize(mesh.triangles.size());
-  std::vector<std::uint32_t> first(mesh.vertices.size() + 1, 0), around(3 * mesh.triangles.size());
-  for (const auto& t : mesh.triangles)
-    for (const std::uint32_t v : t) ++first[v];
-  for (std::size_t v = 0, sum = 0; v < first.size(); ++v) first[v] = static_cast<std::uint32_t>(sum += first[v]);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const std::uint32_t v : mesh.triangles[t]) around[--first[v]] = t;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    normals_[t] = triangle_normal(mesh, t);
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t v = mesh.triangles[t][k], w = mesh.triangles[t][(k + 1) % 3];
-      for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) {
-        const auto& other = mesh.triangles[around[i]];
-        if (around[i] != t && std::count(other.begin(), other.end(), w)) across_[t][k] = around[i];
-      }
-    }
-  }
+SurfaceWalk::SurfaceWalk(const TriangleMesh& mesh) : mesh_(mesh), across_(mesh_neighbours(mesh)) {
+  normals_.reserve(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) normals_.push_back(triangle_normal(mesh, t));
 }
 
 SurfacePlace SurfaceWalk::inside(std::uint32_t t, const Vec3& p) const {
@@ -63,7 +47,7 @@ Walk SurfaceWalk::along(const Vec3& a, const SurfacePlace& from, const Vec3& b, 
     if ((at - a - share * segment).squaredNorm() > sq_bound) return Walk::beyond;
     const std::uint32_t next = across_[t][leave];
     if (next == to.triangle) return Walk::within;
-    if (next == ~0u) return Walk::ended;
+    if (next == no_neighbour) return Walk::ended;
     // Round in a circle, or past the end.
     if (next == from.triangle || (at - from.point).dot(way) > end) return Walk::beyond;
     const auto& corners = mesh_.triangles[next];

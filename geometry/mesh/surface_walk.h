@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/mesh/mesh_neighbours.h"
 #include "geometry/mesh/triangle_mesh.h"
 
 namespace partscribe::geometry {
@@ -23,10 +24,10 @@ enum class Walk {
 
 class SurfaceWalk {
  public:
-  /// `mesh` is manifold and outlives it.
+  /// `mesh` is manifold and consistently oriented, and outlives it.
   explicit SurfaceWalk(const TriangleMesh& mesh);
 
-  std::uint32_t across(std::uint32_t t, int k) const { return across_[t][k]; }  ///< edge k to k + 1; none: ~0
+  std::uint32_t across(std::uint32_t t, int k) const { return across_[t][k]; }  ///< no_neighbour at a border
   const Vec3& normal(std::uint32_t t) const { return normals_[t]; }             ///< unit, or zero without area
 
   /// The nearby place that lies inside the triangle, off its edges.
