@@ -5,20 +5,11 @@
 
 #include "fit/build.h"
 #include "testing/golden_models.h"
+#include "testing/parameter_value.h"
 #include "testing/sampled.h"
 
 using namespace partscribe::fit;
 using namespace partscribe::testing;
-
-namespace {
-
-double value_of(const Model& model, const std::string& name) {
-  for (const Parameter& p : model.parameters)
-    if (p.name == name) return p.value;
-  return -1;
-}
-
-}  // namespace
 
 TEST_CASE("drilled: a scan of a plate with a bore and four counterbored holes gives nine numbers") {
   Model truth;

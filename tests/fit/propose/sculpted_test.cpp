@@ -6,6 +6,7 @@
 #include "fit/build.h"
 #include "model/distance/distance.h"
 #include "testing/golden_models.h"
+#include "testing/parameter_value.h"
 #include "testing/sampled.h"
 
 using namespace partscribe::fit;
@@ -21,12 +22,6 @@ Model saddle() {
       return m;
     }
   return {};
-}
-
-double value_of(const Model& model, const std::string& name) {
-  for (const Parameter& p : model.parameters)
-    if (p.name == name) return p.value;
-  return -1;
 }
 
 }  // namespace
