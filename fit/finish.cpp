@@ -92,7 +92,7 @@ Result<CheckedModel> completed(const Fallback& fallback, const Attempt& attempt,
   const Vec3 shift = fallback.candidate.scan_from_part.translation;
   model.scan_from_part = {};
   model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
-  model.fallback = options.force != only_a_mesh;
+  model.fallback = options.force.empty() || !asked_for(options.force, fallback.candidate);
   const double covered = coverage_of(fallback.candidate, attempt.scan.input, context).covered;
   return completed(std::move(model), fallback.evidence, covered, attempt, refused, scan, options, context);
 }

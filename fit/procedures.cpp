@@ -19,6 +19,7 @@ constexpr std::array full_names = {FullName{"frustum of a cone", "cone"},
                                    FullName{"extrusion", "extrude"},
                                    FullName{"surface of revolution", "revolve"},
                                    FullName{"body with holes", "drilled"},
+                                   FullName{"free form", only_free_form},
                                    FullName{"body with free-form faces", "sculpted"}};
 
 }  // namespace
@@ -26,7 +27,7 @@ constexpr std::array full_names = {FullName{"frustum of a cone", "cone"},
 const std::vector<std::string>& procedure_words() {
   static const std::vector<std::string> words = {
       "sphere",  "box",     "cylinder",    "cone",    "torus",    "wedge",       "fillet",         "ellipsoid",
-      "revolve", "extrude", "half_spaces", "drilled", "sculpted", "supertoroid", "superellipsoid", only_a_mesh};
+      "revolve", "extrude", "half_spaces", "drilled", "sculpted", "supertoroid", "superellipsoid", only_free_form, only_a_mesh};
   return words;
 }
 

@@ -10,6 +10,8 @@ struct Candidate;
 
 /// Asked for by this name a triangulation needs no search: it is what is left where nothing was found.
 inline constexpr const char* only_a_mesh = "triangulation";
+/// The same of B-spline surfaces.
+inline constexpr const char* only_free_form = "free_form";
 
 /// One word each, as BuildOptions::force takes it: mostly the kind of the shape. The plainest first.
 const std::vector<std::string>& procedure_words();

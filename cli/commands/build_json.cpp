@@ -11,7 +11,9 @@ namespace partscribe::cli {
 
 std::string procedure_of(const Model& model) {
   const auto& shape = model.objects.back().shape;
-  return std::holds_alternative<TriSurface>(shape) ? std::string(only_a_mesh) : std::string(kind_of(shape));
+  if (std::holds_alternative<TriSurface>(shape)) return only_a_mesh;
+  if (std::holds_alternative<SurfaceSet>(shape)) return only_free_form;
+  return std::string(kind_of(shape));
 }
 
 std::string build_json(const Model& model, const std::string& asked, const std::optional<Wider>& wider,

@@ -274,6 +274,7 @@ std::vector<Chain> rings_of(const std::vector<PlanePoint>& points, double noise,
   options.noise = noise;
   options.cell = cell;
   auto chains = chains_of(points, options);
+  if (!chains.empty() && fills_area(chains[0], cell)) return {};
   double total = 0;
   for (const auto& chain : chains) total += weight_of(chain);
   std::vector<Chain> rings;

@@ -524,7 +524,7 @@ Chain add_profiles(const FitInput& input, const Axis& axis, const std::vector<Pl
   const double count = double(input.cloud.size());
   const auto least_of_step = static_cast<std::size_t>(std::max(20.0, count / 200) + 0.05 * input.outlier_share * count);
   const auto chains = chains_of(points, chain_options);
-  if (chains.empty()) return {};
+  if (chains.empty() || fills_area(chains[0], nodes.cell)) return {};
   std::vector<std::array<std::size_t, 4>> seen;  // what was proposed already: pieces, arcs, walls, control points
   std::set<std::string> primitives;
   const auto propose = [&](const LoopPieces& loop) {

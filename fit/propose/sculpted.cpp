@@ -55,8 +55,9 @@ std::vector<std::uint32_t> face_of_points(const Faces& faces, const FitInput& in
 bool is_plain(const Face& face, double whole) {
   const double least_arc = radians(90);
   if (face.area < least_share * whole) return false;
-  return face.kind == FaceKind::plane ||
-         ((face.kind == FaceKind::cylinder || face.kind == FaceKind::cone) && face.arc > least_arc);
+  // Normals of a cone turn by less than its points do; those of a flat one hardly at all.
+  return face.kind == FaceKind::plane || (face.kind == FaceKind::cylinder && face.arc > least_arc) ||
+         (face.kind == FaceKind::cone && face.arc * std::cos(face.surface().half_angle) > least_arc);
 }
 
 /// Directions in which parts of such faces are worked: along normals and axes, and along the edges of planes.

@@ -85,8 +85,10 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     j.candidate = std::move(candidate);
     return j;
   }
+  constexpr std::size_t few = 300;
+  constexpr double hopeless = 5;  // tolerances
   RefineOptions quick;
-  quick.points = is_slow(candidate) ? 1500 : 6000;
+  quick.points = is_slow(candidate) ? few : 6000;
   quick.iterations = 25;
   quick.uncertainty = false;
   quick.welsch = kernel_for(candidate, narrow, input);
@@ -98,6 +100,11 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     return j;
   }
   j.evidence = evidence_of(candidate, input, context);
+  if (quick.points == few && j.evidence.local_max < hopeless * input.tolerance) {
+    quick.points = 5 * few;
+    refine(candidate, input, quick, context);
+    j.evidence = evidence_of(candidate, input, context);
+  }
   const bool within = j.evidence.local_max <= input.tolerance;
   if (within) j.coverage = coverage_of(candidate, input, context);
   const double through = within ? share_seen_through(candidate, input, context) : 0;
@@ -151,6 +158,7 @@ const Faces& faces_in(const Sought& s, Context& context) {
   if (!s.faces) {
     FaceOptions options;
     options.tolerance = s.input.tolerance;
+    options.least_noise = 0.1 * s.input.tolerance, options.samples = 12000;
     s.faces = std::make_shared<const Faces>(s.input.closed ? faces_of(*s.input.scan, options, context)
                                                            : faces_of_cloud(s.input.cloud, options, context));
   }
@@ -449,7 +457,7 @@ void search_procedure(ProcedureSearch& search, bool last_resort, const FitInput&
     search.hypothesis = recover_superellipsoid(input.cloud.points, context, input.cloud.normals);
     context.say("hypothesis: " + search.hypothesis.hypothesis.suggests);
   }
-  if (options.force == only_a_mesh) return;
+  if (options.force == only_a_mesh || options.force == only_free_form) return;
   context.report("candidates", 0.25);
   const std::size_t known = search.judged.size();
   consider_makers(search, last_resort, input, options, context);

@@ -7,6 +7,7 @@
 
 #include "core/disjoint_sets.h"
 #include "core/statistics.h"
+#include "geometry/points/kd_tree.h"
 
 namespace partscribe::fit {
 namespace {
@@ -189,6 +190,19 @@ double length_of(const Chain& chain) {
   if (chain.closed && chain.nodes.size() > 1)
     sum += (chain.nodes.back().position - chain.nodes.front().position).norm();
   return sum;
+}
+
+bool fills_area(const Chain& chain, double cell) {
+  constexpr std::size_t around = 24;  // nodes: of a curve they reach 12 cells to either side, of an area 3
+  constexpr double close = 4;         // cells
+  if (chain.nodes.size() < 4 * around) return false;
+  std::vector<Vec3> places;
+  for (const auto& node : chain.nodes) places.emplace_back(node.position.x(), node.position.y(), 0);
+  const KdTree tree(places);
+  std::vector<Neighbour> near;
+  std::vector<double> reach;
+  for (const Vec3& p : places) tree.nearest(p, around + 1, near), reach.push_back(near.back().sq_distance);
+  return std::sqrt(median(std::move(reach))) < close * cell;
 }
 
 std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainOptions& o) {

@@ -50,6 +50,9 @@ std::vector<Chain> chains_of(const std::vector<PlanePoint>& points, const ChainO
 
 double length_of(const Chain& chain);
 
+/// Whether the nodes, `cell` mm apart, lie beside each other as in an area, and not along a curve or two.
+bool fills_area(const Chain& chain, double cell);
+
 /// The points moved onto the middle of the band that noise made of their curve, along the mean normal of those within
 /// `reach` mm that face the same way; isolated points, with less than the share `alone` of the usual number of
 /// neighbours, are left out. Corners stay: the two sides of one face different ways.

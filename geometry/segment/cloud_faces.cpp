@@ -24,7 +24,6 @@
 namespace partscribe::geometry {
 namespace {
 
-constexpr std::size_t wanted_samples = 40000;
 constexpr int most_passes = 3;
 constexpr std::size_t least_points = 50, least_members = 12;
 constexpr double seed_cell = 3;          // pitches: one seed is tried in each cube of this edge
@@ -167,7 +166,7 @@ Faces faces_of_cloud(const PointCloud& given, const FaceOptions& options, Contex
     if (!left_out[i]) sigmas.push_back(given.sigma[i]);
   }
   if (sigmas.size() < least_points) return result;
-  double spacing = spacing_for_count(given.points, left_out, wanted_samples);
+  double spacing = spacing_for_count(given.points, left_out, options.samples);
   PointCloud turned;
   const bool rays = given.rays.size() == given.size();
   if (!rays) {
@@ -178,13 +177,13 @@ Faces faces_of_cloud(const PointCloud& given, const FaceOptions& options, Contex
   result.noise = median_in_place(sigmas);
   const double size = cloud.bounds().diagonal();
   Work work{cloud};
-  work.least_sigma = std::max({1e-6 * size, 0.02 * options.tolerance, 0.5 * result.noise});
+  work.least_sigma = std::max({1e-6 * size, 0.02 * options.tolerance, options.least_noise, 0.5 * result.noise});
   work.threads = context.threads;
   work.label.assign(cloud.size(), no_face), work.inner.assign(cloud.size(), 0), work.reach.assign(cloud.size(), 0);
   std::vector<std::uint8_t> done = left_out;  // or given to a face
   FaceSamples first;
   for (int pass = 0; pass < most_passes; ++pass) {
-    if (pass > 0) spacing = spacing_for_count(cloud.points, done, wanted_samples);
+    if (pass > 0) spacing = spacing_for_count(cloud.points, done, options.samples);
     const FaceSamples samples = face_samples(cloud, done, work.least_sigma, spacing, context.threads);
     if (pass == 0) work.pitch = samples.pitch, first = samples;
     if (samples.size() < 100) break;

@@ -68,7 +68,9 @@ struct Faces {
 using IsRound = std::function<bool(const Primitive& cylinder, double low, double high)>;
 
 struct FaceOptions {
-  double tolerance = 0;  ///< mm: what is smaller than a few of it is no face; 0: from size and noise
+  double tolerance = 0;    ///< mm: what is smaller than a few of it is no face; 0: from size and noise
+  double least_noise = 0;  ///< mm, of clouds: what lies this close to a surface is on it, however exact the points are
+  std::size_t samples = 40000;  ///< of clouds: faces are sought on so many points, small ones among what is left
   /// Of meshes. Facets of a polygon are one round surface if at least eight would close the circle; four to seven equal
   /// walls are a square to a heptagon unless this knows better.
   IsRound is_round;

@@ -34,6 +34,24 @@ std::optional<GrownFace> best_surface(const FaceSamples& samples, const std::vec
   return best;
 }
 
+/// Whether one surface for all these may gain more than `before` (nats): tried with a few of them. Numbers that few
+/// samples tell less exactly cost up to a quarter of what they are uncertain by, and three times that by chance.
+bool may_gain(const FaceSamples& samples, const std::vector<std::uint32_t>& members,
+              const std::vector<Primitive>& starts, double before) {
+  constexpr std::size_t few = 150;
+  constexpr double numbers = 7;
+  if (members.size() < 2 * few) return true;
+  std::vector<std::uint32_t> some;
+  for (std::size_t k = 0; k < few; ++k) some.push_back(members[k * members.size() / few]);
+  const double uncertain = 3 * 0.25 * numbers / few * static_cast<double>(members.size());
+  const auto gains = [&](const std::optional<Primitive>& surface) {
+    return surface && gain_of(samples, *surface, members) + uncertain > before;
+  };
+  return std::ranges::any_of(face_kinds,
+                             [&](auto kind) { return gains(fit_samples(samples, kind, some, std::nullopt)); }) ||
+         std::ranges::any_of(starts, [&](auto& start) { return gains(fit_samples(samples, start.kind, some, start)); });
+}
+
 /// What another surface could save at most (nats), as far as members tell: residuals of neighbours agree where the
 /// surface is not theirs, and by chance.
 double still_to_save(const FaceSamples& samples, const GrownFace& face) {
@@ -109,7 +127,9 @@ bool merge_faces(const FaceSamples& samples, std::vector<GrownFace>& faces, std:
         [&](std::size_t begin, std::size_t end) {
           for (std::size_t k = begin; k < end; ++k) {
             const GrownFace &a = faces[fresh[k].first], &b = faces[fresh[k].second];
-            found[k] = best_surface(samples, united(a.members, b.members), {a.surface, b.surface});
+            const auto both = united(a.members, b.members);
+            if (may_gain(samples, both, {a.surface, b.surface}, a.gain + b.gain))
+              found[k] = best_surface(samples, both, {a.surface, b.surface});
           }
         },
         1);

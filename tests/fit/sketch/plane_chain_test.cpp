@@ -26,3 +26,20 @@ TEST_CASE("plane chain: a band of noise wider than the nodes becomes one chain a
   for (const auto& node : sharp[0].nodes)
     CHECK(std::min(std::abs(node.position.y()), std::abs(node.position.x() - 30)) < noise);
 }
+
+TEST_CASE("plane chain: points all over an area are no curve, those of two walls are") {
+  Random random(6);
+  std::vector<PlanePoint> area, walls;
+  for (int i = 0; i < 20000; ++i) {
+    const double turn = random.uniform(0, 3.14);
+    area.push_back({{random.uniform(0, 40), random.uniform(0, 40)}, {std::cos(turn), std::sin(turn)}});
+    const double along = random.uniform(0, 80);
+    walls.push_back(along < 40 ? PlanePoint{{along, 0}, {0, 1}} : PlanePoint{{80 - along, 1.5}, {0, 1}});
+  }
+  const ChainOptions options{.cell = 0.5, .noise = 0.02};
+  const auto spread = chains_of(area, options), curve = chains_of(walls, options);
+  REQUIRE_FALSE(spread.empty());
+  REQUIRE_FALSE(curve.empty());
+  CHECK(fills_area(spread[0], options.cell));
+  CHECK_FALSE(fills_area(curve[0], options.cell));
+}
