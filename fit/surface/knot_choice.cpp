@@ -62,9 +62,9 @@ class Choice {
         breaks_{equations.u().breaks(), equations.v().breaks()},
         surface_(start) {
     for (std::size_t k : {0u, 1u}) {
-      const auto used = (k == 0 ? start.u : start.v).breaks();
-      for (std::size_t i = 1; i + 1 < used.size(); ++i) {
-        const auto at = std::lower_bound(breaks_[k].begin(), breaks_[k].end(), used[i]);
+      const KnotVector& used = k == 0 ? start.u : start.v;
+      for (std::size_t i = 4; i + 4 < used.knots.size(); ++i) {
+        const auto at = std::lower_bound(breaks_[k].begin(), breaks_[k].end(), used.knots[i]);
         best_[k].push_back(int(at - breaks_[k].begin()));
       }
     }

@@ -99,8 +99,15 @@ Restriction restriction(const KnotVector& fine, const KnotVector& coarse) {
       }
       n[j] = saved;
     }
-    result.first.push_back(span - 3);
-    result.share.insert(result.share.end(), n, n + 4);
+    // At a multiple knot the last functions that begin there have no share in the first of the fine ones.
+    const double at = fine.knots[std::size_t(p)];
+    int spare = 0;
+    while (at > fine.low() && spare < 3 && fine.knots[std::size_t(p + spare + 1)] == at &&
+           coarse.knots[std::size_t(span - spare)] == at)
+      ++spare;
+    result.first.push_back(span - 3 - spare);
+    result.share.insert(result.share.end(), std::size_t(spare), 0.0);
+    result.share.insert(result.share.end(), n, n + 4 - spare);
   }
   return result;
 }
@@ -231,6 +238,12 @@ std::optional<NurbsSurface> NetEquations::solve(const KnotVector& u, const KnotV
   if (!net.allFinite()) return std::nullopt;
   NurbsSurface result{u, v, std::vector<Vec3>(std::size_t(unknowns)), {}};
   for (int i = 0; i < unknowns; ++i) result.points[std::size_t(i)] = net.row(i).transpose();
+  return result;
+}
+
+double NetEquations::explained(const NurbsSurface& surface) const {
+  double result = 0;
+  for (std::size_t i = 0; i < b_.size(); ++i) result += b_[i].dot(surface.points[i]);
   return result;
 }
 

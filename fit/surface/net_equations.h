@@ -17,7 +17,8 @@ struct Restriction {
   std::vector<double> share;  ///< four for each fine control point
   int coarse = 0;             ///< control points of the coarse net
 };
-/// Both cubic and clamped to the same ends; each knot of `coarse` must be one of `fine`.
+/// Both cubic and clamped to the same ends; each knot of `coarse` must be one of `fine`, as often at least. From one
+/// control point to the next `first` goes up by one at most.
 Restriction restriction(const KnotVector& fine, const KnotVector& coarse);
 
 /// Bicubic, clamped nets only. For B with a row of basis functions for each point: A = B^T W B and b = B^T W S of the
@@ -43,6 +44,9 @@ class NetEquations {
     std::vector<double> points;  ///< how many points with equal weights would average as well
   };
   Left left(const NurbsSurface& surface) const;
+
+  /// mm^2, by how much a least-squares surface with the fine knots lowers the weighted sum of squares of the points.
+  double explained(const NurbsSurface& surface) const;
 
  private:
   static constexpr int degree = 3, width = 4, reach = 7;

@@ -6,6 +6,7 @@
 
 #include "core/number.h"
 #include "core/parallel.h"
+#include "fit/surface/crease_knots.h"
 #include "fit/surface/knot_choice.h"
 #include "fit/surface/net_equations.h"
 #include "geometry/points/spatial_order.h"
@@ -60,6 +61,7 @@ class Fitter {
   Fitter(const SplineData& data, const SplineFitOptions& options, Context& context)
       : order_(order_of(data, context.threads)),
         data_(reordered(data, order_)),
+        given_(data_.places),
         options_(options),
         context_(context),
         averaged_(std::min(points_averaged(options), data.points.size() - data.held)) {}
@@ -79,10 +81,13 @@ class Fitter {
  private:
   std::optional<SplineFit> fitted(bool fewest) {
     const int many = controls();
-    if (!set(surface_.u, surface_.v) || !refine()) return std::nullopt;
-    if (fewest)
+    if (!set(surface_.u, surface_.v)) return std::nullopt;
+    const bool enough = refine();
+    if (!find_creases() && !enough) return std::nullopt;
+    if (fewest) {
       simplify();
-    else if (controls() > many)
+      if (find_creases()) simplify();
+    } else if (controls() > many)
       take_out_singly();
     std::vector<Vec2> places(data_.places.size());
     for (std::size_t i = 0; i < places.size(); ++i) places[order_[i]] = data_.places[i];
@@ -128,7 +133,10 @@ class Fitter {
     const auto fine = [&](const KnotVector& knots) {
       const auto breaks = knots.breaks();
       const double lines = std::max(16.0, std::min(4 * double(breaks.size() - 1), 32 + 2 * double(breaks.size() - 1)));
-      return clamped(degree, parted(breaks, std::max(dense, (breaks.back() - breaks.front()) / lines)));
+      auto result = clamped(degree, parted(breaks, std::max(dense, (breaks.back() - breaks.front()) / lines)));
+      for (const auto& [at, times] : knots.multiplicities())
+        for (int k = 1; k < times && at > knots.low() && at < knots.high(); ++k) result = with_knot(result, at);
+      return result;
     };
     equations_.emplace(fine(surface_.u), fine(surface_.v));
     equations_->add(data_.points, data_.places, data_.weights);
@@ -253,16 +261,40 @@ class Fitter {
         if (by_v >= 0.5 * most && long_v > 0.3 * long_u) split_v[j] = 1;
         if (!split_u[i] && !split_v[j]) (long_u > long_v ? split_u[i] : split_v[j]) = 1;
       }
-    return {halved(us, split_u), halved(vs, split_v)};
+    return {halved(surface_.u, split_u), halved(surface_.v, split_v)};
   }
 
-  static KnotVector halved(const std::vector<double>& breaks, const std::vector<char>& split) {
-    std::vector<double> result = {breaks[0]};
-    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-      if (split[i]) result.push_back(0.5 * (breaks[i] + breaks[i + 1]));
-      result.push_back(breaks[i + 1]);
-    }
-    return clamped(degree, result);
+  static KnotVector halved(const KnotVector& knots, const std::vector<char>& split) {
+    KnotVector result = knots;
+    const auto breaks = knots.breaks();
+    for (std::size_t i = 0; i + 1 < breaks.size(); ++i)
+      if (split[i]) result = with_knot(result, 0.5 * (breaks[i] + breaks[i + 1]));
+    return result;
+  }
+
+  /// One multiple knot for many where that keeps the tolerance with no more control points, or at all.
+  bool find_creases() {
+    bool found = false;
+    for (const bool along_u : {true, false})
+      for (int round = 0; round < 4 && !context_.cancelled; ++round) {
+        const CreaseData data{data_.points, given_, data_.weights, options_.noise};
+        auto knots = crease_knots(data, surface_.u, surface_.v, along_u);
+        if (!knots) break;
+        State before = state();
+        const bool kept_before = kept();
+        const int many = controls();
+        // Feet on a surface that rounds the crease do not tell where it is.
+        data_.places = given_;
+        equations_.reset();
+        if (set(along_u ? *knots : surface_.u, along_u ? surface_.v : *knots) &&
+            (kept_before ? kept() && controls() <= many : refine())) {
+          found = true;
+          continue;
+        }
+        restore(std::move(before));
+        break;
+      }
+    return found;
   }
 
   /// How much of the averaged residuals of a cell depends on u alone, and on v alone: variances of means of strips.
@@ -334,6 +366,7 @@ class Fitter {
 
   const std::vector<std::uint32_t> order_;  // of the points given
   SplineData data_;                         // its places are moved to the feet
+  const std::vector<Vec2> given_;           // the places before that
   const SplineFitOptions& options_;
   Context& context_;
   const std::size_t averaged_;

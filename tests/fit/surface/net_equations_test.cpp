@@ -56,6 +56,32 @@ TEST_CASE("net equations: a restriction is what knot insertion makes of a net") 
     }
 }
 
+TEST_CASE("net equations: a restriction at multiple knots, whose columns go up one by one") {
+  const KnotVector fine = clamped(3, {0, 3, 7, 7, 7, 9, 12, 12, 20, 30});
+  for (const KnotVector& coarse : {clamped(3, {0, 7, 7, 7, 30}), clamped(3, {0, 7, 12, 12, 30}), clamped(3, {0, 30}),
+                                   clamped(3, {0, 3, 7, 7, 20, 30}), fine}) {
+    Random random(4);
+    NurbsCurve<3> curve{coarse, {}, {}};
+    for (int i = 0; i < coarse.count(); ++i)
+      curve.points.emplace_back(random.normal(), random.normal(), random.normal());
+    NurbsCurve<3> inserted = curve;
+    for (const double t : {3.0, 7.0, 9.0, 12.0, 20.0}) {
+      const auto times = [t](const KnotVector& knots) { return std::count(knots.knots.begin(), knots.knots.end(), t); };
+      inserted = with_knot(inserted, t, int(times(fine) - times(coarse)));
+    }
+    REQUIRE(inserted.t == fine);
+    const auto r = restriction(fine, coarse);
+    for (int p = 0; p < fine.count(); ++p) {
+      const int first = r.first[std::size_t(p)];
+      REQUIRE((first >= 0 && first + 4 <= coarse.count()));
+      if (p > 0) CHECK((first - r.first[std::size_t(p - 1)] == 0 || first - r.first[std::size_t(p - 1)] == 1));
+      Vec3 sum = Vec3::Zero();
+      for (int k = 0; k < 4; ++k) sum += r.share[std::size_t(4 * p + k)] * curve.points[std::size_t(first + k)];
+      CHECK((sum - inserted.points[std::size_t(p)]).norm() < 1e-12);
+    }
+  }
+}
+
 TEST_CASE("net equations: coarse nets are those of dense least squares over the points") {
   const auto data = scattered(900, wave);
   std::vector<double> weights;

@@ -108,6 +108,26 @@ TEST_CASE("spline fit: detail in one place does not refine all of the surface") 
   CHECK(near > us.size() / 2);
 }
 
+TEST_CASE("spline fit: a crease is one triple knot in its place, and the surface is sharp there") {
+  Context context;
+  const auto fold = [](double x, double y) { return 0.3 * std::abs(x - 23.7) + 2 * std::sin(y / 15); };
+  for (const double noise : {0.0, 0.03}) {
+    const auto fit = fit_spline(scattered(fold, 20000, noise, 7), options_for(0.05, noise), context);
+    REQUIRE(fit);
+    CHECK(true_error(*fit, fold) < 0.05);
+    CHECK(fit->surface.points.size() < 50);
+    int triple = 0;
+    for (const auto& [at, times] : fit->surface.u.multiplicities())
+      if (at > 0 && at < 60) triple += times == 3 && std::abs(at - 23.7) < 0.03;
+    CHECK(triple == 1);
+    // Feet on the ridge, from both sides of it.
+    for (const double start : {20.0, 23.6, 23.8, 28.0}) {
+      const Vec3 below(23.7, 20, fold(23.7, 20) - 2);
+      CHECK(foot_near(fit->surface, below, start, 20).distance == Approx(2).margin(0.05));
+    }
+  }
+}
+
 TEST_CASE("spline fit: what is rougher than its points allow is refused") {
   Context context;
   CHECK_FALSE(fit_spline(scattered(wave, 4000, 1.0, 5), options_for(0.01), context));
