@@ -13,21 +13,19 @@ namespace {
 struct FullName {
   std::string_view name, word;
 };
-constexpr std::array full_names = {FullName{"frustum of a cone", "cone"},
-                                   FullName{"frustum", "cone"},
-                                   FullName{"convex polyhedron", "half_spaces"},
-                                   FullName{"extrusion", "extrude"},
-                                   FullName{"surface of revolution", "revolve"},
-                                   FullName{"body with holes", "drilled"},
-                                   FullName{"free form", only_free_form},
-                                   FullName{"body with free-form faces", "sculpted"}};
+constexpr std::array full_names = {
+    FullName{"frustum of a cone", "cone"},        FullName{"frustum", "cone"},
+    FullName{"convex polyhedron", "half_spaces"}, FullName{"extrusion", "extrude"},
+    FullName{"surface of revolution", "revolve"}, FullName{"body with holes", "drilled"},
+    FullName{"free form", only_free_form},        FullName{"body with free-form faces", "sculpted"}};
 
 }  // namespace
 
 const std::vector<std::string>& procedure_words() {
   static const std::vector<std::string> words = {
-      "sphere",  "box",     "cylinder",    "cone",    "torus",    "wedge",       "fillet",         "ellipsoid",
-      "revolve", "extrude", "half_spaces", "drilled", "sculpted", "supertoroid", "superellipsoid", only_free_form, only_a_mesh};
+      "sphere",   "box",         "cylinder",       "cone",         "torus",       "wedge",
+      "fillet",   "ellipsoid",   "revolve",        "extrude",      "half_spaces", "drilled",
+      "sculpted", "supertoroid", "superellipsoid", only_free_form, only_a_mesh};
   return words;
 }
 

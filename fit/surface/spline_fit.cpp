@@ -83,12 +83,11 @@ class Fitter {
     const int many = controls();
     if (!set(surface_.u, surface_.v)) return std::nullopt;
     const bool enough = refine();
-    if (!find_creases() && !enough) return std::nullopt;
-    if (fewest) {
-      simplify();
-      if (find_creases()) simplify();
-    } else if (controls() > many)
+    if (fewest || !enough) {
+      if (!choose_knots(enough)) return std::nullopt;
+    } else if (controls() > many) {
       take_out_singly();
+    }
     std::vector<Vec2> places(data_.places.size());
     for (std::size_t i = 0; i < places.size(); ++i) places[order_[i]] = data_.places[i];
     return SplineFit{std::move(surface_), std::move(places), worst_};
@@ -270,6 +269,19 @@ class Fitter {
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i)
       if (split[i]) result = with_knot(result, 0.5 * (breaks[i] + breaks[i + 1]));
     return result;
+  }
+
+  /// Few knots, with creases where that takes fewer; `enough`: without them the tolerance is kept.
+  bool choose_knots(bool enough) {
+    State refined = state();
+    std::optional<State> smooth;
+    if (enough) simplify(), smooth = state();
+    const int many = controls();
+    if (enough) restore(std::move(refined));
+    const bool creased = find_creases();
+    if (creased) simplify();
+    if (smooth && (!creased || controls() >= many)) restore(std::move(*smooth));
+    return creased || enough;
   }
 
   /// One multiple knot for many where that keeps the tolerance with no more control points, or at all.
