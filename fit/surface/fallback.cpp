@@ -23,16 +23,19 @@ FitInput dense_input(const FitInput& input, Context& context) {
 std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triangulator, Context& context) {
   // A mesh of planes and cylinders says more by its faces.
   if (triangulator.of_faces(input.tolerance)) return std::nullopt;
+  const auto judged = [&](std::optional<Candidate> surfaces) -> std::optional<Fallback> {
+    if (!surfaces || context.cancelled) return std::nullopt;
+    const CandidateEvidence evidence = evidence_of(*surfaces, dense_input(input, context), context);
+    context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));
+    if (!(evidence.local_max < input.tolerance)) return std::nullopt;
+    return Fallback{std::move(*surfaces), evidence};
+  };
+  if (auto sheet = judged(free_form_of_map(input, context))) return sheet;
   const auto mesh = triangulator.surface_of_data(input.tolerance);
   if (!mesh || context.cancelled) return std::nullopt;
   // Where a filling is nowhere farther off than points are apart, or than is asked, a handle may be noise as well.
   const double handle = 4 * std::max(input.tolerance, input.thin_spacing);
-  auto surfaces = free_form(without_handles(*mesh, handle), input, context);
-  if (!surfaces || context.cancelled) return std::nullopt;
-  const CandidateEvidence evidence = evidence_of(*surfaces, dense_input(input, context), context);
-  context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));
-  if (!(evidence.local_max < input.tolerance)) return std::nullopt;
-  return Fallback{std::move(*surfaces), evidence};
+  return judged(free_form(without_handles(*mesh, handle), input, context));
 }
 
 Result<Fallback> fallback_of(const FitInput& input, Triangulator& triangulator, Context& context) {

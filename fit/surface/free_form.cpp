@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <string>
 
+#include "fit/surface/curve_fit.h"
 #include "fit/surface/flatten.h"
+#include "fit/surface/grid_fit.h"
+#include "fit/surface/height_map.h"
 #include "fit/surface/piece_fit.h"
 #include "fit/surface/spline_charts.h"
 #include "fit/surface/spline_sheet.h"
@@ -32,6 +35,22 @@ std::vector<TrimmedSurface> surfaces_of(const TriangleMesh& piece, const FitInpu
   return spline_charts(piece, input, context);
 }
 
+Candidate sheet_or_body(SurfaceSet set, double tolerance, Context& context) {
+  if (set.patches.size() == 1) set.patches[0].name = "surface";
+  Candidate candidate;
+  candidate.procedure = "free form";
+  candidate.object_name = set.closed ? "body" : "sheet";
+  if (!set.closed) {
+    candidate.parameters.push_back(sheet_thickness(tolerance));
+    set.thickness = Expr::of(candidate.parameters.back().name);
+  }
+  for (const auto& patch : set.patches) candidate.extra_numbers += static_cast<int>(3 * patch.control.size());
+  context.say("free form: " + std::to_string(set.patches.size()) + " surfaces, " +
+              std::to_string(candidate.extra_numbers / 3) + " control points");
+  candidate.shape = std::move(set);
+  return candidate;
+}
+
 }  // namespace
 
 std::optional<Candidate> free_form(const TriangleMesh& mesh, const FitInput& input, Context& context) {
@@ -54,19 +73,30 @@ std::optional<Candidate> free_form(const TriangleMesh& mesh, const FitInput& inp
     edges = most;
   }
   if (set.patches.empty()) return std::nullopt;
-  if (set.patches.size() == 1) set.patches[0].name = "surface";
-  Candidate candidate;
-  candidate.procedure = "free form";
-  candidate.object_name = set.closed ? "body" : "sheet";
-  if (!set.closed) {
-    candidate.parameters.push_back(sheet_thickness(tolerance));
-    set.thickness = Expr::of(candidate.parameters.back().name);
-  }
-  for (const auto& patch : set.patches) candidate.extra_numbers += static_cast<int>(3 * patch.control.size());
-  context.say("free form: " + std::to_string(set.patches.size()) + " surfaces, " +
-              std::to_string(candidate.extra_numbers / 3) + " control points");
-  candidate.shape = std::move(set);
-  return candidate;
+  return sheet_or_body(std::move(set), tolerance, context);
+}
+
+std::optional<Candidate> free_form_of_map(const FitInput& input, Context& context) {
+  if (!input.scan || !input.scan->mesh.empty()) return std::nullopt;
+  const auto grid = height_map_of(input.scan->cloud);
+  if (!grid) return std::nullopt;
+  context.say("free form: a height map of " + std::to_string(grid->u.size()) + " x " + std::to_string(grid->v.size()) +
+              " points");
+  GridFitOptions options;
+  options.tolerance = fit_share * input.tolerance, options.noise = input.sampling.sigma;
+  auto fit = fit_grid(*grid, options, context);
+  if (!fit) return std::nullopt;
+  const KnotVector &u = fit->surface.u, &v = fit->surface.v;
+  const std::vector<Vec2> corners = {
+      {u.low(), v.low()}, {u.high(), v.low()}, {u.high(), v.high()}, {u.low(), v.high()}};
+  std::vector<SurfaceTrim> outline;
+  for (std::size_t k = 0; k < corners.size(); ++k)
+    outline.push_back({fitted_curve<2>({corners[k], corners[(k + 1) % 4]}, input.tolerance), int(k) + 1});
+  TrimmedSurface whole{std::move(fit->surface), {std::move(outline)}};
+  round_numbers(whole, input.tolerance);
+  SurfaceSet set;
+  set.patches.push_back(trimmed_patch(whole, "surface"));
+  return sheet_or_body(std::move(set), input.tolerance, context);
 }
 
 }  // namespace partscribe::fit

@@ -15,4 +15,7 @@ namespace partscribe::fit {
 /// Nothing where the tolerance would need so many control points that triangles say it as shortly.
 std::optional<Candidate> free_form(const TriangleMesh& mesh, const FitInput& input, Context& context);
 
+/// A height map (height_map_of) as one surface over its whole rectangle. Nothing for any other scan.
+std::optional<Candidate> free_form_of_map(const FitInput& input, Context& context);
+
 }  // namespace partscribe::fit

@@ -23,7 +23,7 @@ namespace {
 
 SplineFitOptions options_for(const FitInput& input) {
   SplineFitOptions options;
-  options.tolerance = 0.7 * input.tolerance;
+  options.tolerance = fit_share * input.tolerance;
   options.noise = input.sampling.sigma;
   return options;
 }

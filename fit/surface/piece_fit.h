@@ -12,6 +12,9 @@
 
 namespace partscribe::fit {
 
+/// Of the tolerance, what a fit may leave; the rest is for rounding and trims.
+inline constexpr double fit_share = 0.7;
+
 /// Where a point of a triangle goes in the layout of its mesh (`places` of the vertices).
 Vec2 place_on(const TriangleMesh& mesh, std::span<const Vec2> places, std::size_t triangle, const Vec3& point);
 
