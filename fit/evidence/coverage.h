@@ -11,6 +11,9 @@ struct Coverage {
   double thin = 0;          ///< share, of places with data nearby, whose opposite side is nearer than noise can tell
 };
 
+/// What of a surface may be contradicted without its being wrong: random places miss a little.
+inline constexpr double most_contradicted = 0.001;
+
 /// Random places in the bounding box are drawn onto the surface along the distance gradient.
 Coverage coverage_of(const Candidate& candidate, const FitInput& input, Context& context);
 

@@ -121,7 +121,7 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
   else if (j.coverage.covered < 0.25)
     j.open = true,
     j.reason = "only " + print_number(std::round(100 * j.coverage.covered)) + " % of its surface was seen";
-  else if (j.coverage.contradicted > 0.001)
+  else if (j.coverage.contradicted > most_contradicted)
     j.reason =
         print_number(snapped(100 * j.coverage.contradicted, 0.1)) + " % of its surface lies off the scanned mesh";
   else if (!j.candidate.unseen.empty())

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/number.h"
+#include "fit/evidence/coverage.h"
 #include "fit/input/prepare.h"
 #include "fit/surface/free_form.h"
 #include "fit/surface/triangulate.h"
@@ -28,6 +30,12 @@ std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triang
     const CandidateEvidence evidence = evidence_of(*surfaces, dense_input(input, context), context);
     context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));
     if (!(evidence.local_max < input.tolerance)) return std::nullopt;
+    // Points say nothing of a surface where none of them are.
+    const double beyond = coverage_of(*surfaces, input, context).contradicted;
+    if (beyond > most_contradicted) {
+      context.say("free form: " + print_number(snapped(100 * beyond, 0.1)) + " % of it lies off the scanned mesh");
+      return std::nullopt;
+    }
     return Fallback{std::move(*surfaces), evidence};
   };
   if (auto sheet = judged(free_form_of_map(input, context))) return sheet;
