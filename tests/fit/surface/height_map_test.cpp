@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "fit/build.h"
 #include "fit/evidence/evidence.h"
 #include "fit/input/prepare.h"
+#include "fit/procedures.h"
 #include "fit/surface/free_form.h"
 
 using namespace partscribe::fit;
@@ -71,4 +73,20 @@ TEST_CASE("height map: one surface with few control points over the whole rectan
   CHECK(set.patches[0].trims.size() == 4);
   CHECK(set.patches[0].control.size() < 150);
   CHECK(evidence_of(*candidate, *input, context).local_max < 0.1);
+}
+
+TEST_CASE("height map: free form that is asked for by name is searched for no procedure, and is no fallback") {
+  Scan scan;
+  scan.cloud = map_of(2, 0.01);
+  BuildOptions options;
+  options.tolerance = 0.1, options.force = only_free_form;
+  std::string log;
+  Context context;
+  context.log = [&](const std::string& line) { log += line + "\n"; };
+  const auto model = build_model(scan, options, context);
+  REQUIRE(model.ok());
+  CHECK_FALSE((*model)->fallback);
+  CHECK(std::holds_alternative<SurfaceSet>((*model)->objects.back().shape));
+  CHECK(log.find("free form: a height map of 60 x 50 points") != std::string::npos);
+  CHECK(log.find("deviation") == log.find("free form: deviation") + 11);
 }
