@@ -93,8 +93,7 @@ Result<CheckedModel> completed(const Fallback& fallback, const Attempt& attempt,
   model.scan_from_part = {};
   model.scan_from_part.x = shift.x(), model.scan_from_part.y = shift.y(), model.scan_from_part.z = shift.z();
   model.fallback = options.force.empty() || !asked_for(options.force, fallback.candidate);
-  const double covered = coverage_of(fallback.candidate, attempt.scan.input, context).covered;
-  return completed(std::move(model), fallback.evidence, covered, attempt, refused, scan, options, context);
+  return completed(std::move(model), fallback.evidence, fallback.covered, attempt, refused, scan, options, context);
 }
 
 }  // namespace

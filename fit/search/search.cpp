@@ -85,25 +85,23 @@ Judged judge(Candidate candidate, const FitInput& input, Context& context) {
     j.candidate = std::move(candidate);
     return j;
   }
-  constexpr std::size_t few = 300;
-  constexpr double hopeless = 5;  // tolerances
+  constexpr double hopeless = 5;  // tolerances: where few points leave that, more would not help
   RefineOptions quick;
-  quick.points = is_slow(candidate) ? few : 6000;
   quick.iterations = 25;
   quick.uncertainty = false;
   quick.welsch = kernel_for(candidate, narrow, input);
   quick.near = among_outliers(input) && !is_slow(candidate) &&
                evidence_of(candidate, input, context).local_max <= input.tolerance;
-  refine(candidate, input, quick, context);
-  if (senseless()) {
-    j.candidate = std::move(candidate);
-    return j;
-  }
-  j.evidence = evidence_of(candidate, input, context);
-  if (quick.points == few && j.evidence.local_max < hopeless * input.tolerance) {
-    quick.points = 5 * few;
+  for (const std::size_t points :
+       is_slow(candidate) ? std::vector<std::size_t>{300, 1500} : std::vector<std::size_t>{6000}) {
+    quick.points = points;
     refine(candidate, input, quick, context);
+    if (senseless()) {
+      j.candidate = std::move(candidate);
+      return j;
+    }
     j.evidence = evidence_of(candidate, input, context);
+    if (j.evidence.local_max >= hopeless * input.tolerance) break;
   }
   const bool within = j.evidence.local_max <= input.tolerance;
   if (within) j.coverage = coverage_of(candidate, input, context);

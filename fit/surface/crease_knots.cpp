@@ -53,6 +53,7 @@ std::optional<KnotVector> crease_knots(const CreaseData& data, const KnotVector&
     while (last + 2 < breaks.size() && breaks[last + 1] - breaks[last] < 0.5 * mean) ++last;
     std::vector<double> group;
     for (std::size_t k = first; k <= last; ++k) group.insert(group.end(), std::size_t(all[k].second), breaks[k]);
+    if (group.size() < 3) continue;
     const double low = breaks[first - 1], high = breaks[last + 1];
     const Strip strip = strip_of(data, along_u ? 0 : 1, low, high);
     const auto gain = [&](const std::vector<double>& inner) {
@@ -69,7 +70,6 @@ std::optional<KnotVector> crease_knots(const CreaseData& data, const KnotVector&
     if (strip.points.size() < 2 * (group.size() + 4) * std::size_t(other.count())) continue;
     const double inset = 1e-3 * (high - low), least = gain(group);
     const double from = std::max(breaks[first], low + inset), to = std::min(breaks[last], high - inset);
-    if (group.size() < 3) continue;
     const auto one = [&](double at) { return gain({at, at, at}); };
     const double t = highest_place(one, from, to);
     if (one(t) < least) continue;

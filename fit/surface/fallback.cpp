@@ -31,12 +31,13 @@ std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triang
     context.say("free form: deviation " + millimetres(evidence.local_max, input.tolerance));
     if (!(evidence.local_max < input.tolerance)) return std::nullopt;
     // Points say nothing of a surface where none of them are.
-    const double beyond = coverage_of(*surfaces, input, context).contradicted;
-    if (beyond > most_contradicted) {
-      context.say("free form: " + print_number(snapped(100 * beyond, 0.1)) + " % of it lies off the scanned mesh");
+    const Coverage coverage = coverage_of(*surfaces, input, context);
+    if (coverage.contradicted > most_contradicted) {
+      context.say("free form: " + print_number(snapped(100 * coverage.contradicted, 0.1)) +
+                  " % of it lies off the scanned mesh");
       return std::nullopt;
     }
-    return Fallback{std::move(*surfaces), evidence};
+    return Fallback{std::move(*surfaces), evidence, coverage.covered};
   };
   if (auto sheet = judged(free_form_of_map(input, context))) return sheet;
   const auto mesh = triangulator.surface_of_data(input.tolerance);
@@ -60,7 +61,7 @@ Result<Fallback> fallback_of(const FitInput& input, Triangulator& triangulator, 
     context.say("triangulation: deviation " + millimetres(evidence.local_max, tolerance));
     const bool first = !best;
     if (best && evidence.local_max > best->evidence.local_max) break;
-    best = Fallback{std::move(*mesh), evidence};
+    best = Fallback{std::move(*mesh), evidence, 0};
     if (evidence.local_max < enough) break;
     const auto surface = first ? triangulator.unsimplified() : std::nullopt;
     if (!surface) continue;
@@ -69,6 +70,7 @@ Result<Fallback> fallback_of(const FitInput& input, Triangulator& triangulator, 
     enough = std::max(enough, least + 0.1 * tolerance);
     if (evidence.local_max < enough) break;
   }
+  best->covered = coverage_of(best->candidate, input, context).covered;
   return std::move(*best);
 }
 

@@ -12,6 +12,7 @@ namespace partscribe::fit {
 struct Fallback {
   Candidate candidate;
   CandidateEvidence evidence;  ///< of up to 400,000 points
+  double covered = 0;          ///< share of its surface that the data saw
 };
 
 /// Trimmed B-spline surfaces where they describe the surface of the data within the tolerance, unless the faces of a

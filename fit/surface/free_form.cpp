@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "fit/surface/curve_fit.h"
 #include "fit/surface/flatten.h"
 #include "fit/surface/grid_fit.h"
 #include "fit/surface/height_map.h"
@@ -86,16 +85,10 @@ std::optional<Candidate> free_form_of_map(const FitInput& input, Context& contex
   options.tolerance = fit_share * input.tolerance, options.noise = input.sampling.sigma;
   auto fit = fit_grid(*grid, options, context);
   if (!fit) return std::nullopt;
-  const KnotVector &u = fit->surface.u, &v = fit->surface.v;
-  const std::vector<Vec2> corners = {
-      {u.low(), v.low()}, {u.high(), v.low()}, {u.high(), v.high()}, {u.low(), v.high()}};
-  std::vector<SurfaceTrim> outline;
-  for (std::size_t k = 0; k < corners.size(); ++k)
-    outline.push_back({fitted_curve<2>({corners[k], corners[(k + 1) % 4]}, input.tolerance), int(k) + 1});
-  TrimmedSurface whole{std::move(fit->surface), {std::move(outline)}};
+  TrimmedSurface whole{std::move(fit->surface), {}};
   round_numbers(whole, input.tolerance);
   SurfaceSet set;
-  set.patches.push_back(trimmed_patch(whole, "surface"));
+  set.patches.push_back(with_border(trimmed_patch(whole, "surface")));
   return sheet_or_body(std::move(set), input.tolerance, context);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/surface/spline_fit.h"
 #include "geometry/surfaces/cubic_basis.h"
 
 namespace partscribe::fit {
@@ -97,16 +98,10 @@ GridNorm norm_of(const std::vector<float>& off) {
 
 }  // namespace
 
-KnotVector without_one(const KnotVector& knots, double t) {
-  KnotVector result = knots;
-  result.knots.erase(std::find(result.knots.begin(), result.knots.end(), t));
-  return result;
-}
-
 GridNet::GridNet(const SplineGrid& grid, const GridFitOptions& options)
     : grid_(grid), options_(options), lines_{&grid.u, &grid.v} {
-  const double wanted = std::pow(options.noise / (0.12 * options.tolerance), 2);
-  const auto window = std::size_t(std::ceil(std::sqrt(std::clamp(wanted, 1.0, 30.0))));
+  const double wanted = std::clamp(enough_to_average(options.noise, options.tolerance), 1.0, 30.0);
+  const auto window = std::size_t(std::ceil(std::sqrt(wanted)));
   for (std::size_t d : {0u, 1u}) window_[d] = std::min(window, lines_[d]->size() / 4);
   split_components();
 }

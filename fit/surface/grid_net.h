@@ -109,7 +109,4 @@ class GridNet {
   GridNorm norm_;
 };
 
-/// Without one of the knots at t.
-KnotVector without_one(const KnotVector& knots, double t);
-
 }  // namespace partscribe::fit

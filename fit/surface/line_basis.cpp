@@ -8,6 +8,12 @@
 
 namespace partscribe::fit {
 
+KnotVector without_one(const KnotVector& knots, double t) {
+  KnotVector result = knots;
+  result.knots.erase(std::find(result.knots.begin(), result.knots.end(), t));
+  return result;
+}
+
 LineBasis::LineBasis(std::span<const double> lines, KnotVector knots, const LineBasis* near)
     : knots_(std::move(knots)), first_(lines.size()), value_(lines.size() * 4), factor_(count() * 4, 0.0) {
   // Knots `same` .. `other` - 1 are not those of `near`.
@@ -89,8 +95,7 @@ void LineBasis::solve(double* right, std::size_t width) const {
 
 LineBasis::Share LineBasis::share_of(double t) const {
   // What vanishes on all splines without this knot: orthogonal to the columns of the knot's insertion (Boehm).
-  KnotVector fewer = knots_;
-  fewer.knots.erase(std::find(fewer.knots.begin(), fewer.knots.end(), t));
+  const KnotVector fewer = without_one(knots_, t);
   const auto span = std::size_t(fewer.span(t));
   double a[3];  // the shares of control values span - 2 .. span
   for (std::size_t k = 0; k < 3; ++k) {

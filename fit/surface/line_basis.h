@@ -11,6 +11,9 @@
 
 namespace partscribe::fit {
 
+/// Without one of the knots at t.
+KnotVector without_one(const KnotVector& knots, double t);
+
 class LineBasis {
  public:
   /// `lines`: ascending parameters of the data, in the domain of `knots`, which are cubic and clamped; must outlive

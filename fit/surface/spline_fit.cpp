@@ -20,8 +20,8 @@ constexpr double fairness = 1e-6;  // of the bending energy, beside the mean squ
 
 /// How many points have to be averaged with each other so that noise is a small part of the tolerance.
 std::size_t points_averaged(const SplineFitOptions& options) {
-  const double wanted = std::pow(options.noise / (0.12 * options.tolerance), 2);
-  return static_cast<std::size_t>(std::clamp(std::ceil(wanted), 6.0, 30.0));
+  return static_cast<std::size_t>(
+      std::clamp(std::ceil(enough_to_average(options.noise, options.tolerance)), 6.0, 30.0));
 }
 
 /// Points in an order in which neighbours in the list are neighbours on the surface; those held come last, as they are.

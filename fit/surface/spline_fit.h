@@ -1,6 +1,7 @@
 /// Fits a B-spline surface to scattered points, with as few control points as a tolerance allows.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "geometry/surfaces/nurbs.h"
 
 namespace partscribe::fit {
+
+/// How many points the mean of which noise (mm, of a point) moves by an eighth of the tolerance.
+inline double enough_to_average(double noise, double tolerance) { return std::pow(noise / (0.12 * tolerance), 2); }
 
 /// Points and where each is to lie in the plane of the parameters, mm both.
 struct SplineData {
