@@ -20,6 +20,7 @@ constexpr double meeting = 0.1;            // of the tolerance: how closely surf
 constexpr double edge_weight = 30;         // of a place on an edge, against that of a point
 constexpr double beside_weight = 10;       // of a place beside it
 constexpr int rounds = 6;                  // of drawing neighbours together
+constexpr double most_smooth = 0.1;        // of an edge's length: how far it may leave the triangles' edges
 constexpr std::size_t most_pieces = 200;   // of an edge's curve
 constexpr std::size_t most_places = 4000;  // of an edge, beyond which no more of them help
 constexpr double by_node = 0.2;            // of an edge: what crosses there is straightened up to its end
@@ -70,6 +71,7 @@ class Joiner {
     for (const auto& [edge, sides] : edge_sides(result)) apart = std::max(apart, edge_gap(sides, 200));
     context_.say("free form: edges as they are drawn are up to " + print_number(snapped(apart, 1e-4)) + " mm apart");
     if (apart > 0.7 * input_.tolerance) return {};
+    say_angles();
     return result;
   }
 
@@ -78,6 +80,12 @@ class Joiner {
   const ChartPiece* side(const Joint& joint, int s) const {
     const int chart = chart_of(joint, s);
     return chart < 0 ? nullptr : &current_[std::size_t(chart)];
+  }
+
+  static bool smooth(const Joint& joint) { return !joint.border.crease && joint.border.right >= 0; }
+
+  Vec3 normal_on(const Joint& joint, int s, std::size_t i) const {
+    return side(joint, s)->surface.derivatives(joint.uv[s][i].x(), joint.uv[s][i].y()).normal();
   }
 
   /// The zigzag of triangles' edges, smoothed.
@@ -91,9 +99,10 @@ class Joiner {
       line.push_back(mesh_.vertices[v]);
     }
     const double mean = length / double(line.size() - 1);
-    const double smooth = !border.crease && border.right >= 0 ? std::max(mean, 0.5 * input_.tolerance)
-                                                              : std::max(0.2 * mean, 0.3 * input_.tolerance);
-    const NurbsCurve<3> curve = fitted_curve<3>(line, smooth);
+    const double within =
+        smooth(joint) ? std::max(mean, 0.5 * input_.tolerance) : std::max(0.2 * mean, 0.3 * input_.tolerance);
+    // The two sides of a narrow chart stay apart.
+    const NurbsCurve<3> curve = fitted_curve<3>(line, std::min(within, most_smooth * length));
     const int count = std::clamp(std::max(20 * static_cast<int>(curve.t.breaks().size() - 1),
                                           static_cast<int>(length / std::max(input_.tolerance, 0.2 * mean))),
                                  24, 1500);
@@ -219,20 +228,20 @@ class Joiner {
   void beside() {
     for (auto& joint : joints_) {
       for (auto& list : joint.across) list.clear();
-      if (joint.border.crease || joint.border.right < 0) continue;
-      const double off = std::max(2 * input_.tolerance, 0.02 * (joint.places.back() - joint.places.front()).norm());
+      if (!smooth(joint)) continue;
+      const double off = 2 * input_.tolerance;
       for (int way = 0; way < 2; ++way)
         for (int s = 0; s < 2; ++s) joint.across_uv[way][s].clear();
       for (std::size_t i = 1; i + 1 < joint.places.size(); ++i) {
         const Vec3 along = (joint.places[i + 1] - joint.places[i - 1]).normalized();
-        const Vec3 normal = side(joint, 0)->surface.derivatives(joint.uv[0][i].x(), joint.uv[0][i].y()).normal() +
-                            side(joint, 1)->surface.derivatives(joint.uv[1][i].x(), joint.uv[1][i].y()).normal();
-        const Vec3 out = along.cross(normal).normalized();
+        const Vec3 out = along.cross(normal_on(joint, 0, i) + normal_on(joint, 1, i)).normalized();
         if (!out.allFinite()) continue;
         for (int way = 0; way < 2; ++way) {
           const Vec3 start = joint.places[i] + (way == 0 ? off : -off) * out;
           SplineFoot feet[2];
           for (int s = 0; s < 2; ++s) feet[s] = foot_on(*side(joint, s), start, joint.uv[s][i]);
+          // Far apart, one of them is no more the surface that the scan shows.
+          if ((feet[0].point - feet[1].point).norm() > input_.tolerance) continue;
           joint.across[way].push_back(0.5 * (feet[0].point + feet[1].point));
           for (int s = 0; s < 2; ++s) joint.across_uv[way][s].emplace_back(feet[s].u, feet[s].v);
         }
@@ -249,6 +258,26 @@ class Joiner {
           if (const ChartPiece* piece = side(joint, s))
             most = std::max(most, (piece->surface.at(joint.uv[s][i].x(), joint.uv[s][i].y()) - joint.places[i]).norm());
     return 2 * most;
+  }
+
+  /// How far joints that are no crease are from one tangent plane.
+  void say_angles() const {
+    std::vector<double> angles;
+    for (const auto& joint : joints_) {
+      if (!smooth(joint)) continue;
+      for (std::size_t i = 0; i < joint.places.size(); ++i) {
+        const Vec3 left = normal_on(joint, 0, i), right = normal_on(joint, 1, i);
+        angles.push_back(std::atan2(left.cross(right).norm(), left.dot(right)));
+      }
+    }
+    if (angles.empty()) return;
+    std::sort(angles.begin(), angles.end());
+    const auto degrees = [&](double share) {
+      return print_number(snapped(angles[std::size_t(share * double(angles.size() - 1))] * 180 / pi, 0.1));
+    };
+    context_.say("free form: tangent planes differ by " + degrees(0.5) +
+                 " degrees at half of the smooth edges' places, " + degrees(0.95) + " at 95 % and " + degrees(1) +
+                 " at the most");
   }
 
   /// Fits every surface once more, to its points and to the places where it meets its neighbours.

@@ -57,7 +57,7 @@ ChartPieces::ChartPieces(const TriangleMesh& mesh, const FitInput& input, Contex
 
 /// Large facets are data as well, not their corners alone.
 void ChartPieces::add_facets() {
-  const double step = std::max(0.7 * input_.thin_spacing, 2 * input_.tolerance);
+  const double step = std::max(0.35 * input_.thin_spacing, 2 * input_.tolerance);
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     const Vec3 ab = mesh_.corner(t, 1) - mesh_.corner(t, 0), ac = mesh_.corner(t, 2) - mesh_.corner(t, 0);
     const int n = static_cast<int>(std::max({ab.norm(), ac.norm(), (ac - ab).norm()}) / step);

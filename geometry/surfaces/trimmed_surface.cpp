@@ -13,6 +13,7 @@
 #include <mutex>
 #include <queue>
 #include <set>
+#include <tuple>
 
 #include "geometry/mesh/mesh_distance.h"
 #include "geometry/mesh/mesh_part.h"
@@ -328,6 +329,54 @@ class Patch {
   Face hint_;
 };
 
+/// Two surfaces may each have an inner edge between the same two corners of their borders, the first `border_corners`
+/// of the mesh. Each of these gets a corner of its own in the middle, so that no edge has more than two triangles.
+void split_twins(std::span<const TrimmedSurface> surfaces, std::uint32_t border_corners, SurfaceTriangles& out) {
+  struct Use {
+    std::uint32_t a, b, patch, triangle;
+    bool operator<(const Use& o) const {
+      return std::tie(a, b, patch, triangle) < std::tie(o.a, o.b, o.patch, o.triangle);
+    }
+  };
+  const auto split = [&](const Use& use, std::uint32_t middle, const Vec2& uv) {
+    auto &corners = out.mesh.triangles[use.triangle], rest = corners;
+    auto &places = out.place[use.triangle], places_of_rest = places;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (corners[k] == use.a) rest[k] = middle, places_of_rest[k] = uv;
+      if (corners[k] == use.b) corners[k] = middle, places[k] = uv;
+    }
+    out.mesh.triangles.push_back(rest), out.place.push_back(places_of_rest), out.patch.push_back(use.patch);
+  };
+  const auto middle_of = [&](const Use& use) {
+    Vec2 sum = Vec2::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      if (const auto corner = out.mesh.triangles[use.triangle][k]; corner == use.a || corner == use.b)
+        sum += out.place[use.triangle][k];
+    return Vec2(0.5 * sum);
+  };
+  for (std::set<std::uint32_t> changed = {0}; !changed.empty();) {
+    changed.clear();
+    std::vector<Use> uses;
+    for (std::uint32_t t = 0; t < out.mesh.triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [a, b] = std::minmax(out.mesh.triangles[t][k], out.mesh.triangles[t][(k + 1) % 3]);
+        if (b < border_corners) uses.push_back({a, b, out.patch[t], t});
+      }
+    std::sort(uses.begin(), uses.end());
+    for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+      while (end < uses.size() && uses[end].a == uses[i].a && uses[end].b == uses[i].b) ++end;
+      for (std::size_t k = i; end - i > 2 && k + 1 < end; ++k) {
+        const Use one = uses[k], other = uses[k + 1];
+        if (one.patch != other.patch || changed.count(one.triangle) || changed.count(other.triangle)) continue;
+        const auto middle = static_cast<std::uint32_t>(out.mesh.vertices.size());
+        const Vec2 uv = middle_of(one);
+        out.mesh.vertices.push_back(surfaces[one.patch].surface.at(uv.x(), uv.y()));
+        for (const Use& use : {one, other}) split(use, middle, uv), changed.insert(use.triangle);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 TrimmedSurface turned_over(const TrimmedSurface& given) {
@@ -400,6 +449,7 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
       result.mesh.vertices.push_back(surfaces[first.patch].surface.at(uv.x(), uv.y()));
     }
   }
+  const auto border_corners = static_cast<std::uint32_t>(result.mesh.vertices.size());
   for (std::uint32_t p = 0; p < surfaces.size(); ++p) {
     std::vector<std::vector<Corner>> loops;
     for (std::uint32_t l = 0; l < surfaces[p].loops.size(); ++l) {
@@ -416,6 +466,7 @@ SurfaceTriangles triangulated(std::span<const TrimmedSurface> surfaces, double d
     }
     Patch(surfaces[p].surface, std::move(loops), deviation).triangulate(p, result);
   }
+  split_twins(surfaces, border_corners, result);
   return result;
 }
 

@@ -104,6 +104,25 @@ TEST_CASE("trimmed surface: surfaces with common edges become one closed mesh") 
   CHECK(made.mesh.vertices.size() >= 8);
 }
 
+TEST_CASE("trimmed surface: two surfaces with the same border have no inner edge in common") {
+  // A cushion: both sides cut the same corners off the same square.
+  std::vector<TrimmedSurface> cushion(2, {saddle(), {rectangle({0, 0}, {40, 30}, {0, 1, 2, 3})}});
+  for (std::size_t k = 0; k < 2; ++k)
+    for (const std::size_t inner : {5, 6, 9, 10}) cushion[k].surface.points[inner].z() += k == 0 ? 4 : -4;
+  cushion[1] = turned_over(cushion[1]);
+  const auto made = triangulated(cushion, 0.5);
+  const auto topo = topology(made.mesh);
+  CHECK(topo.closed());
+  CHECK(topo.components == 1);
+  CHECK(made.place.size() == made.mesh.triangles.size());
+  CHECK(made.patch.size() == made.mesh.triangles.size());
+  for (std::size_t t = 0; t < made.mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2& uv = made.place[t][k];
+      CHECK((made.mesh.corner(t, int(k)) - cushion[made.patch[t]].surface.at(uv.x(), uv.y())).norm() < 1e-9);
+    }
+}
+
 TEST_CASE("trimmed surface: distances end on the surface inside of the loops and on their border outside") {
   const TrimmedSurface trimmed{saddle(),
                                {rectangle({0, 0}, {40, 30}, {0, 1, 2, 3}), {{circle({20, 15}, 6, false), 4}}}};
