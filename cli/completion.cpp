@@ -8,7 +8,7 @@ namespace {
 constexpr const char* help_words = "--man --completion";
 constexpr const char* shell_words = "bash zsh fish";
 
-std::string joined(const std::vector<std::string>& words) {
+std::string spaced(const std::vector<std::string>& words) {
   std::string result;
   for (const auto& word : words) result += (result.empty() ? "" : " ") + word;
   return result;
@@ -17,7 +17,7 @@ std::string joined(const std::vector<std::string>& words) {
 std::string command_names(const Manual& manual) {
   std::vector<std::string> names;
   for (const auto& command : manual.commands) names.push_back(command.name);
-  return joined(names);
+  return spaced(names);
 }
 
 /// With a backslash before each of these characters.
@@ -40,7 +40,7 @@ std::string bash_options(const std::vector<Declared>& declared) {
   std::vector<std::string> names;
   for (const auto& d : declared)
     if (d.is_option()) names.push_back(d.name);
-  return joined(names);
+  return spaced(names);
 }
 
 /// What may follow the options of one command; `command` is a pattern of the shell.
@@ -51,7 +51,7 @@ std::string bash_values(const std::string& command, const std::vector<Declared>&
     result += "    " + command + "\\ " + d.name + ") ";
     if (d.takes == Declared::Takes::file) result += "takes=files ;;\n";
     if (d.takes == Declared::Takes::folder) result += "takes=folders ;;\n";
-    if (d.takes == Declared::Takes::word) result += "takes=words words='" + joined(d.words) + "' ;;\n";
+    if (d.takes == Declared::Takes::word) result += "takes=words words='" + spaced(d.words) + "' ;;\n";
   }
   return result;
 }
@@ -106,7 +106,7 @@ std::string zsh_list(const std::vector<Declared>& declared, const std::string& i
     std::string action = d.takes == Declared::Takes::file     ? "_files"
                          : d.takes == Declared::Takes::folder ? "_files -/"
                          : d.words.empty()                    ? " "
-                                                              : "(" + joined(d.words) + ")";
+                                                              : "(" + spaced(d.words) + ")";
     std::string text = d.is_option() ? d.name + "[" + help + "]" : (d.repeated ? "*:" : ":") + d.name;
     if (d.takes != Declared::Takes::nothing) text += ":" + d.value_name + (d.is_option() ? ":" : "") + action;
     result += indent + single_quoted(text) + "\n";
@@ -161,7 +161,7 @@ std::string fish_list(const std::vector<Declared>& declared, const std::string& 
     result += "complete -c partscribe -n '" + condition + "' -l " + d.name.substr(2);
     if (d.takes == Declared::Takes::file) result += " -r -F";
     if (d.takes == Declared::Takes::folder) result += " -x -a '(__fish_complete_directories)'";
-    if (d.takes == Declared::Takes::word) result += d.words.empty() ? " -x" : " -x -a '" + joined(d.words) + "'";
+    if (d.takes == Declared::Takes::word) result += d.words.empty() ? " -x" : " -x -a '" + spaced(d.words) + "'";
     result += " -d '" + with_backslashes(d.help, "\\'") + "'\n";
   }
   return result;

@@ -27,7 +27,7 @@ std::string output_of(const std::vector<std::string>& arguments, const Path& fol
   return output->out;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
+std::vector<std::string> said_lines(const std::string& text) {
   std::vector<std::string> result;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) result.push_back(line);
@@ -40,7 +40,7 @@ std::set<std::string> completed_by_bash(const std::vector<std::string>& words, c
   for (const auto& word : words) text += " '" + word + "'";
   text += ")\nCOMP_CWORD=" + std::to_string(words.size()) +
           "\n_partscribe\nif ((${#COMPREPLY[@]})); then printf '%s\\n' \"${COMPREPLY[@]}\"; fi\n";
-  const auto lines = lines_of(output_of({"bash", "-c", text}, folder));
+  const auto lines = said_lines(output_of({"bash", "-c", text}, folder));
   return {lines.begin(), lines.end()};
 }
 
