@@ -1,5 +1,5 @@
-# program.sh STAGE SOURCE: the installed program, moved once more and with the source out of its sight, turns an
-# installed scan into files and verifies them.
+# program.sh STAGE SOURCE: the installed program, moved once more and with the source out of its sight, writes the files
+# of an installed model and verifies them.
 stage=$1 source=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -9,9 +9,9 @@ apart="bwrap --dev-bind / / --tmpfs $source"
 $apart true 2>/dev/null || apart=
 partscribe() { $apart env -i PATH=/usr/bin:/bin bin/partscribe "$@"; }
 
-scan=share/doc/partscribe/examples/tie_bar/scan/scan.json
-partscribe fit "$scan" --name bar --procedure extrude --out part --quiet
-partscribe emit part/model.json --quiet
+example=share/doc/partscribe/examples/tie_bar
+scan=$example/scan/scan.json
+partscribe emit "$example/model.json" --out part --quiet
 for file in part.scad part.scl prelude.scl part.igs part.step; do
   [ -s "part/$file" ] || { echo "not written: $file"; exit 1; }
 done
