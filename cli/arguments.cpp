@@ -6,8 +6,13 @@
 #include <new>
 
 #include "cli/commands.h"
+#include "cli/completion.h"
+#include "cli/manual.h"
 #include "cli/suggest.h"
 #include "core/number.h"
+#include "core/process.h"
+#include "verify/evaluate/run_occt.h"
+#include "verify/evaluate/run_openscad.h"
 
 namespace partscribe::cli {
 namespace {
@@ -28,7 +33,8 @@ Examples
 constexpr const char* program_footer =
     R"(Exit codes: 0 verified, 1 out of tolerance, 2 usage, 3 input cannot be used, 4 a needed program is missing,
 5 cancelled or limit reached, 6 the scan cannot decide at this tolerance.
-'partscribe help COMMAND' explains a command.)";
+'partscribe help COMMAND' explains a command; 'partscribe help --man' prints all of it as a manual page,
+'partscribe help --completion bash|zsh|fish' what makes a shell complete its words.)";
 
 std::string range_text(double low, double high) {
   return "a number from " + print_number(low) + " to " + print_number(high);
@@ -142,15 +148,44 @@ int fail(const Error& error) {
   return static_cast<int>(error.kind);
 }
 
+/// The program and those that it uses, a line each.
+std::string versions(const std::string& own) {
+  Context context;
+  const auto openscad = openscad_version({}, context);
+  return "partscribe " + own + "\nOpenSCAD " +
+         (openscad ? *openscad + ", " + find_program("openscad").string() : "is missing: no script can be verified") +
+         "\nOpenCASCADE " + occt_version();
+}
+
+/// "help --man" and "help --completion SHELL": the exit code, or nothing if something else was asked for.
+std::optional<int> print_manual(const Manual& manual, const std::vector<std::string>& words) {
+  if (words.size() < 2 || words[0] != "help") return std::nullopt;
+  if (words[1] == "--man") {
+    std::fputs(manual_page(manual).c_str(), stdout);
+    return 0;
+  }
+  if (words[1] != "--completion") return std::nullopt;
+  const std::string shell = words.size() > 2 ? words[2] : "nothing";
+  const auto text = completion(manual, shell);
+  if (!text) return fail(text.error());
+  std::fputs(text->c_str(), stdout);
+  return 0;
+}
+
 }  // namespace
 
+std::string Arguments::noted(Declared declared) {
+  declared_.push_back(std::move(declared));
+  return wrapped(declared_.back().help);
+}
+
 void Arguments::flag(bool& target, const std::string& name, const std::string& help) {
-  app_.add_flag(name, target, wrapped(help));
+  app_.add_flag(name, target, noted({name, "", help, Declared::Takes::nothing}));
 }
 
 void Arguments::text(std::string& target, const std::string& name, const std::string& value_name,
                      const std::string& help) {
-  app_.add_option(name, target, wrapped(help))->type_name(value_name);
+  app_.add_option(name, target, noted({name, value_name, help, Declared::Takes::word}))->type_name(value_name);
 }
 
 void Arguments::choice(std::string& target, const std::string& name, const std::vector<std::string>& words,
@@ -164,7 +199,8 @@ void Arguments::choice(std::string& target, const std::string& name, const std::
 void Arguments::choice(std::string& target, const std::string& name, const std::string& value_name,
                        const std::vector<std::string>& words, const std::function<bool(const std::string&)>& known,
                        const std::string& help) {
-  app_.add_option(name, target, wrapped(help))->type_name(value_name)->check([words, known](const std::string& text) {
+  const auto shown = noted({name, value_name, help, Declared::Takes::word, words});
+  app_.add_option(name, target, shown)->type_name(value_name)->check([words, known](const std::string& text) {
     if (known(text) || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
     std::string all;
     for (const auto& word : words) all += (all.empty() ? "" : ", ") + word;
@@ -182,7 +218,7 @@ void Arguments::number(std::optional<double>& target, const std::string& name, c
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
             target = value;
           },
-          wrapped(help))
+          noted({name, value_name, help, Declared::Takes::word}))
       ->type_name(value_name);
 }
 
@@ -194,7 +230,7 @@ void Arguments::number(double& target, const std::string& name, const std::strin
             const auto complaint = parse_into(target, text, low, high);
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
           },
-          wrapped(help))
+          noted({name, value_name, help, Declared::Takes::word}))
       ->type_name(value_name);
 }
 
@@ -210,13 +246,14 @@ void Arguments::count(int& target, const std::string& name, const std::string& v
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
             target = static_cast<int>(value);
           },
-          wrapped(help))
+          noted({name, value_name, help, Declared::Takes::word}))
       ->type_name(value_name);
 }
 
 void Arguments::path(Path& target, const std::string& name, const std::string& value_name, const std::string& help) {
+  const auto takes = value_name == "DIR" ? Declared::Takes::folder : Declared::Takes::file;
   app_.add_option_function<std::string>(
-          name, [&target](const std::string& text) { target = text; }, wrapped(help))
+          name, [&target](const std::string& text) { target = text; }, noted({name, value_name, help, takes}))
       ->type_name(value_name);
 }
 
@@ -231,42 +268,47 @@ void Arguments::list(std::vector<std::string>& target, const std::string& name, 
               begin = end + 1;
             }
           },
-          wrapped(help))
+          noted({name, value_name, help, Declared::Takes::word}))
       ->type_name(value_name);
 }
 
 void Arguments::paths(std::vector<Path>& target, const std::string& name, const std::string& help) {
   app_.add_option_function<std::vector<std::string>>(
           name, [&target](const std::vector<std::string>& texts) { target.assign(texts.begin(), texts.end()); },
-          wrapped(help))
+          noted({name, "", help, Declared::Takes::file, {}, true}))
       ->type_name("")
       ->required();
 }
 
 void Arguments::operand(Path& target, const std::string& name, const std::string& help) {
   app_.add_option_function<std::string>(
-          name, [&target](const std::string& text) { target = text; }, wrapped(help))
+          name, [&target](const std::string& text) { target = text; }, noted({name, "", help, Declared::Takes::file}))
       ->type_name("")
       ->required();
 }
 
 int run_program(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version) {
   CLI::App app(program_help, "partscribe");
-  app.set_version_flag("--version", "partscribe " + version, "print the version");
+  app.set_version_flag(
+      "--version", [&] { return versions(version); }, "print its version, and those of the CAD programs that it uses");
   app.footer(program_footer);
   app.get_formatter()->column_width(28);
   SharedOptions shared;
+  Manual manual{version, program_help, program_footer, {}, {}};
   for (const auto& command : commands) {
     auto* sub = app.add_subcommand(command.name, command.summary);
-    Arguments arguments(*sub);
-    command.declare(arguments);
-    declare_shared(arguments, shared);
+    Arguments own(*sub), common(*sub);
+    command.declare(own);
+    declare_shared(common, shared);
+    manual.shared = common.declared();
+    manual.commands.push_back({command.name, command.summary, command.help, own.declared()});
   }
   try {
     if (argc <= 1) {
       std::fputs(app.help().c_str(), stdout);
       return 0;
     }
+    if (const auto printed = print_manual(manual, {argv + 1, argv + argc})) return *printed;
     auto words = words_of(argc, argv);
     std::string list;
     std::vector<std::string> names = {"help"};

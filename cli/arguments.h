@@ -14,6 +14,16 @@ class App;
 
 namespace partscribe::cli {
 
+/// An option ("--units") or operand ("scan") as it was declared: what help, manual page and completions say of it.
+struct Declared {
+  enum class Takes { nothing, word, file, folder };
+  std::string name, value_name, help;
+  Takes takes = Takes::word;
+  std::vector<std::string> words = {};  ///< that it may be given; empty: any
+  bool repeated = false;                ///< an operand of which there may be several
+  bool is_option() const { return name.starts_with('-'); }
+};
+
 /// Options and operands of one command; each declaration binds a variable that must outlive the parsing. Numbers are
 /// read by parse_number and must lie in the stated range.
 class Arguments {
@@ -45,8 +55,15 @@ class Arguments {
   /// A single required operand.
   void operand(Path& target, const std::string& name, const std::string& help);
 
+  /// All of them, in the order of their declaration.
+  const std::vector<Declared>& declared() const { return declared_; }
+
  private:
   CLI::App& app_;
+  std::vector<Declared> declared_;
+
+  /// Keeps it; the answer is its help as the parser wants it.
+  std::string noted(Declared declared);
 };
 
 }  // namespace partscribe::cli

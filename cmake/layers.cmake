@@ -1,6 +1,8 @@
 # One CMake library per folder: sources are the .cpp files of the folder and its rooms, headers are included from the root.
 # HOT names sources that are compiled at -O3.
 
+include(GNUInstallDirs)
+
 function(partscribe_library folder)
   cmake_parse_arguments(ARG "OCCT" "" "LINK;PRIVATE;HOT" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
@@ -29,7 +31,9 @@ function(partscribe_library folder)
     endif()
   endforeach()
   foreach(target IN LISTS targets)
-    target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+    target_include_directories(${target} PUBLIC
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/partscribe>)
+    target_compile_features(${target} PUBLIC cxx_std_20)
     target_link_libraries(${target} PUBLIC ${public} PRIVATE ${ARG_PRIVATE})
     cmake_language(EVAL CODE "cmake_language(DEFER CALL partscribe_unity ${target})")
   endforeach()

@@ -7,6 +7,7 @@
 #include <BinTools.hxx>
 #include <Standard_Failure.hxx>
 #include <Standard_OutOfMemory.hxx>
+#include <Standard_Version.hxx>
 #include <TopoDS_Shape.hxx>
 #include <algorithm>
 #include <charconv>
@@ -261,6 +262,8 @@ Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& option
 Result<Evaluation> evaluate_step(const Path& path, const EvaluateOptions& options, Context& context) {
   return evaluate_apart("step", path, options, context);
 }
+
+std::string occt_version() { return OCC_VERSION_COMPLETE; }
 
 std::optional<int> serve_as_reader(int count, const char* const* arguments) {
   if (count < 2 || std::strcmp(arguments[1], command) != 0) return std::nullopt;

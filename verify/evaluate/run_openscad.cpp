@@ -157,19 +157,22 @@ std::optional<Evaluation> run_near_origin(const Path& path, const Evaluation& fa
 
 }  // namespace
 
+Result<std::string> openscad_version(const EvaluateOptions& options, Context& context) {
+  const auto answer = run_process({"openscad", "--version"}, {30, options.memory_mb}, context);
+  if (!answer.ok()) return answer.error();
+  std::istringstream words(answer->err + " " + answer->out);  // "OpenSCAD version 2021.01", on standard error
+  for (std::string word; words >> word;)
+    if (word.find_first_of("0123456789") == 0) return word;
+  return std::string();
+}
+
 Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& options, Context& context) {
   Evaluation evaluation;
   evaluation.backend = "openscad";
   evaluation.program = "openscad";
-  const auto version = run_process({"openscad", "--version"}, {30, options.memory_mb}, context);
+  const auto version = openscad_version(options, context);
   if (!version.ok()) return version.error();
-  // "OpenSCAD version 2021.01", on standard error.
-  std::istringstream words(version->err + " " + version->out);
-  for (std::string word; words >> word;)
-    if (word.find_first_of("0123456789") == 0) {
-      evaluation.version = word;
-      break;
-    }
+  evaluation.version = *version;
 
   auto result =
       run_script(path, std::filesystem::absolute(path).parent_path(), std::move(evaluation), options, context);

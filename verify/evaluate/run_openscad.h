@@ -8,6 +8,9 @@ namespace partscribe::verify {
 /// Binary STL out, warnings are faults, and the result must bound a solid. Includes resolve beside the file.
 Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& options, Context& context);
 
+/// "2021.01". Errors: as run_process.
+Result<std::string> openscad_version(const EvaluateOptions& options, Context& context);
+
 /// How to draw the circles of a script with `sides` sides.
 std::string finer_openscad(int sides);
 

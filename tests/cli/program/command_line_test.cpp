@@ -45,6 +45,19 @@ TEST_CASE("command line: help and version succeed and speak to standard output")
   }
 }
 
+TEST_CASE("command line: the version names the CAD programs that will be used, and one that is missing") {
+  Context context;
+  const auto version = run_partscribe({"--version"}).out;
+  CHECK(version.find("\nOpenCASCADE 7.") != std::string::npos);
+  const auto bare =
+      run_process({"/usr/bin/env", "PATH=/nowhere", program().string(), "--version"}, {.seconds = 30}, context);
+  REQUIRE(bare.ok());
+  CHECK(bare->exit_code == 0);
+  CHECK(bare->out.find("\nOpenSCAD is missing: no script can be verified\n") != std::string::npos);
+  const Path openscad = find_program("openscad");
+  if (!openscad.empty()) CHECK(version.find(", " + openscad.string() + "\n") != std::string::npos);
+}
+
 TEST_CASE("command line: bad usage ends with 2 and one line that says what to do next") {
   const std::vector<std::vector<std::string>> bad = {
       {"buidl", "x.ply"},

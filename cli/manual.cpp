@@ -1,0 +1,67 @@
+#include "cli/manual.h"
+
+#include <sstream>
+
+namespace partscribe::cli {
+namespace {
+
+/// Text that man(7) prints as it is.
+std::string man_text(const std::string& text) {
+  std::string result;
+  if (text.starts_with('.') || text.starts_with('\'')) result = "\\&";
+  for (const char c : text) result += c == '\\' ? "\\e" : c == '-' ? "\\-" : std::string(1, c);
+  return result;
+}
+
+/// Paragraphs; lines that begin with two spaces stay as they are.
+std::string man_paragraphs(const std::string& text) {
+  std::string result;
+  std::istringstream lines(text);
+  bool example = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  ") != example) {
+      example = !example;
+      result += example ? ".PP\n.in +2n\n.nf\n" : ".fi\n.in\n";
+    }
+    result += line.empty() ? ".PP\n" : man_text(example ? line.substr(2) : line) + "\n";
+  }
+  return result + (example ? ".fi\n.in\n" : "");
+}
+
+std::string man_list(const std::vector<Declared>& declared) {
+  std::string result;
+  for (const auto& d : declared) {
+    result += ".TP\n";
+    result += d.is_option() ? "\\fB" + man_text(d.name) + "\\fR" : "\\fI" + man_text(d.name) + "\\fR";
+    if (!d.value_name.empty()) result += " \\fI" + man_text(d.value_name) + "\\fR";
+    result += "\n" + man_text(d.help) + "\n";
+  }
+  return result;
+}
+
+std::string operands_of(const CommandManual& command) {
+  std::string result;
+  for (const auto& d : command.own)
+    if (!d.is_option()) result += " \\fI" + man_text(d.name) + "\\fR" + (d.repeated ? " ..." : "");
+  return result;
+}
+
+}  // namespace
+
+std::string manual_page(const Manual& manual) {
+  const std::string first = manual.about.substr(0, manual.about.find(".\n"));
+  std::string page = ".\\\" Made by 'partscribe help --man'.\n.TH PARTSCRIBE 1 \"\" \"partscribe " + manual.version +
+                     "\" \"User Commands\"\n.nh\n.ad l\n.SH NAME\npartscribe \\- " +
+                     man_text(first.substr(first.find(' ') + 1)) + "\n.SH SYNOPSIS\n";
+  for (const auto& command : manual.commands)
+    page += "\\fBpartscribe " + man_text(command.name) + "\\fR [\\fIoptions\\fR]" + operands_of(command) + "\n.br\n";
+  page += "\\fBpartscribe help\\fR [\\fIcommand\\fR]\n.br\n\\fBpartscribe \\-\\-version\\fR\n.SH DESCRIPTION\n" +
+          man_paragraphs(manual.about) + ".SH OPTIONS OF EVERY COMMAND\n" + man_list(manual.shared);
+  page += ".TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR\nexplain the command\n";
+  for (const auto& command : manual.commands)
+    page += ".SH \"PARTSCRIBE " + man_text(command.name) + "\"\n" + man_text(command.summary) + "\n.PP\n" +
+            man_paragraphs(command.help) + man_list(command.own);
+  return page + ".SH EXIT STATUS AND HELP\n" + man_paragraphs(manual.ending) + ".SH SEE ALSO\n\\fBopenscad\\fR(1)\n";
+}
+
+}  // namespace partscribe::cli

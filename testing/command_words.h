@@ -1,0 +1,36 @@
+/// The words of the command line as help lists them, for tests of what else knows them.
+#pragma once
+
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "testing/program.h"
+
+namespace partscribe::testing {
+
+/// "build", "scan", ... in the order of help.
+inline std::vector<std::string> command_words() {
+  std::vector<std::string> words;
+  std::istringstream lines(run_partscribe({"help"}).out);
+  bool listed = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (listed && line.starts_with("  ") && line[2] != ' ') words.push_back(line.substr(2, line.find(' ', 2) - 2));
+    listed = (listed && !line.empty()) || line.starts_with("Subcommands:");
+  }
+  return words;
+}
+
+/// "--tolerance", ... : all options of a command.
+inline std::set<std::string> option_words(const std::string& command) {
+  std::set<std::string> words;
+  std::istringstream lines(run_partscribe({"help", command}).out);
+  for (std::string line; std::getline(lines, line);) {
+    const auto name = line.find(line.starts_with("  -h,") ? "--" : line.starts_with("  --") ? "--" : "\n");
+    if (name != std::string::npos) words.insert(line.substr(name, line.find_first_of(" ", name) - name));
+  }
+  return words;
+}
+
+}  // namespace partscribe::testing
