@@ -5,6 +5,7 @@
 
 #include "core/number.h"
 #include "fit/input/prepare.h"
+#include "geometry/mesh/mesh_distance.h"
 #include "geometry/surfaces/edge_curve.h"
 #include "testing/free_forms.h"
 #include "testing/meshes.h"
@@ -45,6 +46,24 @@ Meeting meeting_of(const std::vector<TrimmedSurface>& surfaces) {
   return result;
 }
 
+/// Each triangle cut into four, some times over.
+TriangleMesh in_quarters(TriangleMesh mesh, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    TriangleMesh next;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto first = static_cast<std::uint32_t>(next.vertices.size());
+      for (int k = 0; k < 3; ++k) next.vertices.push_back(mesh.corner(t, k));
+      for (int k = 0; k < 3; ++k) next.vertices.push_back(0.5 * (mesh.corner(t, k) + mesh.corner(t, (k + 1) % 3)));
+      next.triangles.push_back({first, first + 3, first + 5});
+      next.triangles.push_back({first + 3, first + 1, first + 4});
+      next.triangles.push_back({first + 5, first + 4, first + 2});
+      next.triangles.push_back({first + 3, first + 4, first + 5});
+    }
+    mesh = welded(next, 0);
+  }
+  return mesh;
+}
+
 }  // namespace
 
 TEST_CASE("spline charts: surfaces of a smooth lump meet within a fifth of the tolerance and some degrees") {
@@ -57,21 +76,7 @@ TEST_CASE("spline charts: surfaces of a smooth lump meet within a fifth of the t
 
 TEST_CASE("spline charts: a block becomes six planes that meet in its corners") {
   // Facets of 2 mm, so that charts may end anywhere.
-  const auto block = partscribe::testing::box({0, 0, 0}, {30, 20, 10});
-  TriangleMesh fine = block;
-  for (int round = 0; round < 3; ++round) {
-    TriangleMesh next;
-    for (std::size_t t = 0; t < fine.triangles.size(); ++t) {
-      const auto first = static_cast<std::uint32_t>(next.vertices.size());
-      for (int k = 0; k < 3; ++k) next.vertices.push_back(fine.corner(t, k));
-      for (int k = 0; k < 3; ++k) next.vertices.push_back(0.5 * (fine.corner(t, k) + fine.corner(t, (k + 1) % 3)));
-      next.triangles.push_back({first, first + 3, first + 5});
-      next.triangles.push_back({first + 3, first + 1, first + 4});
-      next.triangles.push_back({first + 5, first + 4, first + 2});
-      next.triangles.push_back({first + 3, first + 4, first + 5});
-    }
-    fine = welded(next, 0);
-  }
+  const auto fine = in_quarters(partscribe::testing::box({0, 0, 0}, {30, 20, 10}), 3);
   const auto surfaces = charts_over(fine, 0.1);
   REQUIRE(surfaces.size() == 6);
   for (const auto& s : surfaces) {
@@ -83,4 +88,26 @@ TEST_CASE("spline charts: a block becomes six planes that meet in its corners") 
   const auto triangles = triangulated(surfaces, 0.02);
   CHECK(topology(triangles.mesh).closed());
   CHECK(volume(triangles.mesh) == Approx(6000).epsilon(0.002));
+}
+
+TEST_CASE("spline charts: surfaces of a bent block with round edges lie near its mesh between its corners as well") {
+  TriangleMesh mesh = in_quarters(partscribe::testing::box({-1, -1, -1}, {1, 1, 1}), 5);
+  for (Vec3& p : mesh.vertices) {
+    p = Vec3(45, 25, 30).cwiseProduct(p) / std::pow(p.array().pow(6).sum(), 1.0 / 6);
+    p.x() += 3 * std::sin(p.z() / 12), p.y() += 2 * std::sin(p.x() / 17);
+  }
+  const double tolerance = 0.05;
+  const auto surfaces = charts_over(mesh, tolerance);
+  REQUIRE(!surfaces.empty());
+  CHECK(meeting_of(surfaces).gap < 0.4 * tolerance);
+  const auto triangles = triangulated(surfaces, tolerance / 4);
+  CHECK(topology(triangles.mesh).closed());
+  const MeshDistance distance(mesh);
+  double off = 0;
+  for (std::size_t t = 0; t < triangles.mesh.triangles.size(); ++t)
+    off = std::max(
+        off,
+        distance.closest((triangles.mesh.corner(t, 0) + triangles.mesh.corner(t, 1) + triangles.mesh.corner(t, 2)) / 3)
+            .distance);
+  CHECK(off < tolerance);
 }
