@@ -110,7 +110,7 @@ TEST_CASE("trimmed surface: two surfaces with the same border have no inner edge
   for (std::size_t k = 0; k < 2; ++k)
     for (const std::size_t inner : {5, 6, 9, 10}) cushion[k].surface.points[inner].z() += k == 0 ? 4 : -4;
   cushion[1] = turned_over(cushion[1]);
-  const auto made = triangulated(cushion, 0.5);
+  const auto made = triangulated(cushion, 4);
   const auto topo = topology(made.mesh);
   CHECK(topo.closed());
   CHECK(topo.components == 1);
