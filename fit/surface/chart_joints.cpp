@@ -37,7 +37,7 @@ struct Joint {
   std::vector<Vec3> places;           // where the edge is at these shares
   std::vector<Vec2> uv[2];            // the same on the left and on the right surface
   NurbsCurve<2> trim[2];              // both run as the left chart's border does
-  std::vector<Vec3> across[2];        // at the same shares, a little to either side
+  std::vector<Vec3> across[2];        // places a little to either side, where both surfaces show one
   std::vector<Vec2> across_uv[2][2];  // of these, on either surface
 };
 
