@@ -1,6 +1,8 @@
+#include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
@@ -11,6 +13,7 @@
 #include <TColgp_Array1OfPnt2d.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
@@ -21,6 +24,7 @@
 #include <tuple>
 
 #include "codegen/exchange/brep_shapes.h"
+#include "core/disjoint_sets.h"
 #include "geometry/surfaces/edge_curve.h"
 #include "model/surface_patches.h"
 
@@ -158,15 +162,31 @@ class EdgeMaker {
   std::map<int, TopoDS_Vertex> vertices_;
 };
 
+/// Of each surface the number of the connected piece that it belongs to, from 0.
+std::vector<std::size_t> pieces_of(std::span<const TrimmedSurface> surfaces) {
+  DisjointSets sets(surfaces.size());
+  std::map<int, std::uint32_t> first;  // surface of each edge
+  for (std::uint32_t f = 0; f < surfaces.size(); ++f)
+    for (const auto& loop : surfaces[f].loops)
+      for (const auto& trim : loop) sets.unite(first.try_emplace(trim.edge, f).first->second, f);
+  std::map<std::uint32_t, std::size_t> number;
+  std::vector<std::size_t> result;
+  for (std::uint32_t f = 0; f < surfaces.size(); ++f)
+    result.push_back(number.try_emplace(sets.root(f), number.size()).first->second);
+  return result;
+}
+
 }  // namespace
 
 TopoDS_Shape brep_of(const SurfaceSetOf<double>& s, double tolerance) {
   BRep_Builder builder;
-  TopoDS_Shell shell;
-  builder.MakeShell(shell);
   const auto surfaces = trimmed_surfaces(s.patches);
+  const auto piece = pieces_of(surfaces);
+  std::vector<TopoDS_Shell> shells;
+  std::vector<ClosedShell> closed;
   EdgeMaker edges(surfaces, tolerance);
-  for (const TrimmedSurface& trimmed : surfaces) {
+  for (std::size_t f = 0; f < surfaces.size(); ++f) {
+    const TrimmedSurface& trimmed = surfaces[f];
     const auto surface = occt_surface(trimmed.surface);
     TopoDS_Face face;
     builder.MakeFace(face, surface, 1e-7);
@@ -177,14 +197,25 @@ TopoDS_Shape brep_of(const SurfaceSetOf<double>& s, double tolerance) {
       wire.Closed(true);
       builder.Add(face, wire);
     }
-    builder.Add(shell, face);
+    if (piece[f] == shells.size()) builder.MakeShell(shells.emplace_back()), closed.emplace_back();
+    builder.Add(shells[piece[f]], face);
+    for (const Vec3& p : trimmed.surface.points) closed[piece[f]].bounds.add(p);
   }
-  shell.Closed(s.closed);
-  BRepLib::UpdateTolerances(shell);
-  if (!s.closed) return shell;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  for (std::size_t k = 0; k < shells.size(); ++k) {
+    shells[k].Closed(s.closed);
+    BRepLib::UpdateTolerances(shells[k]);
+    GProp_GProps inside;
+    if (s.closed) BRepGProp::VolumeProperties(shells[k], inside);
+    closed[k].shell = &shells[k], closed[k].volume = inside.Mass();
+    builder.Add(all, shells[k]);
+  }
+  if (s.closed && shells.size() > 1) return solids_of(closed);
+  if (!s.closed) return shells.size() == 1 ? TopoDS_Shape(shells[0]) : TopoDS_Shape(all);
   TopoDS_Solid solid;
   builder.MakeSolid(solid);
-  builder.Add(solid, shell);
+  if (!shells.empty()) builder.Add(solid, shells[0]);
   return solid;
 }
 

@@ -23,6 +23,13 @@ FitInput dense_input(const FitInput& input, Context& context) {
 }  // namespace
 
 std::optional<Fallback> free_form_of(const FitInput& input, Triangulator& triangulator, Context& context) {
+  // Followed more coarsely than this, a part has no form left.
+  const double coarsest = 0.1 * input.bounds.diagonal();
+  if (input.tolerance > coarsest) {
+    FitInput finer = input;
+    finer.tolerance = coarsest;
+    return free_form_of(finer, triangulator, context);
+  }
   // A mesh of planes and cylinders says more by its faces.
   if (triangulator.of_faces(input.tolerance)) return std::nullopt;
   const auto judged = [&](std::optional<Candidate> surfaces) -> std::optional<Fallback> {

@@ -159,6 +159,7 @@ class Patch {
       }
       if (last != nullptr && last != first) delaunay_.insert_constraint(last, first);
     }
+    if (delaunay_.dimension() < 2) return;  // a border without an inside
     // Where loops cross each other there are vertices that nobody asked for.
     for (const auto vertex : delaunay_.finite_vertex_handles()) {
       if (vertex->info().corner != no_corner) continue;

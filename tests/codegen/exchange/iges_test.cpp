@@ -88,3 +88,50 @@ TEST_CASE("iges: Gregory patches are NURBS there, and close the body that they a
     for (const int degree : degrees) CHECK(degree == 7);
   }
 }
+
+TEST_CASE("iges: surfaces that do not touch each other are there side by side") {
+  // Two faces of a cube that lie opposite each other, and two whole cubes.
+  const auto network = six_sided_network();
+  const auto patches = gregory_patches(network);
+  REQUIRE(patches.ok());
+  const auto faces = trimmed_faces(network, *patches);
+  const auto moved_off = [](TrimmedSurface face, int edges) {
+    for (Vec3& p : face.surface.points) p.x() += 60;
+    for (auto& loop : face.loops)
+      for (auto& trim : loop) trim.edge += edges;
+    return face;
+  };
+  for (const bool closed : {false, true}) {
+    SurfaceSet set;
+    set.closed = closed;
+    if (!closed) set.thickness = 1;
+    std::vector<TrimmedSurface> all = {faces[0], faces[1]};
+    if (closed) all = faces;
+    if (closed)
+      for (const auto& face : faces) all.push_back(moved_off(face, 100));
+    for (const auto& face : all)
+      set.patches.push_back(trimmed_patch(face, "face_" + std::to_string(set.patches.size())));
+    Model model;
+    model.name = "apart", model.tolerance = 0.1, model.as_scanned = false;
+    model.objects.push_back({closed ? "body" : "sheet", set, {}, {}, {}});
+    const auto right = checked(model, model.name);
+    INFO((right.ok() ? "" : right.error().message));
+    REQUIRE(right.ok());
+    for (const std::string backend : {"iges", "step"}) {
+      INFO(backend);
+      Context context;
+      const auto artifact = emit(*right, backend, {}, context);
+      INFO((artifact.ok() ? "" : artifact.error().message));
+      REQUIRE(artifact.ok());
+      TemporaryDirectory folder;
+      for (const auto& file : artifact->files) REQUIRE(write_file(folder.path() / file.name, file.bytes).ok());
+      const auto read =
+          partscribe::verify::evaluate_artifact(folder.path() / artifact->files[0].name, {model.tolerance}, context);
+      INFO((read.ok() ? "" : read.error().message));
+      REQUIRE(read.ok());
+      CHECK(topology(read->mesh).components == 2);
+      CHECK(area(read->mesh) == Approx(area(triangulated(all, 0.01).mesh)).epsilon(2e-3));
+      if (closed) CHECK(volume(read->mesh) == Approx(volume(triangulated(all, 0.01).mesh)).epsilon(2e-3));
+    }
+  }
+}

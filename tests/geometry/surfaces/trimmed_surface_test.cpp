@@ -94,6 +94,11 @@ TEST_CASE("trimmed surface: loops that cross or are no numbers give some triangl
   TrimmedSurface broken{saddle(), {rectangle({2, 3}, {38, 28}, {0, 1, 2, 3})}};
   broken.surface.points[5].x() = std::numeric_limits<double>::quiet_NaN();
   CHECK(triangulated(std::span(&broken, 1), 0.1).mesh.empty());
+  // A border that goes to and fro on one line, and one that stays in a place.
+  for (const Vec2& high : {Vec2(38, 3), Vec2(2, 3)}) {
+    const TrimmedSurface flat{saddle(), {rectangle({2, 3}, high, {0, 1, 2, 3})}};
+    CHECK(triangulated(std::span(&flat, 1), 0.1).mesh.empty());
+  }
 }
 
 TEST_CASE("trimmed surface: surfaces with common edges become one closed mesh") {
