@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/number.h"
+#include "fit/surface/curve_crossings.h"
 #include "fit/surface/curve_fit.h"
 
 namespace partscribe::fit {
@@ -59,6 +61,40 @@ std::vector<std::size_t> corners_of(const std::vector<Vec2>& places, double reac
   return result;
 }
 
+/// Takes the places between two shares of a polyline out of it, and one more at either end; its own ends stay.
+void cut_short(std::vector<Vec2>& piece, double from, double to) {
+  std::vector<double> along = {0};
+  for (std::size_t i = 1; i < piece.size(); ++i) along.push_back(along.back() + (piece[i] - piece[i - 1]).norm());
+  const auto after = [&](double share) {
+    return std::lower_bound(along.begin(), along.end(), share * along.back()) - along.begin();
+  };
+  const auto last = static_cast<std::ptrdiff_t>(piece.size()) - 1;
+  const std::ptrdiff_t first_out = std::max<std::ptrdiff_t>(after(from) - 1, 1),
+                       end_out = std::min(after(to) + 1, last);
+  if (first_out < end_out) piece.erase(piece.begin() + first_out, piece.begin() + end_out);
+}
+
+/// A zigzag of the places can make their curves cross, themselves or each other beside a corner: there the places are
+/// left out.
+void uncross(std::vector<std::vector<Vec2>>& pieces, std::vector<NurbsCurve<2>>& curves, double tolerance) {
+  for (int round = 0; round < 8; ++round) {
+    std::vector<const NurbsCurve<2>*> list;
+    for (const auto& curve : curves) list.push_back(&curve);
+    const auto crossings = crossings_of(list);
+    if (crossings.empty()) return;
+    std::set<std::size_t> changed;
+    for (const auto& [curve, share] : crossings) {
+      changed.insert(curve.begin(), curve.end());
+      if (curve[0] == curve[1] && std::abs(share[0] - share[1]) < 0.5)
+        cut_short(pieces[curve[0]], std::min(share[0], share[1]), std::max(share[0], share[1]));
+      else
+        for (std::size_t k = 0; k < 2; ++k)
+          share[k] < 0.5 ? cut_short(pieces[curve[k]], 0, share[k]) : cut_short(pieces[curve[k]], share[k], 1);
+    }
+    for (const auto c : changed) curves[c] = fitted_curve(pieces[c], tolerance);
+  }
+}
+
 }  // namespace
 
 std::vector<NurbsCurve<2>> border_curves(const std::vector<Vec2>& places, double tolerance) {
@@ -70,6 +106,7 @@ std::vector<NurbsCurve<2>> border_curves(const std::vector<Vec2>& places, double
     });
     corners = {static_cast<std::size_t>(lowest - places.begin())};
   }
+  std::vector<std::vector<Vec2>> pieces;
   std::vector<NurbsCurve<2>> result;
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const std::size_t from = corners[c], to = corners[(c + 1) % corners.size()];
@@ -81,7 +118,9 @@ std::vector<NurbsCurve<2>> border_curves(const std::vector<Vec2>& places, double
     // A line needs two ends: what is closed by itself is no line.
     if (corners.size() == 1 && piece.size() < 4) return {};
     result.push_back(fitted_curve(piece, tolerance));
+    pieces.push_back(std::move(piece));
   }
+  uncross(pieces, result, tolerance);
   return result;
 }
 

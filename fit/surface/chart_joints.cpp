@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/number.h"
+#include "fit/surface/curve_crossings.h"
 #include "fit/surface/curve_fit.h"
 #include "fit/surface/piece_fit.h"
 #include "geometry/surfaces/edge_curve.h"
@@ -362,62 +363,26 @@ class Joiner {
     }
   }
 
-  /// A piece of a chart's border between two places.
-  struct Stretch {
-    Vec2 from, to;
-    std::size_t joint;
-    double share;
-  };
-
-  std::vector<Stretch> stretches_of(int chart) const {
-    std::vector<Stretch> result;
-    for (std::size_t j = 0; j < joints_.size(); ++j)
-      for (int s = 0; s < 2; ++s) {
-        if (chart_of(joints_[j], s) != chart) continue;
-        const auto& curve = joints_[j].trim[s];
-        const int count = 20 * static_cast<int>(curve.t.breaks().size());
-        Vec2 last = curve.at(0);
-        for (int i = 1; i <= count; ++i) {
-          const Vec2 next = curve.at(double(i) / count);
-          result.push_back({last, next, j, (i - 0.5) / count});
-          last = next;
-        }
-      }
-    std::stable_sort(result.begin(), result.end(), [](const Stretch& a, const Stretch& b) {
-      return std::min(a.from.x(), a.to.x()) < std::min(b.from.x(), b.to.x());
-    });
-    return result;
-  }
-
-  static bool cross(const Stretch& a, const Stretch& b) {
-    const auto side = [](const Vec2& p, const Vec2& q, const Vec2& r) {
-      return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
-    };
-    return side(a.from, a.to, b.from) * side(a.from, a.to, b.to) < 0 &&
-           side(b.from, b.to, a.from) * side(b.from, b.to, a.to) < 0;
-  }
-
   /// Edges that leave a node in nearly the same direction may cross close to it, and one that turns sharply may cross
   /// itself: there they become straight.
   bool uncrossed() {
     for (int round = 0; round < 8 && !context_.cancelled; ++round) {
       std::map<std::size_t, std::vector<std::pair<double, double>>> straight;  // stretches of joints, in shares
       for (std::size_t c = 0; c < current_.size(); ++c) {
-        const auto list = stretches_of(int(c));
-        for (std::size_t i = 0; i < list.size(); ++i)
-          for (std::size_t k = i + 1; k < list.size() && std::min(list[k].from.x(), list[k].to.x()) <=
-                                                             std::max(list[i].from.x(), list[i].to.x());
-               ++k) {
-            const Stretch &a = list[i], &b = list[k];
-            if (!cross(a, b)) continue;
-            if (a.joint == b.joint && std::abs(a.share - b.share) < 0.5) {
-              straight[a.joint].emplace_back(std::min(a.share, b.share), std::max(a.share, b.share));
-            } else {
-              for (const Stretch* s : {&a, &b})
-                straight[s->joint].emplace_back(s->share < by_node ? 0 : s->share,
-                                                s->share > 1 - by_node ? 1 : s->share);
-            }
+        std::vector<const NurbsCurve<2>*> curves;
+        std::vector<std::size_t> joints;
+        for (std::size_t j = 0; j < joints_.size(); ++j)
+          for (int s = 0; s < 2; ++s)
+            if (chart_of(joints_[j], s) == int(c)) curves.push_back(&joints_[j].trim[s]), joints.push_back(j);
+        for (const auto& [curve, share] : crossings_of(curves)) {
+          const std::size_t ends[2] = {joints[curve[0]], joints[curve[1]]};
+          if (ends[0] == ends[1] && std::abs(share[0] - share[1]) < 0.5) {
+            straight[ends[0]].emplace_back(std::min(share[0], share[1]), std::max(share[0], share[1]));
+          } else {
+            for (std::size_t k = 0; k < 2; ++k)
+              straight[ends[k]].emplace_back(share[k] < by_node ? 0 : share[k], share[k] > 1 - by_node ? 1 : share[k]);
           }
+        }
       }
       if (straight.empty()) return true;
       for (const auto& [joint, stretches] : straight) {

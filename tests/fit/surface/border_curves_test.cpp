@@ -5,6 +5,7 @@
 
 #include "core/number.h"
 #include "core/random.h"
+#include "fit/surface/curve_crossings.h"
 
 using namespace partscribe::core;
 using namespace partscribe::geometry;
@@ -112,4 +113,23 @@ TEST_CASE("border curves: held in a box, a curve stays where it is while its con
   for (int i = 0; i <= 1000; ++i) right = std::max(right, cut.at(i / 1000.0).x());
   CHECK(right == Approx(8).margin(0.02));
   CHECK(right < 8 + 1e-9);
+}
+
+TEST_CASE("border curves: none of an outline that goes to and fro crosses another or itself") {
+  for (const double amplitude : {0.4, 0.8, 1.2}) {
+    Random random(7);
+    std::vector<Vec2> places;
+    for (int i = 0; i < 240; ++i) {
+      const double a = 2 * pi * i / 240, off = amplitude * (random.uniform() - 0.5),
+                   along = amplitude * (random.uniform() - 0.5);
+      places.emplace_back((30 + off) * std::cos(a) - along * std::sin(a),
+                          (20 + off) * std::sin(a) + along * std::cos(a));
+    }
+    const auto curves = border_curves(places, 0.1);
+    closes(curves);
+    std::vector<const NurbsCurve<2>*> list;
+    for (const auto& curve : curves) list.push_back(&curve);
+    CHECK(crossings_of(list).empty());
+    CHECK(farthest(places, curves) < 0.1 + amplitude);
+  }
 }
