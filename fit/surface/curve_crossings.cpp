@@ -11,7 +11,7 @@ struct Stretch {
   double share;
 };
 
-bool cross(const Stretch& a, const Stretch& b) {
+bool stretches_cross(const Stretch& a, const Stretch& b) {
   const auto side = [](const Vec2& p, const Vec2& q, const Vec2& r) {
     return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
   };
@@ -42,7 +42,7 @@ std::vector<CurveCrossing> crossings_of(std::span<const NurbsCurve<2>* const> cu
          k < list.size() && std::min(list[k].from.x(), list[k].to.x()) <= std::max(list[i].from.x(), list[i].to.x());
          ++k) {
       const Stretch &a = list[i], &b = list[k];
-      if (cross(a, b)) result.push_back({{a.curve, b.curve}, {a.share, b.share}});
+      if (stretches_cross(a, b)) result.push_back({{a.curve, b.curve}, {a.share, b.share}});
     }
   return result;
 }

@@ -7,12 +7,13 @@ using namespace partscribe::fit;
 
 namespace {
 
-NurbsCurve<2> straight(const Vec2& a, const Vec2& b, double high) { return {clamped(1, {0, high}), {a, b}, {}}; }
+NurbsCurve<2> straight_line(const Vec2& a, const Vec2& b, double high) { return {clamped(1, {0, high}), {a, b}, {}}; }
 
 }  // namespace
 
 TEST_CASE("curve crossings: two lines cross at the shares where they do, whatever their domains") {
-  const auto a = straight({0, 0}, {10, 0}, 1), b = straight({2.03, -1.01}, {2.03, 3}, 8), c = straight({0, 5}, {10, 5}, 1);
+  const auto a = straight_line({0, 0}, {10, 0}, 1), b = straight_line({2.03, -1.01}, {2.03, 3}, 8),
+             c = straight_line({0, 5}, {10, 5}, 1);
   const NurbsCurve<2>* const list[] = {&a, &b, &c};
   const auto found = crossings_of(list);
   REQUIRE(found.size() == 1);
@@ -23,7 +24,7 @@ TEST_CASE("curve crossings: two lines cross at the shares where they do, whateve
 }
 
 TEST_CASE("curve crossings: ends that meet do not cross, a loop crosses itself") {
-  const auto a = straight({0, 0}, {10, 0}, 1), b = straight({10, 0}, {10, 10}, 1);
+  const auto a = straight_line({0, 0}, {10, 0}, 1), b = straight_line({10, 0}, {10, 10}, 1);
   const NurbsCurve<2>* const corner[] = {&a, &b};
   CHECK(crossings_of(corner).empty());
   const NurbsCurve<2> loop{clamped(3, {0, 1}), {{0, 0}, {12, 8}, {-2, 8}, {10, 0}}, {}};
