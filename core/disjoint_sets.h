@@ -40,6 +40,14 @@ class DisjointSets {
     return true;
   }
 
+  /// Of each member the number of its set, which are counted in the order of their least members.
+  std::vector<std::uint32_t> numbers() {
+    std::vector<std::uint32_t> result(parent_.size());
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < result.size(); ++i) result[i] = root(i) == i ? count++ : result[root(i)];
+    return result;
+  }
+
   /// How many are in the set of `i`.
   std::uint32_t size(std::uint32_t i) { return size_[root(i)]; }
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "testing/damage/file_damage.h"
 #include "testing/program.h"
 
 namespace partscribe::testing {
@@ -13,9 +13,8 @@ namespace partscribe::testing {
 /// "build", "scan", ... in the order of help.
 inline std::vector<std::string> command_words() {
   std::vector<std::string> words;
-  std::istringstream lines(run_partscribe({"help"}).out);
   bool listed = false;
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : lines_of(run_partscribe({"help"}).out)) {
     if (listed && line.starts_with("  ") && line[2] != ' ') words.push_back(line.substr(2, line.find(' ', 2) - 2));
     listed = (listed && !line.empty()) || line.starts_with("Subcommands:");
   }
@@ -25,8 +24,7 @@ inline std::vector<std::string> command_words() {
 /// "--tolerance", ... : all options of a command.
 inline std::set<std::string> option_words(const std::string& command) {
   std::set<std::string> words;
-  std::istringstream lines(run_partscribe({"help", command}).out);
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : lines_of(run_partscribe({"help", command}).out)) {
     const auto name = line.find(line.starts_with("  -h,") ? "--" : line.starts_with("  --") ? "--" : "\n");
     if (name != std::string::npos) words.insert(line.substr(name, line.find_first_of(" ", name) - name));
   }

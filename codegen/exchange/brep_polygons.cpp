@@ -39,7 +39,7 @@ struct Piece {
 };
 
 /// For each polygon the number of its connected piece, counted in order of first appearance.
-std::vector<int> pieces_of(const std::vector<Polygon>& polygons) {
+std::vector<std::uint32_t> pieces_of(const std::vector<Polygon>& polygons) {
   DisjointSets pieces(polygons.size());
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> first;
   for (std::uint32_t i = 0; i < polygons.size(); ++i) {
@@ -49,12 +49,7 @@ std::vector<int> pieces_of(const std::vector<Polygon>& polygons) {
       if (!fresh) pieces.unite(i, known->second);
     }
   }
-  std::map<std::uint32_t, int> number;
-  std::vector<int> result(polygons.size());
-  for (std::uint32_t i = 0; i < polygons.size(); ++i) {
-    result[i] = number.insert({pieces.root(i), static_cast<int>(number.size())}).first->second;
-  }
-  return result;
+  return pieces.numbers();
 }
 
 }  // namespace
@@ -66,7 +61,7 @@ TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices, const std::vect
     builder.MakeVertex(corners[i], gp_Pnt(vertices[i].x(), vertices[i].y(), vertices[i].z()), 1e-7);
   }
   std::map<std::pair<std::uint32_t, std::uint32_t>, TopoDS_Edge> edges;
-  const std::vector<int> piece_of = pieces_of(polygons);
+  const std::vector<std::uint32_t> piece_of = pieces_of(polygons);
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < polygons.size(); ++i) {
     const Polygon& polygon = polygons[i];
@@ -91,7 +86,7 @@ TopoDS_Shape brep_of_polygons(const std::vector<Vec3>& vertices, const std::vect
     builder.MakeFace(face, new Geom_Plane(gp_Pnt(p.x(), p.y(), p.z()), gp_Dir(normal.x(), normal.y(), normal.z())),
                      1e-7);
     builder.Add(face, wire);
-    const auto number = static_cast<std::size_t>(piece_of[i]);
+    const std::size_t number = piece_of[i];
     if (number == pieces.size()) {
       pieces.emplace_back();
       builder.MakeShell(pieces.back().shell);

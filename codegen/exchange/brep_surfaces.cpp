@@ -163,17 +163,13 @@ class EdgeMaker {
 };
 
 /// Of each surface the number of the connected piece that it belongs to, from 0.
-std::vector<std::size_t> pieces_of(std::span<const TrimmedSurface> surfaces) {
+std::vector<std::uint32_t> pieces_of(std::span<const TrimmedSurface> surfaces) {
   DisjointSets sets(surfaces.size());
   std::map<int, std::uint32_t> first;  // surface of each edge
   for (std::uint32_t f = 0; f < surfaces.size(); ++f)
     for (const auto& loop : surfaces[f].loops)
       for (const auto& trim : loop) sets.unite(first.try_emplace(trim.edge, f).first->second, f);
-  std::map<std::uint32_t, std::size_t> number;
-  std::vector<std::size_t> result;
-  for (std::uint32_t f = 0; f < surfaces.size(); ++f)
-    result.push_back(number.try_emplace(sets.root(f), number.size()).first->second);
-  return result;
+  return sets.numbers();
 }
 
 }  // namespace
@@ -183,7 +179,6 @@ TopoDS_Shape brep_of(const SurfaceSetOf<double>& s, double tolerance) {
   const auto surfaces = trimmed_surfaces(s.patches);
   const auto piece = pieces_of(surfaces);
   std::vector<TopoDS_Shell> shells;
-  std::vector<ClosedShell> closed;
   EdgeMaker edges(surfaces, tolerance);
   for (std::size_t f = 0; f < surfaces.size(); ++f) {
     const TrimmedSurface& trimmed = surfaces[f];
@@ -197,26 +192,32 @@ TopoDS_Shape brep_of(const SurfaceSetOf<double>& s, double tolerance) {
       wire.Closed(true);
       builder.Add(face, wire);
     }
-    if (piece[f] == shells.size()) builder.MakeShell(shells.emplace_back()), closed.emplace_back();
+    if (piece[f] == shells.size()) builder.MakeShell(shells.emplace_back());
     builder.Add(shells[piece[f]], face);
-    for (const Vec3& p : trimmed.surface.points) closed[piece[f]].bounds.add(p);
   }
-  TopoDS_Compound all;
-  builder.MakeCompound(all);
-  for (std::size_t k = 0; k < shells.size(); ++k) {
-    shells[k].Closed(s.closed);
-    BRepLib::UpdateTolerances(shells[k]);
+  for (TopoDS_Shell& shell : shells) shell.Closed(s.closed), BRepLib::UpdateTolerances(shell);
+  if (!s.closed && shells.size() == 1) return shells[0];
+  if (!s.closed) {
+    TopoDS_Compound all;
+    builder.MakeCompound(all);
+    for (const TopoDS_Shell& shell : shells) builder.Add(all, shell);
+    return all;
+  }
+  if (shells.size() == 1) {
+    TopoDS_Solid solid;
+    builder.MakeSolid(solid);
+    builder.Add(solid, shells[0]);
+    return solid;
+  }
+  std::vector<ClosedShell> closed;
+  for (const TopoDS_Shell& shell : shells) {
     GProp_GProps inside;
-    if (s.closed) BRepGProp::VolumeProperties(shells[k], inside);
-    closed[k].shell = &shells[k], closed[k].volume = inside.Mass();
-    builder.Add(all, shells[k]);
+    BRepGProp::VolumeProperties(shell, inside);
+    closed.push_back({&shell, inside.Mass(), {}});
   }
-  if (s.closed && shells.size() > 1) return solids_of(closed);
-  if (!s.closed) return shells.size() == 1 ? TopoDS_Shape(shells[0]) : TopoDS_Shape(all);
-  TopoDS_Solid solid;
-  builder.MakeSolid(solid);
-  if (!shells.empty()) builder.Add(solid, shells[0]);
-  return solid;
+  for (std::size_t f = 0; f < surfaces.size(); ++f)
+    for (const Vec3& p : surfaces[f].surface.points) closed[piece[f]].bounds.add(p);
+  return solids_of(closed);
 }
 
 }  // namespace partscribe::codegen

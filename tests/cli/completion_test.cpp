@@ -3,9 +3,9 @@
 
 #include <catch2/catch.hpp>
 #include <regex>
-#include <sstream>
 
 #include "testing/command_words.h"
+#include "testing/damage/file_damage.h"
 #include "testing/program.h"
 
 namespace partscribe::testing {
@@ -27,20 +27,13 @@ std::string output_of(const std::vector<std::string>& arguments, const Path& fol
   return output->out;
 }
 
-std::vector<std::string> said_lines(const std::string& text) {
-  std::vector<std::string> result;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) result.push_back(line);
-  return result;
-}
-
 /// What bash offers for the last of these words.
 std::set<std::string> completed_by_bash(const std::vector<std::string>& words, const Path& folder = {}) {
   std::string text = "compopt() { :; }\n" + script_for("bash") + "COMP_WORDS=(partscribe";
   for (const auto& word : words) text += " '" + word + "'";
   text += ")\nCOMP_CWORD=" + std::to_string(words.size()) +
           "\n_partscribe\nif ((${#COMPREPLY[@]})); then printf '%s\\n' \"${COMPREPLY[@]}\"; fi\n";
-  const auto lines = said_lines(output_of({"bash", "-c", text}, folder));
+  const auto lines = lines_of(output_of({"bash", "-c", text}, folder));
   return {lines.begin(), lines.end()};
 }
 

@@ -42,3 +42,10 @@ TEST_CASE("disjoint sets: random unions agree with labels that are painted over"
     CHECK(sets.size(i) == std::count(label.begin(), label.end(), label[i]));
   }
 }
+
+TEST_CASE("disjoint sets: numbers count the sets in the order of their least members") {
+  DisjointSets sets(6);
+  sets.unite(5, 1), sets.unite(4, 3);
+  CHECK(sets.numbers() == std::vector<std::uint32_t>{0, 1, 2, 3, 3, 1});
+  CHECK(DisjointSets().numbers().empty());
+}

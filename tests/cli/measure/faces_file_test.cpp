@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "testing/damage/file_damage.h"
 #include "testing/json_schema.h"
 #include "testing/measured.h"
 #include "testing/places.h"
@@ -18,13 +19,6 @@ using Json = nlohmann::json;
 std::string fault(const Json& faces) {
   static const JsonSchema schema(source_file("docs/faces.schema.json"));
   return schema.fault(faces, JsonSchema::Keys::named);
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size(); begin = text.find('\n', begin) + 1)
-    lines.push_back(text.substr(begin, text.find('\n', begin) - begin));
-  return lines;
 }
 
 /// Cells outside quotes.
