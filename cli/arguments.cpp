@@ -94,6 +94,8 @@ void declare_shared(Arguments& arguments, SharedOptions& options) {
                   "processors to use; never changes a result (default 0: all)");
   arguments.flag(options.quiet, "--quiet", "print warnings and errors only");
   arguments.flag(options.json, "--json", "print the result as JSON on standard output and nothing else there");
+  arguments.flag(options.progress, "--progress",
+                 "say each step as a line of JSON on standard error, for programs that show it");
   arguments.path(options.log, "--log", "FILE", "append what happened, with times, to this file");
 }
 
@@ -158,13 +160,17 @@ std::string versions(const std::string& own) {
 }
 
 /// "help --man" and "help --completion SHELL": the exit code, or nothing if something else was asked for.
-std::optional<int> print_manual(const Manual& manual, const std::vector<std::string>& words) {
-  if (words.size() < 2 || words[0] != "help") return std::nullopt;
+std::optional<int> print_manual(const std::vector<Command>& commands, const std::string& version,
+                                const std::vector<std::string>& words) {
+  if (words.size() < 2 || words[0] != "help" || (words[1] != "--man" && words[1] != "--completion"))
+    return std::nullopt;
+  Manual manual{version, program_help, program_footer, shared_options(), {}};
+  for (const auto& command : commands)
+    manual.commands.push_back({command.name, command.summary, command.help, declared_by(command)});
   if (words[1] == "--man") {
     std::fputs(manual_page(manual).c_str(), stdout);
     return 0;
   }
-  if (words[1] != "--completion") return std::nullopt;
   const std::string shell = words.size() > 2 ? words[2] : "nothing";
   const auto text = completion(manual, shell);
   if (!text) return fail(text.error());
@@ -192,16 +198,17 @@ void Arguments::choice(std::string& target, const std::string& name, const std::
                        const std::string& help) {
   std::string all;
   for (const auto& word : words) all += (all.empty() ? "" : "|") + word;
-  choice(
-      target, name, all, words, [](const std::string&) { return false; }, help);
+  choice(target, name, all, words, {}, help);
 }
 
 void Arguments::choice(std::string& target, const std::string& name, const std::string& value_name,
                        const std::vector<std::string>& words, const std::function<bool(const std::string&)>& known,
                        const std::string& help) {
-  const auto shown = noted({name, value_name, help, Declared::Takes::word, words});
+  Declared declared{name, value_name, help, Declared::Takes::word, words};
+  declared.other_words = static_cast<bool>(known);
+  const auto shown = noted(std::move(declared));
   app_.add_option(name, target, shown)->type_name(value_name)->check([words, known](const std::string& text) {
-    if (known(text) || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+    if ((known && known(text)) || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
     std::string all;
     for (const auto& word : words) all += (all.empty() ? "" : ", ") + word;
     return "expected one of " + all + ", found '" + text + "'" + did_you_mean(text, words);
@@ -218,7 +225,7 @@ void Arguments::number(std::optional<double>& target, const std::string& name, c
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
             target = value;
           },
-          noted({name, value_name, help, Declared::Takes::word}))
+          noted({name, value_name, help, Declared::Takes::number, {}, false, low, high}))
       ->type_name(value_name);
 }
 
@@ -230,7 +237,7 @@ void Arguments::number(double& target, const std::string& name, const std::strin
             const auto complaint = parse_into(target, text, low, high);
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
           },
-          noted({name, value_name, help, Declared::Takes::word}))
+          noted({name, value_name, help, Declared::Takes::number, {}, false, low, high}))
       ->type_name(value_name);
 }
 
@@ -246,14 +253,24 @@ void Arguments::count(int& target, const std::string& name, const std::string& v
             if (!complaint.empty()) throw CLI::ValidationError(name, complaint);
             target = static_cast<int>(value);
           },
-          noted({name, value_name, help, Declared::Takes::word}))
+          noted({name,
+                 value_name,
+                 help,
+                 Declared::Takes::count,
+                 {},
+                 false,
+                 static_cast<double>(low),
+                 static_cast<double>(high)}))
       ->type_name(value_name);
 }
 
-void Arguments::path(Path& target, const std::string& name, const std::string& value_name, const std::string& help) {
-  const auto takes = value_name == "DIR" ? Declared::Takes::folder : Declared::Takes::file;
+void Arguments::path(Path& target, const std::string& name, const std::string& value_name, const std::string& help,
+                     const std::string& letter) {
+  Declared declared{name, value_name, help, value_name == "DIR" ? Declared::Takes::folder : Declared::Takes::file};
+  declared.letter = letter;
   app_.add_option_function<std::string>(
-          name, [&target](const std::string& text) { target = text; }, noted({name, value_name, help, takes}))
+          letter.empty() ? name : letter + "," + name, [&target](const std::string& text) { target = text; },
+          noted(std::move(declared)))
       ->type_name(value_name);
 }
 
@@ -268,7 +285,7 @@ void Arguments::list(std::vector<std::string>& target, const std::string& name, 
               begin = end + 1;
             }
           },
-          noted({name, value_name, help, Declared::Takes::word}))
+          noted({name, value_name, help, Declared::Takes::list}))
       ->type_name(value_name);
 }
 
@@ -287,6 +304,21 @@ void Arguments::operand(Path& target, const std::string& name, const std::string
       ->required();
 }
 
+std::vector<Declared> declared_by(const Command& command) {
+  CLI::App app;
+  Arguments arguments(app);
+  command.declare(arguments);
+  return arguments.declared();
+}
+
+std::vector<Declared> shared_options() {
+  CLI::App app;
+  Arguments arguments(app);
+  SharedOptions options;
+  declare_shared(arguments, options);
+  return arguments.declared();
+}
+
 int run_program(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version) {
   CLI::App app(program_help, "partscribe");
   app.set_version_flag(
@@ -294,21 +326,17 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
   app.footer(program_footer);
   app.get_formatter()->column_width(28);
   SharedOptions shared;
-  Manual manual{version, program_help, program_footer, {}, {}};
   for (const auto& command : commands) {
-    auto* sub = app.add_subcommand(command.name, command.summary);
-    Arguments own(*sub), common(*sub);
-    command.declare(own);
-    declare_shared(common, shared);
-    manual.shared = common.declared();
-    manual.commands.push_back({command.name, command.summary, command.help, own.declared()});
+    Arguments arguments(*app.add_subcommand(command.name, command.summary));
+    command.declare(arguments);
+    declare_shared(arguments, shared);
   }
   try {
     if (argc <= 1) {
       std::fputs(app.help().c_str(), stdout);
       return 0;
     }
-    if (const auto printed = print_manual(manual, {argv + 1, argv + argc})) return *printed;
+    if (const auto printed = print_manual(commands, version, {argv + 1, argv + argc})) return *printed;
     auto words = words_of(argc, argv);
     std::string list;
     std::vector<std::string> names = {"help"};

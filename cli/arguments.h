@@ -16,12 +16,16 @@ namespace partscribe::cli {
 
 /// An option ("--units") or operand ("scan") as it was declared: what help, manual page and completions say of it.
 struct Declared {
-  enum class Takes { nothing, word, file, folder };
+  enum class Takes { nothing, word, list, number, count, file, folder };  // list: words between commas
   std::string name, value_name, help;
   Takes takes = Takes::word;
   std::vector<std::string> words = {};  ///< that it may be given; empty: any
   bool repeated = false;                ///< an operand of which there may be several
+  double low = 0, high = 0;             ///< of numbers and counts
+  std::string letter = {};              ///< "-o", which means the same; empty: none
+  bool other_words = false;             ///< it takes others than `words` as well
   bool is_option() const { return name.starts_with('-'); }
+  bool takes_words() const { return takes != Takes::nothing && takes != Takes::file && takes != Takes::folder; }
 };
 
 /// Options and operands of one command; each declaration binds a variable that must outlive the parsing. Numbers are
@@ -46,7 +50,9 @@ class Arguments {
               const std::string& help);
   void count(int& target, const std::string& name, const std::string& value_name, int low, int high,
              const std::string& help);
-  void path(Path& target, const std::string& name, const std::string& value_name, const std::string& help);
+  /// `letter`: a short name beside it ("-o").
+  void path(Path& target, const std::string& name, const std::string& value_name, const std::string& help,
+            const std::string& letter = {});
   /// Comma-separated words.
   void list(std::vector<std::string>& target, const std::string& name, const std::string& value_name,
             const std::string& help);

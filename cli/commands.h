@@ -26,12 +26,18 @@ Command fit_command();
 Command emit_command();
 Command verify_command();
 Command report_command();
+Command render_command();
 Command explain_command();
 Command measure_command();
 Command analyse_command();
 Command simulate_command();
 Command views_command();
 Command paper_command();
+Command mcp_command();
+
+/// A command's own options and operands, and those that all commands share.
+std::vector<Declared> declared_by(const Command& command);
+std::vector<Declared> shared_options();
 
 /// Parses, runs one command and returns the exit code. Prints nothing but what the commands print and one line
 /// `partscribe: ...` on standard error for an error.

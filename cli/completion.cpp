@@ -51,7 +51,7 @@ std::string bash_values(const std::string& command, const std::vector<Declared>&
     result += "    " + command + "\\ " + d.name + ") ";
     if (d.takes == Declared::Takes::file) result += "takes=files ;;\n";
     if (d.takes == Declared::Takes::folder) result += "takes=folders ;;\n";
-    if (d.takes == Declared::Takes::word) result += "takes=words words='" + spaced(d.words) + "' ;;\n";
+    if (d.takes_words()) result += "takes=words words='" + spaced(d.words) + "' ;;\n";
   }
   return result;
 }
@@ -161,7 +161,7 @@ std::string fish_list(const std::vector<Declared>& declared, const std::string& 
     result += "complete -c partscribe -n '" + condition + "' -l " + d.name.substr(2);
     if (d.takes == Declared::Takes::file) result += " -r -F";
     if (d.takes == Declared::Takes::folder) result += " -x -a '(__fish_complete_directories)'";
-    if (d.takes == Declared::Takes::word) result += d.words.empty() ? " -x" : " -x -a '" + spaced(d.words) + "'";
+    if (d.takes_words()) result += d.words.empty() ? " -x" : " -x -a '" + spaced(d.words) + "'";
     result += " -d '" + with_backslashes(d.help, "\\'") + "'\n";
   }
   return result;

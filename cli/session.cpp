@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "core/number.h"
@@ -177,10 +178,21 @@ void Session::note(const std::string& line) {
   std::fprintf(stderr, "%s\n", line.c_str());
 }
 
+/// A line of JSON whenever a step begins, and from then on at most ten a second.
+void Session::tell_progress(const std::string& title, double share) {
+  if (title == shown_ && seconds_since(last_drawn_) < 0.1) return;
+  shown_ = title;
+  last_drawn_ = std::chrono::steady_clock::now();
+  std::fprintf(stderr, "{\"step\": %s, \"share\": %s, \"seconds\": %s}\n", nlohmann::json(title).dump().c_str(),
+               print_number(snapped(std::clamp(share, 0.0, 1.0), 0.001)).c_str(),
+               in_tenths(seconds_since(begin_)).c_str());
+}
+
 void Session::show_progress(const std::string& name, double share) {
-  if (options.quiet) return;
+  if (options.quiet && !options.progress) return;
   const std::lock_guard lock(mutex_);
   const std::string title = stage_.empty() || name == stage_ ? name : stage_ + ": " + name;
+  if (options.progress) return tell_progress(title, share);
   if (!terminal_) {
     // One plain line per stage: a log file or a build server wants no bar.
     if (title == shown_ || options.json) return;

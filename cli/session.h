@@ -26,6 +26,7 @@ struct SharedOptions {
   int threads = 0;  ///< 0: all processors
   bool quiet = false;
   bool json = false;
+  bool progress = false;  ///< as lines of JSON on standard error
   Path log;
 };
 
@@ -58,6 +59,7 @@ class Session {
 
  private:
   void show_progress(const std::string& stage, double share);
+  void tell_progress(const std::string& title, double share);
   void clear_bar();
   void end_when_cancelled();
   void log_line(const std::string& line);

@@ -85,22 +85,22 @@ const std::string& no_confinement() {
 }
 
 Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, const ProcessLimits& limits,
-                                   const Confinement& confinement, Context& context) {
+                                   const Confinement& confinement, Context& context, const LineListener& listener) {
   std::error_code replaced;  // a program that was replaced while it runs has no path any more
   const Path found = find_program(arguments[0]), program = std::filesystem::canonical(found, replaced);
   const std::string reason = !no_confinement().empty() ? no_confinement() : replaced ? "its file was replaced" : "";
   if (found.empty() || !reason.empty()) {
     if (!found.empty()) context.say(arguments[0] + " runs with access to all files and the network, because " + reason);
-    return with_room(
-        run_process(arguments, limits, context, confinement.writable.empty() ? Path() : confinement.writable.front()),
-        arguments[0], confinement);
+    return with_room(run_process(arguments, limits, context,
+                                 confinement.writable.empty() ? Path() : confinement.writable.front(), listener),
+                     arguments[0], confinement);
   }
   Confinement shown = confinement;
   shown.readable.push_back(program);
   std::vector<std::string> command = shell_of(shown);
   command.insert(command.end(), {"--", program.string()});
   command.insert(command.end(), arguments.begin() + 1, arguments.end());
-  return with_room(run_process(command, limits, context), arguments[0], confinement);
+  return with_room(run_process(command, limits, context, {}, listener), arguments[0], confinement);
 }
 
 }  // namespace partscribe::core

@@ -24,7 +24,6 @@
 namespace partscribe::core {
 namespace {
 
-constexpr std::size_t kept_output = 1 << 20;
 constexpr double patience = 0.5;  // seconds for output that is still on its way when a program has ended
 
 /// Variables that a program needs to find its files, and what tells a sanitizer how to speak.
@@ -60,10 +59,29 @@ void limit(int resource, double most) {
   ::setrlimit(static_cast<__rlimit_resource>(resource), &both);
 }
 
-void append_tail(std::string& text, const char* bytes, std::size_t count) {
-  text.append(bytes, count);
-  if (text.size() > 2 * kept_output) text.erase(0, text.size() - kept_output);
+void append_tail(std::string& text, std::string_view bytes, std::size_t kept) {
+  text.append(bytes);
+  if (text.size() > 2 * kept) text.erase(0, text.size() - kept);
 }
+
+/// Takes bytes as they come and passes on whole lines, of a bearable length.
+class Lines {
+ public:
+  explicit Lines(const LineListener& listener) : listener_(listener) {}
+  void take(std::string_view bytes) {
+    if (!listener_) return;
+    constexpr std::size_t longest = 4096;
+    for (const char c : bytes)
+      if (c == '\n')
+        listener_(line_), line_.clear();
+      else if (line_.size() < longest)
+        line_ += c;
+  }
+
+ private:
+  const LineListener& listener_;
+  std::string line_;
+};
 
 struct Pipe {
   int read_end = -1, write_end = -1;
@@ -89,7 +107,7 @@ Path find_program(const std::string& name) {
 }
 
 Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, const ProcessLimits& limits,
-                                  Context& context, const Path& working_directory) {
+                                  Context& context, const Path& working_directory, const LineListener& listener) {
   ensure(!arguments.empty(), "a process needs a program");
   const Path program = find_program(arguments[0]);
   if (program.empty())
@@ -133,6 +151,8 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   ::close(err.write_end);
 
   ProcessOutput result;
+  const auto kept_output = static_cast<std::size_t>(limits.output_mb * 1048576);
+  Lines lines(listener);
   pollfd ends[2] = {{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}};
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   int open_ends = 2, status = 0;
@@ -149,7 +169,10 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
       char buffer[65536];
       const auto got = ::read(end.fd, buffer, sizeof buffer);
       if (got > 0) {
-        append_tail(end.fd == out.read_end ? result.out : result.err, buffer, static_cast<std::size_t>(got));
+        const std::string_view bytes(buffer, static_cast<std::size_t>(got));
+        const bool is_err = end.fd == err.read_end;
+        append_tail(is_err ? result.err : result.out, bytes, kept_output);
+        if (is_err) lines.take(bytes);
       } else if (got == 0 || errno != EINTR) {
         end.fd = -1;
         --open_ends;

@@ -1,6 +1,7 @@
 /// Runs another program with limits on what it may use.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,16 @@ struct ProcessLimits {
   double memory_mb = 16384;  ///< address space of each process
   double file_mb = 8192;     ///< size of any file that it writes
   int processes = 256;       ///< more than run now; the system does not hold root to it
+  double output_mb = 1;      ///< of each of its outputs that is kept: the last of it
 };
+
+/// Hears what a program says on standard error, a line at a time, while it runs.
+using LineListener = std::function<void(const std::string& line)>;
 
 struct ProcessOutput {
   int exit_code = 0;  ///< 128 + signal when killed by one
   bool timed_out = false;
-  std::string out, err;  ///< the last megabyte of each
+  std::string out, err;  ///< the end of each
   double seconds = 0;    ///< wall time
 };
 
@@ -32,7 +37,8 @@ Path find_program(const std::string& name);
 /// it ends when this program does. What it started itself and left running is killed. Errors: missing_program if it
 /// cannot be started, stopped if the context is cancelled.
 Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, const ProcessLimits& limits,
-                                  Context& context, const Path& working_directory = {});
+                                  Context& context, const Path& working_directory = {},
+                                  const LineListener& listener = {});
 
 /// What a confined program sees beside the system's own programs, libraries and fonts, as absolute paths.
 struct Confinement {
@@ -47,6 +53,6 @@ const std::string& no_confinement();
 /// possible (no_confinement()) the program runs with the limits alone, and context.say() says so. Errors: as
 /// run_process; stopped if there is hardly any room left in a writable folder.
 Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, const ProcessLimits& limits,
-                                   const Confinement& confinement, Context& context);
+                                   const Confinement& confinement, Context& context, const LineListener& listener = {});
 
 }  // namespace partscribe::core

@@ -42,7 +42,7 @@ struct BuildArguments {
   FitArguments fit;
   PoseArguments poses;
   std::string filter = "none";  ///< none, rlts, profile
-  Path templates;
+  Path templates, pictures;
 };
 
 /// What a build wrote, the artifacts first.
@@ -257,6 +257,8 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
   const auto page = report_page(
       {name, reported, verdict, scene, pictures, read_scripts(*scripts), {}, scan->warnings, session.version});
   if (auto ok = write_file(folder / "report.html", page); !ok) return ok.error();
+  if (!arguments.pictures.empty())
+    if (auto drawn = write_pictures(pictures, arguments.pictures, session.options.force); !drawn) return drawn.error();
   session.finish_stage();
 
   session.if_cancelled("");
@@ -295,6 +297,8 @@ Result<int> run_build(const BuildArguments& arguments, Session& session) {
   ResultFolder results(folder, outputs, "build", arguments.scans);
   if (auto ok = check_same_part(session.options, folder, arguments.scans); !ok) return ok.error();
   if (auto ok = results.check(session.options.force); !ok) return ok.error();
+  if (!arguments.pictures.empty())
+    if (auto ok = check_overwriting(arguments.pictures, {"scan.png"}, session.options.force); !ok) return ok.error();
   return results.close(work(arguments, *backends, part_name(named_after), reads_cloud, results, session));
 }
 
@@ -317,6 +321,7 @@ Command build_command() {
             declare_procedure(arguments->fit, a);
             a.path(arguments->templates, "--templates", "DIR",
                    "a folder of template packs in place of the built-in ones");
+            declare_pictures(arguments->pictures, a);
           },
           [arguments](Session& session) { return run_build(*arguments, session); }};
 }

@@ -3,15 +3,17 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/commands/judged.h"
 #include "cli/commands/stages.h"
 #include "cli/inputs.h"
 #include "cli/measure/measured_part.h"
 #include "cli/names.h"
 #include "cli/report/report_faces.h"
 #include "cli/report/report_page.h"
+#include "cli/report/report_server.h"
+#include "cli/report/report_words.h"
 #include "cli/verdict_file.h"
 #include "geometry/normals/normals.h"
-#include "verify/evaluate/evaluate.h"
 
 namespace partscribe::cli {
 namespace {
@@ -22,6 +24,7 @@ constexpr const char* report_help =
   partscribe report bracket-partscribe --pictures figures   the page, and its pictures as PNG files
   partscribe report edited.scad bracket.ply --out review    verify my script and report what came out
   partscribe report bracket-partscribe --faces --force      with what 'partscribe measure' says of the scan
+  partscribe report bracket-partscribe --serve              edit the script in the browser and verify it there
 
 Given a folder (or a model.json or verdict.json in it) it reads model.json, cloud.ply, verdict.json and the artifacts
 there. The verdict is the recorded one; the artifacts are run again for the pictures, because verdict.json holds no
@@ -30,7 +33,8 @@ geometry. Given artifacts and scans it verifies them first. Writes report.html: 
 struct ReportArguments {
   std::vector<Path> files;
   Path pictures;
-  bool faces = false;
+  bool faces = false, serve = false;
+  int port = 0;
 };
 
 /// Everything a page is made of.
@@ -101,36 +105,19 @@ Result<Material> recorded_material(const Path& given, Session& session) {
 
 Result<Material> verified_material(const std::vector<Path>& files, Session& session) {
   Material material;
-  std::vector<Path> scans;
-  for (const auto& file : files) {
-    if (!std::filesystem::is_regular_file(file))
-      return bad_input(file.string() + ": expected an artifact, a scan or a folder to report on, found no such file");
-    (is_cad_file(file) ? material.artifacts : scans).push_back(file);
-  }
-  if (material.artifacts.empty() && scans.size() > 1) {
-    material.artifacts.push_back(scans.front());
-    scans.erase(scans.begin());
-  }
-  if (scans.empty() || material.artifacts.empty())
-    return usage_error("report needs a folder that build filled, or an artifact and at least one scan, found only " +
-                       files.front().string());
+  auto operands = told_apart(files, "report");
+  if (!operands) return operands.error();
+  material.artifacts = std::move(operands->artifacts);
   material.name = part_name(material.artifacts.front());
-  auto scan = read_scans(scans, session);
+  material.folder = folder_name(material.artifacts.front()) + "-report";
+  auto scan = read_scans(operands->scans, session);
   if (!scan) return scan.error();
   material.scan = std::move(*scan);
-  VerifyOptions options;
-  const Path beside = material.artifacts.front().parent_path() / "model.json";
-  if (std::filesystem::is_regular_file(beside))
-    if (auto model = read_model(beside)) material.model = **model, material.name = material.model->name;
-  material.folder = folder_name(material.artifacts.front()) + "-report";
-  if (material.model && !session.options.tolerance) {
-    options.tolerance = material.model->tolerance;
-  } else {
-    const auto tolerance = tolerance_for(material.scan, session);
-    options.tolerance = tolerance.tolerance;
-    session.print("T" + tolerance.reason.substr(1) + ".\n");
-  }
-  if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
+  auto model = model_of(material.artifacts.front());
+  if (!model) return model.error();
+  material.model = std::move(*model);
+  if (material.model) material.name = material.model->name;
+  const VerifyOptions options = verify_options(material.model, material.scan, {}, session);
   if (auto ok = session.stage("verify"); !ok) return ok.error();
   auto verdict = verify_artifacts(material.artifacts, material.scan, material.model, options, session.context);
   if (!verdict) return verdict.error();
@@ -149,6 +136,77 @@ Result<std::string> measured_section(const Material& material, std::vector<Repor
   return faces_section(*part, pictures.back());
 }
 
+/// The page of what was judged, and its pictures.
+struct Drawing {
+  std::string page;
+  std::vector<ReportPicture> pictures;
+};
+
+Result<Drawing> draw_page(const Material& material, bool faces, const std::vector<ReportScript>& scripts,
+                          Session& session) {
+  const auto scene = report_scene(material.model, material.verdict, material.scan.cloud, session.context);
+  Drawing drawing;
+  drawing.pictures = draw_report(scene, session.context);
+  std::string measured;
+  if (faces) {
+    auto section = measured_section(material, drawing.pictures, session);
+    if (!section) return section.error();
+    measured = std::move(*section);
+  }
+  std::vector<SourceFile> sources;
+  for (std::size_t i = 0; i < material.scan.files.size() && i < material.scan.sha256.size(); ++i)
+    sources.push_back({material.scan.files[i], material.scan.sha256[i]});
+  drawing.page = report_page({material.name, material.model, material.verdict, scene, drawing.pictures, scripts,
+                              sources, material.scan.warnings, session.version, measured});
+  return drawing;
+}
+
+/// A script that was edited in the browser, run beside the other scripts of its folder and judged like the file.
+Result<Judged> judge_edited(const Material& material, const Path& file, const std::string& script, Session& session) {
+  const auto aside = TemporaryDirectory::make();
+  if (!aside) return aside.error();
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::absolute(file).parent_path(), ignored))
+    if (entry.is_regular_file(ignored) && entry.path().extension() == file.extension())
+      std::filesystem::copy_file(entry.path(), aside->path() / entry.path().filename(), ignored);
+  const Path edited = aside->path() / file.filename();
+  if (auto ok = write_file(edited, script); !ok) return ok.error();
+  Material fresh = material;
+  VerifyOptions options;
+  options.tolerance = material.verdict.tolerance;
+  if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
+  auto verdict = verify_artifacts({edited}, material.scan, material.model, options, session.context);
+  if (!verdict) return verdict.error();
+  fresh.verdict = std::move(*verdict);
+  auto drawing = draw_page(fresh, false, {{file.filename().string(), script}}, session);
+  if (!drawing) return drawing.error();
+  return Judged{std::move(drawing->page), name_of(fresh.verdict.verdict), verdict_sentence(fresh.verdict)};
+}
+
+/// Until Ctrl-C, the page with the first script beside it.
+Result<int> serve(const Material& material, std::string page, int port, Session& session) {
+  const auto file = std::find_if(material.artifacts.begin(), material.artifacts.end(), [](const Path& a) {
+    return has_suffix(a, {".scad", ".scl"});
+  });
+  if (file == material.artifacts.end())
+    return usage_error("--serve needs a script that can be edited (.scad or .scl), found " +
+                       (material.artifacts.empty() ? "no artifact" : material.artifacts.front().string()));
+  const auto script = read_file(*file);
+  if (!script) return script.error();
+  Workbench bench{material.name,
+                  file->filename().string(),
+                  *script,
+                  {std::move(page), name_of(material.verdict.verdict), verdict_sentence(material.verdict)},
+                  [&](const std::string& edited) { return judge_edited(material, *file, edited, session); }};
+  session.finish_stage();
+  auto served = serve_workbench(std::move(bench), port, session, [&](const std::string& address) {
+    session.print("Open " + address + "\nCtrl-C ends it; only this machine can reach it.\n");
+    session.print_json("{\"address\": \"" + address + "\"}");
+  });
+  if (!served) return served.error();
+  return 0;
+}
+
 Result<int> run_report(const ReportArguments& given, Session& session) {
   const Path& first = given.files.front();
   const bool recorded =
@@ -157,41 +215,26 @@ Result<int> run_report(const ReportArguments& given, Session& session) {
   auto material = recorded ? recorded_material(first, session) : verified_material(given.files, session);
   if (!material) return material.error();
   const Path out = session.options.out.empty() ? material->folder : session.options.out;
-  if (auto ok = check_overwriting(out, {"report.html"}, session.options.force); !ok) return ok.error();
+  if (!given.serve)
+    if (auto ok = check_overwriting(out, {"report.html"}, session.options.force); !ok) return ok.error();
   if (recorded) {
     if (auto ok = session.stage("evaluate"); !ok) return ok.error();
     if (auto ok = evaluate_for_pictures(*material, session); !ok) return ok.error();
   }
 
   if (auto ok = session.stage("report"); !ok) return ok.error();
-  const auto scene = report_scene(material->model, material->verdict, material->scan.cloud, session.context);
-  auto pictures = draw_report(scene, session.context);
-  std::string faces;
-  if (given.faces) {
-    auto section = measured_section(*material, pictures, session);
-    if (!section) return section.error();
-    faces = std::move(*section);
-  }
-  if (!given.pictures.empty()) {
-    std::vector<std::string> names;
-    for (const auto& picture : pictures) names.push_back(picture.name);
-    if (auto ok = check_overwriting(given.pictures, names, session.options.force); !ok) return ok.error();
-    if (auto ok = make_folder(given.pictures); !ok) return ok.error();
-  }
-  std::vector<SourceFile> sources;
-  for (std::size_t i = 0; i < material->scan.files.size() && i < material->scan.sha256.size(); ++i)
-    sources.push_back({material->scan.files[i], material->scan.sha256[i]});
-  const auto page =
-      report_page({material->name, material->model, material->verdict, scene, pictures,
-                   read_scripts(material->artifacts), sources, material->scan.warnings, session.version, faces});
+  auto drawing = draw_page(*material, given.faces, read_scripts(material->artifacts), session);
+  if (!drawing) return drawing.error();
+  if (given.serve) return serve(*material, std::move(drawing->page), given.port, session);
   if (auto ok = make_folder(out); !ok) return ok.error();
-  std::vector<Path> written = {out / "report.html"};
-  if (auto ok = write_file(written.front(), page); !ok) return ok.error();
-  if (!given.pictures.empty())
-    for (const auto& picture : pictures) {
-      written.push_back(given.pictures / picture.name);
-      if (auto ok = write_file(written.back(), picture.png); !ok) return ok.error();
-    }
+  std::vector<Path> written;
+  if (!given.pictures.empty()) {
+    auto drawn = write_pictures(drawing->pictures, given.pictures, session.options.force);
+    if (!drawn) return drawn.error();
+    written = std::move(*drawn);
+  }
+  written.insert(written.begin(), out / "report.html");
+  if (auto ok = write_file(written.front(), drawing->page); !ok) return ok.error();
   session.finish_stage();
   for (const auto& file : written) session.print("Wrote " + file.string() + "\n");
   session.print_json(summary_json("report", written, material->scan.warnings));
@@ -206,10 +249,13 @@ Command report_command() {
           [options](Arguments& a) {
             a.paths(options->files, "files",
                     "a folder with model.json, cloud.ply and verdict.json, or artifacts and scans");
-            a.path(options->pictures, "--pictures", "DIR",
-                   "write the pictures (deviation.png, the six sides, each finding, ...) as PNG files there too");
+            declare_pictures(options->pictures, a);
             a.flag(options->faces, "--faces",
                    "measure the scan as well: its faces, features and relations, with a picture of them");
+            a.flag(options->serve, "--serve",
+                   "show the page with the script beside it in the browser: edit a number, press Verify, see the new "
+                   "map; nothing is written");
+            a.count(options->port, "--port", "N", 0, 65535, "of this machine, for --serve (default 0: any free one)");
           },
           [options](Session& session) { return run_report(*options, session); }};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cli/inputs.h"
 #include "codegen/emit.h"
 #include "codegen/exchange/brep.h"
 #include "core/json_text.h"
@@ -126,6 +127,24 @@ std::string seconds_line(const Session& session) {
     text += (text.empty() ? "" : ", ") + name + " " + print_number(snapped(seconds, 0.1));
   }
   return "Seconds: " + text + "; together " + print_number(snapped(total, 0.1)) + ".";
+}
+
+void declare_pictures(Path& folder, Arguments& options) {
+  options.path(folder, "--pictures", "DIR",
+               "write the pictures (deviation.png, the six sides, each finding, ...) as PNG files there too");
+}
+
+Result<std::vector<Path>> write_pictures(const std::vector<ReportPicture>& pictures, const Path& folder, bool force) {
+  std::vector<std::string> names;
+  for (const auto& picture : pictures) names.push_back(picture.name);
+  if (auto ok = check_overwriting(folder, names, force); !ok) return ok.error();
+  if (auto ok = make_folder(folder); !ok) return ok.error();
+  std::vector<Path> written;
+  for (const auto& picture : pictures) {
+    written.push_back(folder / picture.name);
+    if (auto ok = write_file(written.back(), picture.png); !ok) return ok.error();
+  }
+  return written;
 }
 
 std::string summary_json(const std::string& command, const std::vector<Path>& files,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/pictures/pictures.h"
 #include "cli/session.h"
 #include "core/files.h"
 #include "core/result.h"
@@ -68,6 +69,12 @@ double outlier_rate_of(const Model& model);
 
 /// Where each stage's seconds went, in one line.
 std::string seconds_line(const Session& session);
+
+/// --pictures, a folder for the pictures of the report.
+void declare_pictures(Path& folder, Arguments& options);
+
+/// The files that were written into `folder`, or which of them was there before.
+Result<std::vector<Path>> write_pictures(const std::vector<ReportPicture>& pictures, const Path& folder, bool force);
 
 /// {"files": [...], ...}: what commands without a verdict print with --json.
 std::string summary_json(const std::string& command, const std::vector<Path>& files,

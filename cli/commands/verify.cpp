@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/commands/judged.h"
 #include "cli/commands/stages.h"
 #include "cli/inputs.h"
-#include "core/number.h"
-#include "verify/evaluate/evaluate.h"
+#include "cli/report/report_scene.h"
 
 namespace partscribe::cli {
 namespace {
@@ -22,6 +22,7 @@ constexpr const char* verify_help =
   partscribe verify part.step scan.ply --align best-fit          the scan has a frame of its own
   partscribe verify pin.scad raw.xyz --outliers 0.2              up to a fifth of the points may be outliers
   partscribe verify part.igs scan.ply --junit out.xml --csv out.csv
+  partscribe verify edited.scad scan.ply --pictures figures      where it deviates, as PNG files
 
 Artifacts are .scad .scl .igs .iges .step .stp files; everything else is a scan. Where no such file is given, the first
 file, a mesh, is the artifact. A model.json beside the artifact names the features and gives the tolerance, unless
@@ -30,48 +31,13 @@ directions. Exit code: 0 verified, 1 out of tolerance, 4 its program is missing,
 
 struct VerifyArguments {
   std::vector<Path> files;
-  Path model, json, junit, csv;
+  Path model, json, junit, csv, pictures;
   bool strict = false;
   std::string rule = "local", align = "none";
   double seconds = 600;
   std::optional<double> outliers;
   bool second_opinion = false;
 };
-
-struct Operands {
-  std::vector<Path> artifacts, scans;
-};
-
-Result<Operands> told_apart(const std::vector<Path>& files) {
-  Operands operands;
-  for (const auto& file : files) (is_cad_file(file) ? operands.artifacts : operands.scans).push_back(file);
-  if (operands.artifacts.empty()) {
-    operands.artifacts.push_back(operands.scans.front());
-    operands.scans.erase(operands.scans.begin());
-  }
-  if (operands.scans.empty())
-    return usage_error("verify needs an artifact and at least one scan, found only " + files.front().string() +
-                       (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more of its kind" : "") +
-                       "; add the scan file");
-  return operands;
-}
-
-/// The model that an artifact was written from: model.json in its folder, if the artifact bears the name that
-/// emitting gives or the part's own. Edited scripts keep it: their features are judged by the model's names.
-Result<std::optional<Model>> model_of(const VerifyArguments& given, const Path& artifact) {
-  if (!given.model.empty()) {
-    auto model = read_model(given.model);
-    if (!model) return model.error();
-    return std::optional<Model>(**model);
-  }
-  const Path beside = artifact.parent_path() / "model.json";
-  if (!std::filesystem::is_regular_file(beside)) return std::optional<Model>();
-  auto model = read_model(beside);
-  if (!model) return std::optional<Model>();
-  const std::string stem = artifact.stem().string();
-  if (stem != "part" && stem != (*model)->name) return std::optional<Model>();
-  return std::optional<Model>(**model);
-}
 
 /// A file that is judged by itself agrees, whatever it holds: one line for the user, or nothing.
 std::string judged_by_itself(const Operands& operands) {
@@ -92,37 +58,21 @@ std::string judged_by_itself(const Operands& operands) {
 }
 
 Result<int> run_verify(const VerifyArguments& given, Session& session) {
-  const auto operands = told_apart(given.files);
+  const auto operands = told_apart(given.files, "verify");
   if (!operands) return operands.error();
   for (const auto& file : {given.json, given.junit, given.csv})
     if (!file.empty())
       if (auto ok = check_overwriting(file, session.options.force); !ok) return ok.error();
-  for (const auto& artifact : operands->artifacts)
-    if (!std::filesystem::is_regular_file(artifact))
-      return bad_input(artifact.string() + ": expected an artifact to verify, found no such file");
-  const auto model = model_of(given, operands->artifacts.front());
+  if (!given.pictures.empty())
+    if (auto ok = check_overwriting(given.pictures, {"scan.png"}, session.options.force); !ok) return ok.error();
+  const auto model = model_of(operands->artifacts.front(), given.model);
   if (!model) return model.error();
 
   if (const std::string remark = judged_by_itself(*operands); !remark.empty()) session.warn(remark);
   if (auto ok = session.stage("read"); !ok) return ok.error();
   const auto scan = read_scans(operands->scans, session);
   if (!scan) return scan.error();
-  VerifyOptions options;
-  if (!session.options.tolerance && *model) {
-    options.tolerance = (*model)->tolerance;
-    session.print("Tolerance " + print_number(options.tolerance) + " mm, as in the model beside the artifact.\n");
-  } else {
-    const auto tolerance = tolerance_for(*scan, session);
-    options.tolerance = tolerance.tolerance;
-    if (!session.options.tolerance) session.print("T" + tolerance.reason.substr(1) + ".\n");
-  }
-  if (given.outliers) {
-    options.outlier_rate = *given.outliers;
-  } else if (*model && outlier_rate_of(**model) > options.outlier_rate) {
-    options.outlier_rate = outlier_rate_of(**model);
-    session.print("Up to " + print_number(snapped(100 * options.outlier_rate, 0.1)) +
-                  " % of the points may be outliers, as many as the fit of the model beside the artifact set aside.\n");
-  }
+  VerifyOptions options = verify_options(*model, *scan, given.outliers, session);
   options.rule = given.rule == "max" ? Rule::max : Rule::local;
   options.strict = given.strict;
   options.align = given.align == "best-fit" ? AlignBy::best_fit
@@ -133,6 +83,12 @@ Result<int> run_verify(const VerifyArguments& given, Session& session) {
   if (auto ok = session.stage("verify"); !ok) return ok.error();
   const auto verdict = verify_artifacts(operands->artifacts, *scan, *model, options, session.context);
   if (!verdict) return verdict.error();
+  if (!given.pictures.empty()) {
+    if (auto ok = session.stage("pictures"); !ok) return ok.error();
+    const auto scene = report_scene(*model, *verdict, scan->cloud, session.context);
+    const auto written = write_pictures(draw_report(scene, session.context), given.pictures, session.options.force);
+    if (!written) return written.error();
+  }
   session.finish_stage();
 
   const std::string json = write_verdict_json(*verdict);
@@ -160,6 +116,7 @@ Command verify_command() {
                    "write the verdict as JSON; '--json FILE' means the same when FILE ends in .json");
             a.path(options->junit, "--junit", "FILE", "write the verdict as JUnit XML, one test per feature");
             a.path(options->csv, "--csv", "FILE", "write the inspection table as CSV, one row per number of a feature");
+            declare_pictures(options->pictures, a);
             a.flag(options->strict, "--strict",
                    "surface that no view saw fails too; else it is reported as not scanned");
             a.choice(options->rule, "--rule", {"local", "max"},

@@ -148,53 +148,79 @@ Vec3 clear_view(const MeshDistance& surface, const Vec3& place, const Vec3& norm
   return best;
 }
 
-}  // namespace
+/// What all pictures of a scene need, worked out once.
+struct Studio {
+  const ReportScene& scene;
+  const std::vector<Vec3> points = framed_points(scene);
+  const std::vector<Vec3> normals;  // of the scanned points
 
-std::vector<ReportPicture> draw_report(const ReportScene& scene, Context& context) {
-  const auto points = framed_points(scene);
-  if (points.empty()) return {};
-  const ArtifactVerdict* artifact = scene.surface.empty() ? nullptr : scene.artifact;
-  const std::string tolerance = print_number(scene.tolerance);
-  // What to draw is listed first; then the pictures are made, several at a time.
-  std::vector<std::function<ReportPicture()>> tasks;
-  const auto normals = normals_of(scene, context.threads);
-  const ReportView& first = scene.views.front();
-  auto deviation = [&](const ReportView& view, Size size, const std::string& name) {
-    tasks.push_back([&scene, &points, &view, artifact, size, name, tolerance] {
-      Raster raster = canvas_of(size);
-      const Camera camera = camera_beside_scale(points, view, size);
-      draw_deviation(raster, camera, scene);
-      draw_outlines(raster, camera, scene);
-      return finished(raster, camera, scene, true, name, "Deviation in mm, " + view.words,
-                      "The surface of " + artifact->file + " seen " + view.words +
-                          ", coloured by how far the scan lies from it; the largest local deviation is " +
-                          readable(artifact->data_to_model.local_max) + " mm, the tolerance " + tolerance +
-                          " mm. Striped: not scanned.");
-    });
-  };
-  if (artifact) deviation(first, {760, 520}, "deviation.png");
-  tasks.push_back([&] {
-    Raster raster = canvas_of({560, 400});
-    const Camera camera = camera_for(points, first.to_eye, first.up, raster.width, raster.height - 40 * fine);
+  Studio(const ReportScene& drawn, int threads) : scene(drawn), normals(normals_of(drawn, threads)) {}
+
+  ReportPicture deviation(const ReportView& view, Size size, std::string name) const {
+    Raster raster = canvas_of(size);
+    const Camera camera = camera_beside_scale(points, view, size);
+    draw_deviation(raster, camera, scene);
+    draw_outlines(raster, camera, scene);
+    return finished(raster, camera, scene, true, std::move(name), "Deviation in mm, " + view.words,
+                    "The surface of " + scene.artifact->file + " seen " + view.words +
+                        ", coloured by how far the scan lies from it; the largest local deviation is " +
+                        readable(scene.artifact->data_to_model.local_max) + " mm, the tolerance " +
+                        print_number(scene.tolerance) + " mm. Striped: not scanned.");
+  }
+
+  ReportPicture scan(const ReportView& view, Size size, std::string name) const {
+    Raster raster = canvas_of(size);
+    const Camera camera = camera_for(points, view.to_eye, view.up, raster.width, raster.height - bar_room);
     draw_scan(raster, camera, scene, normals);
     Box3 box;
     for (const auto& p : points) box.add(p);
     const Vec3 s = box.size();
-    return finished(raster, camera, scene, false, "scan.png", "Scan, " + first.words,
+    return finished(raster, camera, scene, false, std::move(name), "Scan, " + view.words,
                     "The " + std::to_string(scene.cloud->size()) + " scanned points, " + readable(s.x()) + " x " +
                         readable(s.y()) + " x " + readable(s.z()) + " mm; points set aside as outliers are purple.");
-  });
+  }
+
+  ReportPicture model(const ReportView& view, Size size, std::string name) const {
+    Raster raster = canvas_of(size);
+    const Camera camera = camera_for(points, view.to_eye, view.up, raster.width, raster.height - bar_room);
+    draw_plain(raster, camera, scene);
+    draw_outlines(raster, camera, scene);
+    const ArtifactVerdict& drawn = *scene.artifact;
+    const bool made = !drawn.program.empty();
+    return finished(raster, camera, scene, false, std::move(name), (made ? "Model, " : "Mesh, ") + view.words,
+                    made ? "The geometry that " + drawn.program + " made of " + drawn.file + "."
+                         : "The mesh of " + drawn.file + ".");
+  }
+
+ private:
+  static constexpr int bar_room = 40 * fine;  // for the bar of a round length
+};
+
+}  // namespace
+
+ReportPicture draw_view(const ReportScene& scene, Drawn what, const ReportView& view, int width_px, int height_px,
+                        int threads) {
+  const Studio studio(scene, threads);
+  const Size size{width_px, height_px};
+  const std::string name = view.name + ".png";
+  return what == Drawn::deviation ? studio.deviation(view, size, name)
+         : what == Drawn::model   ? studio.model(view, size, name)
+                                  : studio.scan(view, size, name);
+}
+
+std::vector<ReportPicture> draw_report(const ReportScene& scene, Context& context) {
+  const Studio studio(scene, context.threads);
+  if (studio.points.empty()) return {};
+  const ArtifactVerdict* artifact = scene.surface.empty() ? nullptr : scene.artifact;
+  // What to draw is listed first; then the pictures are made, several at a time.
+  std::vector<std::function<ReportPicture()>> tasks;
+  const ReportView& first = scene.views.front();
+  if (artifact) tasks.push_back([&] { return studio.deviation(first, {760, 520}, "deviation.png"); });
+  tasks.push_back([&] { return studio.scan(first, {560, 400}, "scan.png"); });
   if (artifact) {
-    tasks.push_back([&] {
-      Raster raster = canvas_of({560, 400});
-      const Camera camera = camera_for(points, first.to_eye, first.up, raster.width, raster.height - 40 * fine);
-      draw_plain(raster, camera, scene);
-      draw_outlines(raster, camera, scene);
-      return finished(raster, camera, scene, false, "model.png", "Model, " + first.words,
-                      "The geometry that " + artifact->program + " made of " + artifact->file + ".");
-    });
+    tasks.push_back([&] { return studio.model(first, {560, 400}, "model.png"); });
     for (std::size_t k = 1; k < scene.views.size(); ++k)
-      deviation(scene.views[k], {480, 360}, scene.views[k].name + ".png");
+      tasks.push_back([&, k] { return studio.deviation(scene.views[k], {480, 360}, scene.views[k].name + ".png"); });
   }
   std::unique_ptr<MeshDistance> surface;
   std::unique_ptr<KdTree> vertices;

@@ -17,6 +17,12 @@ struct ReportPicture {
   std::string png;
 };
 
+enum class Drawn { deviation, model, scan };
+
+/// One picture of a scene: `deviation` and `model` need the geometry of an artifact. Its name is the view's.
+ReportPicture draw_view(const ReportScene& scene, Drawn what, const ReportView& view, int width_px, int height_px,
+                        int threads);
+
 /// The first `most` findings get pictures of their own; they are in the order of importance.
 inline constexpr std::size_t most_finding_pictures = 6;
 

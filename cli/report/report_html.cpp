@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/files.h"
 #include "core/number.h"
 
 namespace partscribe::cli {
@@ -52,6 +53,16 @@ std::string base64(std::string_view bytes) {
     for (std::size_t k = 0; k < 4; ++k) text += k <= count ? digits[group >> (18 - 6 * k) & 63] : '=';
   }
   return text;
+}
+
+std::string policy_hash(const std::string& script) {
+  const std::string hex = sha256(script);
+  std::string bytes;
+  for (std::size_t i = 0; i < hex.size(); i += 2) {
+    auto value = [](char c) { return c <= '9' ? c - '0' : c - 'a' + 10; };
+    bytes += static_cast<char>(value(hex[i]) << 4 | value(hex[i + 1]));
+  }
+  return "'sha256-" + base64(bytes) + "'";
 }
 
 std::string percent(double part, double whole) {

@@ -16,6 +16,9 @@ std::string typeset(std::string text);
 /// RFC 4648, with padding.
 std::string base64(std::string_view bytes);
 
+/// "'sha256-...'": a script of this text, as a Content-Security-Policy allows it.
+std::string policy_hash(const std::string& script);
+
 /// "12.5 %", with one decimal; "-" of nothing. A share that is not zero never reads "0 %".
 std::string percent(double part, double whole);
 

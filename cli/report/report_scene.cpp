@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
+#include "core/number.h"
 #include "core/statistics.h"
 #include "geometry/points/kd_tree.h"
 
@@ -112,6 +114,51 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
   }
   draw(scene, context);
   return scene;
+}
+
+ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud, Context& context) {
+  ReportScene scene;
+  scene.cloud = &cloud;
+  scene.artifact = geometry.mesh.empty() ? nullptr : &geometry;
+  scene.spacing = spacing_of(cloud);
+  scene.views = views_of({}, cloud);
+  if (scene.artifact) {
+    SurfaceOptions options;
+    options.max_error = 1e-3 * geometry.mesh.bounds().diagonal();
+    scene.surface = deviation_surface(geometry, cloud, {}, options, context);
+  }
+  return scene;
+}
+
+const std::vector<std::string>& view_words() {
+  static const std::vector<std::string> words = {"iso", "front", "right", "back", "left", "top", "bottom"};
+  return words;
+}
+
+std::optional<Vec3> direction_in(const std::string& text) {
+  Vec3 direction;
+  std::istringstream list(text);
+  for (int k = 0; k < 3; ++k) {
+    std::string word;
+    std::getline(list, word, ',');
+    const auto number = parse_number(word);
+    if (!number) return {};
+    direction[k] = *number;
+  }
+  if (!list.eof() || !(direction.norm() > 0)) return {};
+  return direction.normalized();
+}
+
+ReportView view_named(const std::string& word, const ReportScene& scene) {
+  const auto side = [&](const std::string& name) {
+    return *std::find_if(scene.views.begin(), scene.views.end(), [&](const auto& view) { return view.name == name; });
+  };
+  if (word == "iso")
+    return {word, "from the front, right and above", side("front").to_eye + side("right").to_eye + side("top").to_eye,
+            side("top").to_eye};
+  if (const auto direction = direction_in(word))
+    return {"view", "from (" + word + ")", *direction, std::abs(direction->z()) > 0.99 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)};
+  return side(word);
 }
 
 }  // namespace partscribe::cli

@@ -36,6 +36,18 @@ struct ReportScene {
 ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdict, const PointCloud& cloud,
                          Context& context);
 
+/// Of geometry that nothing was compared with, and of the points of a scan, either of which may be empty.
+ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud, Context& context);
+
+/// "iso" (from the front, right and above at equal angles) and the six sides.
+const std::vector<std::string>& view_words();
+
+/// The unit vector of "1,-2,0.5"; nothing if the text is none.
+std::optional<Vec3> direction_in(const std::string& text);
+
+/// From where one of view_words() says, or from where a direction in the scan's frame points.
+ReportView view_named(const std::string& word, const ReportScene& scene);
+
 /// The artifact whose geometry is drawn: the first that has a mesh; null if none ran.
 const ArtifactVerdict* drawn_artifact(const Verdict& verdict);
 

@@ -8,6 +8,9 @@ namespace partscribe::verify {
 /// Binary STL out, warnings are faults, and the result must bound a solid. Includes resolve beside the file.
 Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& options, Context& context);
 
+/// Where OpenSCAD looks for libraries and fonts beside the system's own places.
+std::vector<Path> openscad_folders();
+
 /// "2021.01". Errors: as run_process.
 Result<std::string> openscad_version(const EvaluateOptions& options, Context& context);
 

@@ -1,0 +1,179 @@
+#include "cli/mcp/tools.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cli/mcp/findings.h"
+#include "cli/mcp/server.h"
+#include "cli/mcp/tool_schema.h"
+#include "cli/report/report_html.h"
+#include "cli/verdict_file.h"
+#include "verify/evaluate/run_openscad.h"
+
+namespace partscribe::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Where the pictures of a call go, within its scratch folder.
+constexpr const char *picture_folder = "pictures", *picture_file = "picture.png";
+
+/// A command, and what a call of it says besides its arguments.
+struct CommandTool {
+  Command command;
+  bool writes;       ///< files into the root, unless it is told otherwise
+  std::string asks;  ///< option by which it is asked for pictures in the scratch folder; empty: it writes some anyway
+};
+
+std::vector<CommandTool> command_tools() {
+  return {{build_command(), true, "--pictures"},
+          {verify_command(), false, "--pictures"},
+          {explain_command(), false, ""},
+          {measure_command(), true, ""},
+          {render_command(), false, "--picture"}};
+}
+
+/// What an agent may say: the command's own arguments and those of the shared ones that concern its work. How it speaks
+/// and where its pictures go is the server's.
+std::vector<Declared> arguments_of(const Command& command) {
+  std::vector<Declared> declared = declared_by(command);
+  for (const auto& d : shared_options())
+    for (const char* concerns : {"--tolerance", "--units", "--out", "--force", "--threads"})
+      if (d.name == concerns) declared.push_back(d);
+  std::erase_if(declared, [](const Declared& d) { return d.name == "--json-file" || d.name == "--pictures"; });
+  return declared;
+}
+
+/// What help says behind the examples, which are lines for a shell.
+std::string description_of(const Command& command) {
+  const auto text = command.help.find("\n\n");
+  std::string description = command.summary + ".";
+  if (text != std::string::npos) description += " " + command.help.substr(text + 2);
+  std::replace(description.begin(), description.end(), '\n', ' ');
+  description[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(description[0])));
+  return description;
+}
+
+Json text_block(const std::string& text) { return {{"type", "text"}, {"text", text}}; }
+
+/// Nothing if there is no such picture.
+void add_picture(const Path& file, Json& content) {
+  if (const auto png = read_file(file))
+    content.push_back({{"type", "image"}, {"data", base64(*png)}, {"mimeType", "image/png"}});
+}
+
+/// The line by which the program said why it failed.
+std::string complaint_in(const ProcessOutput& run) {
+  const std::string mark = "partscribe: ", warning = mark + "warning: ";
+  std::string complaint;
+  std::istringstream lines(run.err);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(mark) && !line.starts_with(warning)) complaint = line.substr(mark.size());
+  if (complaint.empty()) complaint = "partscribe ended with exit code " + std::to_string(run.exit_code);
+  return complaint;
+}
+
+/// A run of the program, confined to the root and `scratch`.
+Result<ProcessOutput> run(const std::vector<std::string>& words, const Workshop& workshop, const Path& scratch,
+                          Context& context) {
+  std::vector<std::string> command = {workshop.program.string()};
+  command.insert(command.end(), words.begin(), words.end());
+  Confinement reach{openscad_folders(), {workshop.root, scratch}};
+  return run_confined(command, workshop.limits, reach, context, [&](const std::string& line) {
+    const Json said = Json::parse(line, nullptr, false);
+    if (said.is_object() && said.contains("step")) context.report(said.value("step", ""), said.value("share", 0.0));
+  });
+}
+
+/// The verdict in words, the script that was written, and the pictures that say most.
+void add_verdict(const Json& said, const Path& root, const Path& pictures, Json& content, Json& structured) {
+  const auto verdict = read_verdict_json(said.dump(), "the verdict");
+  if (!verdict) return;
+  structured["tasks"] = tasks_of(*verdict);
+  std::string text = said.value("description", "");
+  if (!text.empty()) text = "Found: " + text + ".\n\n";
+  content.push_back(text_block(text + verdict_table(*verdict)));
+  constexpr std::size_t longest_script = 64 << 10;
+  for (const auto& file : said.value("files", std::vector<std::string>()))
+    if (file.ends_with(".scad"))
+      if (const auto script = read_file(root / file); script && script->size() <= longest_script)
+        content.push_back(text_block(file + ":\n" + *script));
+  add_picture(pictures / "deviation.png", content);
+  if (!structured["tasks"].empty()) add_picture(pictures / "finding-1.png", content);
+}
+
+/// What a model says that is short, whatever the part: no shapes, which may hold a million triangles.
+Json short_model(const Json& model) {
+  Json brief;
+  for (const char* key : {"name", "tolerance", "fallback", "parameters", "rivals", "unexplained", "provenance"})
+    if (model.contains(key)) brief[key] = model[key];
+  return brief;
+}
+
+}  // namespace
+
+std::string tool_list() {
+  Json list = Json::array();
+  for (const auto& tool : command_tools())
+    list.push_back({{"name", tool.command.name},
+                    {"description", description_of(tool.command)},
+                    {"inputSchema", input_schema(arguments_of(tool.command))},
+                    {"annotations",
+                     {{"readOnlyHint", !tool.writes},
+                      {"destructiveHint", false},
+                      {"idempotentHint", true},
+                      {"openWorldHint", false}}}});
+  return list.dump();
+}
+
+std::string call_tool(const std::string& name, const std::string& arguments, const Workshop& workshop,
+                      Context& context) {
+  auto tools = command_tools();
+  const auto tool = std::find_if(tools.begin(), tools.end(), [&](const auto& t) { return t.command.name == name; });
+  if (tool == tools.end()) return failed_call("there is no tool '" + name + "'");
+  const auto given = command_words(Json::parse(arguments), arguments_of(tool->command), workshop.root);
+  if (!given) return failed_call(given.error().message);
+  const auto scratch = TemporaryDirectory::make();
+  if (!scratch) return failed_call(scratch.error().message);
+  const Path pictures = scratch->path() / picture_folder, picture = scratch->path() / picture_file;
+  std::vector<std::string> words = {name, "--progress"};
+  if (tool->asks == "--pictures") words.push_back("--pictures=" + pictures.string());
+  const bool draws = tool->asks == "--picture";
+  const auto told =
+      std::find_if(given->begin(), given->end(), [](const auto& w) { return w.starts_with("--picture="); });
+  if (draws && told == given->end()) words.push_back("--picture=" + picture.string());
+  words.insert(words.end(), given->begin(), given->end());
+  auto with_json = words;
+  with_json.insert(with_json.begin() + 1, "--json");
+
+  const auto output = run(with_json, workshop, scratch->path(), context);
+  if (!output) return failed_call(output.error().message);
+  if (output->timed_out)
+    return failed_call(name + " did not end within " + std::to_string(static_cast<long>(workshop.limits.seconds)) +
+                       " s");
+  const Json said = Json::parse(output->out, nullptr, false);
+  if (!said.is_object()) return failed_call(complaint_in(*output));
+  Json content = Json::array(), structured = said;
+  structured["exit_code"] = output->exit_code;
+  if (name == "build" || name == "verify") {
+    add_verdict(said, workshop.root, pictures, content, structured);
+  } else if (name == "explain") {
+    const auto plain = run(words, workshop, scratch->path(), context);
+    if (!plain) return failed_call(plain.error().message);
+    content.push_back(text_block(plain->out));
+    structured = short_model(said);
+  } else if (name == "measure") {
+    content.push_back(text_block(said.dump(1)));
+    for (const auto& file : said.value("files", std::vector<std::string>()))
+      if (file.ends_with(".png")) add_picture(workshop.root / file, content);
+  } else {
+    content.push_back(text_block(said.value("description", "")));
+    add_picture(told == given->end() ? picture : workshop.root / told->substr(told->find('=') + 1), content);
+  }
+  const Json result = {{"content", content}, {"structuredContent", structured}, {"isError", false}};
+  return result.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace partscribe::cli

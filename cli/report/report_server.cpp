@@ -1,0 +1,105 @@
+#include "cli/report/report_server.h"
+
+#include <httplib.h>
+
+#include <chrono>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "cli/report/report_html.h"
+#include "codegen/template.h"
+
+namespace partscribe::cli {
+namespace {
+
+constexpr std::size_t longest_script = 4 << 20;  // bytes
+
+std::string random_word() {
+  std::random_device device;
+  constexpr char digits[] = "0123456789abcdef";
+  std::string word;
+  for (int k = 0; k < 32; ++k) word += digits[device() % 16];
+  return word;
+}
+
+std::string bench_page(const Workbench& bench) {
+  const auto pack = load_template_pack("bench", {});
+  ensure(pack.ok(), "the bench's templates are part of the program");
+  TemplateRecord data;
+  data["name"] = escaped(bench.name);
+  data["file"] = escaped(bench.file);
+  data["script"] = escaped(bench.script);
+  data["outcome"] = bench.judged.outcome;
+  data["sentence"] = escaped(bench.judged.sentence);
+  data["style"] = pack->files.at("bench.css");
+  const std::string& program = pack->files.at("bench.js");
+  data["program"] = program;
+  data["policy"] = "default-src 'none'; style-src 'unsafe-inline'; frame-src 'self'; connect-src 'self'; script-src " +
+                   policy_hash(program) + "; base-uri 'none'; form-action 'none'";
+  auto page = pack->render("bench.html", data);
+  ensure(page.ok(), page.ok() ? "" : page.error().message.c_str());
+  return *page;
+}
+
+void answer_page(const std::string& page, httplib::Response& response) {
+  response.set_content(page, "text/html; charset=utf-8");
+}
+
+void answer_json(const nlohmann::json& json, httplib::Response& response) {
+  response.set_content(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), "application/json");
+}
+
+}  // namespace
+
+Result<Done> serve_workbench(Workbench bench, int port, Session& session,
+                             const std::function<void(const std::string&)>& started) {
+  httplib::Server server;
+  server.set_payload_max_length(longest_script);
+  std::mutex judging;  // one script at a time
+  const std::string base = "/" + random_word() + "/";
+  const int bound = port == 0                                ? server.bind_to_any_port("127.0.0.1")
+                    : server.bind_to_port("127.0.0.1", port) ? port
+                                                             : -1;
+  if (bound < 0)
+    return usage_error("port " + std::to_string(port) + " of this machine cannot be used: another program has it");
+  const std::string host = "127.0.0.1:" + std::to_string(bound);
+  server.set_default_headers({{"Cache-Control", "no-store"},
+                              {"Referrer-Policy", "no-referrer"},
+                              {"X-Content-Type-Options", "nosniff"},
+                              {"X-Frame-Options", "SAMEORIGIN"}});
+  // A page elsewhere that has its own name resolved to this machine is none of ours.
+  server.set_pre_routing_handler([&](const httplib::Request& request, httplib::Response& response) {
+    if (request.get_header_value("Host") == host) return httplib::Server::HandlerResponse::Unhandled;
+    response.status = 403;
+    return httplib::Server::HandlerResponse::Handled;
+  });
+  server.Get(base, [&](const httplib::Request&, httplib::Response& response) {
+    const std::lock_guard lock(judging);
+    answer_page(bench_page(bench), response);
+  });
+  server.Get(base + "report", [&](const httplib::Request&, httplib::Response& response) {
+    const std::lock_guard lock(judging);
+    answer_page(bench.judged.page, response);
+  });
+  server.Post(base + "verify", [&](const httplib::Request& request, httplib::Response& response) {
+    const std::lock_guard lock(judging);
+    auto judged = bench.judge(request.body);
+    if (!judged) {
+      response.status = 422;
+      return answer_json({{"error", judged.error().message}}, response);
+    }
+    bench.script = request.body;
+    bench.judged = std::move(*judged);
+    answer_json({{"outcome", bench.judged.outcome}, {"sentence", bench.judged.sentence}}, response);
+  });
+  std::thread listening([&] { server.listen_after_bind(); });
+  started("http://" + host + base);
+  while (!session.context.cancelled) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  server.stop();
+  listening.join();
+  return Done{};
+}
+
+}  // namespace partscribe::cli

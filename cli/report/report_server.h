@@ -1,0 +1,33 @@
+/// The report beside its script in the browser: a number is edited, verified, and the map drawn anew. On this machine
+/// alone.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "cli/session.h"
+#include "core/result.h"
+
+namespace partscribe::cli {
+
+/// What came of a script.
+struct Judged {
+  std::string page;      ///< the report, a page by itself
+  std::string outcome;   ///< "verified", as in verdict.json
+  std::string sentence;  ///< the verdict in a sentence
+};
+
+struct Workbench {
+  std::string name;    ///< of the part
+  std::string file;    ///< of the script, without folder: "part.scad"
+  std::string script;  ///< its text
+  Judged judged;       ///< as it stands
+  std::function<Result<Judged>(const std::string& script)> judge;
+};
+
+/// Serves the bench on 127.0.0.1 until the session is cancelled; `started` is told its address, which holds a random
+/// word that nobody else knows. `port` 0: any free one. Errors: a usage error if the port is taken.
+Result<Done> serve_workbench(Workbench bench, int port, Session& session,
+                             const std::function<void(const std::string& address)>& started);
+
+}  // namespace partscribe::cli
