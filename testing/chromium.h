@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/files.h"
+#include "testing/png_pixels.h"
 
 namespace partscribe::testing {
 
@@ -17,12 +18,6 @@ using Json = nlohmann::json;
 
 /// Path of a Chromium on PATH; empty if there is none.
 Path find_chromium();
-
-/// What a screenshot holds.
-struct Screenshot {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;  ///< rows from the top
-};
 
 /// One page. Everything that goes wrong with the browser itself throws std::runtime_error and so ends the test.
 class Chromium {
@@ -34,6 +29,7 @@ class Chromium {
   Chromium& operator=(const Chromium&) = delete;
 
   void open(const Path& page, int width, int height);
+  void open_address(const std::string& address, int width, int height);
   /// Calls a method of the debugging protocol for this page.
   Json call(const std::string& method);
   Json call(const std::string& method, Json parameters);
@@ -45,7 +41,7 @@ class Chromium {
   void point_at(const std::string& selector, double dx, double dy, bool click = false);
   void press(const std::string& key);
   /// What the window shows of an element.
-  Screenshot screenshot(const std::string& selector);
+  Pixels screenshot(const std::string& selector);
 
   const std::vector<std::string>& complaints() const { return complaints_; }  ///< errors and console messages
   const std::vector<std::string>& requests() const { return requests_; }      ///< addresses, without data:

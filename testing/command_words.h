@@ -25,7 +25,7 @@ inline std::vector<std::string> command_words() {
 inline std::set<std::string> option_words(const std::string& command) {
   std::set<std::string> words;
   for (const std::string& line : lines_of(run_partscribe({"help", command}).out)) {
-    const auto name = line.find(line.starts_with("  -h,") ? "--" : line.starts_with("  --") ? "--" : "\n");
+    const auto name = line.find(line.starts_with("  -") ? "--" : "\n");
     if (name != std::string::npos) words.insert(line.substr(name, line.find_first_of(" ", name) - name));
   }
   return words;

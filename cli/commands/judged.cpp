@@ -14,13 +14,13 @@ Result<Operands> told_apart(const std::vector<Path>& files, const std::string& c
     operands.artifacts.push_back(operands.scans.front());
     operands.scans.erase(operands.scans.begin());
   }
-  for (const auto& artifact : operands.artifacts)
-    if (!std::filesystem::is_regular_file(artifact))
-      return bad_input(artifact.string() + ": expected a script, a CAD file or a mesh, found no such file");
   if (operands.scans.empty())
     return usage_error(command + " needs an artifact and at least one scan, found only " + files.front().string() +
                        (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more of its kind" : "") +
                        "; add the scan file");
+  for (const auto& artifact : operands.artifacts)
+    if (!std::filesystem::is_regular_file(artifact))
+      return bad_input(artifact.string() + ": expected a script, a CAD file or a mesh, found no such file");
   return operands;
 }
 

@@ -87,7 +87,9 @@ Result<Done> evaluate(const Path& artifact, Subject& subject, Session& session) 
   subject.geometry.file = artifact.filename().string();
   subject.geometry.program = evaluation->program;
   subject.geometry.mesh = std::move(evaluation->mesh);
-  subject.scene = plain_scene(subject.geometry, subject.scan.cloud, session.context);
+  const auto model = model_of(artifact);
+  if (!model) return model.error();
+  subject.scene = plain_scene(subject.geometry, subject.scan.cloud, *model, session.context);
   return Done{};
 }
 
@@ -103,7 +105,7 @@ Result<Done> read(const Path& file, Subject& subject, Session& session) {
     estimate_normals(subject.scan.cloud, {}, session.context);
     subject.what = Drawn::scan;
   }
-  subject.scene = plain_scene(subject.geometry, subject.scan.cloud, session.context);
+  subject.scene = plain_scene(subject.geometry, subject.scan.cloud, {}, session.context);
   return Done{};
 }
 

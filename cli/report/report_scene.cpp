@@ -116,12 +116,13 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
   return scene;
 }
 
-ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud, Context& context) {
+ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud, const std::optional<Model>& model,
+                        Context& context) {
   ReportScene scene;
   scene.cloud = &cloud;
   scene.artifact = geometry.mesh.empty() ? nullptr : &geometry;
   scene.spacing = spacing_of(cloud);
-  scene.views = views_of({}, cloud);
+  scene.views = views_of(model, cloud);
   if (scene.artifact) {
     SurfaceOptions options;
     options.max_error = 1e-3 * geometry.mesh.bounds().diagonal();

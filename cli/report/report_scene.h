@@ -37,7 +37,8 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
                          Context& context);
 
 /// Of geometry that nothing was compared with, and of the points of a scan, either of which may be empty.
-ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud, Context& context);
+ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud, const std::optional<Model>& model,
+                        Context& context);
 
 /// "iso" (from the front, right and above at equal angles) and the six sides.
 const std::vector<std::string>& view_words();

@@ -24,13 +24,15 @@ std::string random_word() {
   return word;
 }
 
-std::string bench_page(const Workbench& bench) {
+/// `filed`: the script before it was edited.
+std::string bench_page(const Workbench& bench, const std::string& filed) {
   const auto pack = load_template_pack("bench", {});
   ensure(pack.ok(), "the bench's templates are part of the program");
   TemplateRecord data;
   data["name"] = escaped(bench.name);
   data["file"] = escaped(bench.file);
   data["script"] = escaped(bench.script);
+  data["filed"] = escaped(filed);
   data["outcome"] = bench.judged.outcome;
   data["sentence"] = escaped(bench.judged.sentence);
   data["style"] = pack->files.at("bench.css");
@@ -57,7 +59,13 @@ Result<Done> serve_workbench(Workbench bench, int port, Session& session,
                              const std::function<void(const std::string&)>& started) {
   httplib::Server server;
   server.set_payload_max_length(longest_script);
+  // By default the library shares a port with whoever asked for the same.
+  server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
   std::mutex judging;  // one script at a time
+  const std::string filed = bench.script;
   const std::string base = "/" + random_word() + "/";
   const int bound = port == 0                                ? server.bind_to_any_port("127.0.0.1")
                     : server.bind_to_port("127.0.0.1", port) ? port
@@ -77,7 +85,7 @@ Result<Done> serve_workbench(Workbench bench, int port, Session& session,
   });
   server.Get(base, [&](const httplib::Request&, httplib::Response& response) {
     const std::lock_guard lock(judging);
-    answer_page(bench_page(bench), response);
+    answer_page(bench_page(bench, filed), response);
   });
   server.Get(base + "report", [&](const httplib::Request&, httplib::Response& response) {
     const std::lock_guard lock(judging);

@@ -20,8 +20,8 @@ struct Judged {
 struct Workbench {
   std::string name;    ///< of the part
   std::string file;    ///< of the script, without folder: "part.scad"
-  std::string script;  ///< its text
-  Judged judged;       ///< as it stands
+  std::string script;  ///< its text, as the file has it
+  Judged judged;       ///< what came of it
   std::function<Result<Judged>(const std::string& script)> judge;
 };
 

@@ -3,14 +3,15 @@
   const find = (id) => document.getElementById(id);
   const script = find("script"), verdict = find("verdict"), report = find("report"), button = find("verify");
   const rows = document.querySelector("#numbers tbody");
-  const asFiled = script.value;
-  // "shank_d = 12;  // diameter of the shank", as scripts begin.
+  const asFiled = find("filed").value;
+  // "shank_d = 12;", as scripts begin; what it is stands in a comment on the line before or behind it.
   const named = /^([A-Za-z_]\w*)( *= *)(-?[0-9.]+(?:e-?[0-9]+)?)( *;(?: *\/\/ *(.*))?.*)$/;
+  const remark = /^\/\/ *(.*)$/;
 
   function showNumbers() {
     rows.replaceChildren();
-    script.value.split("\n").forEach((line, index) => {
-      const found = named.exec(line);
+    script.value.split("\n").forEach((line, index, all) => {
+      const found = named.exec(line), before = index > 0 && remark.exec(all[index - 1]);
       if (!found) return;
       const row = rows.insertRow(), name = document.createElement("th"), input = document.createElement("input");
       name.scope = "row";
@@ -27,7 +28,7 @@
       });
       row.append(name);
       row.insertCell().append(input);
-      row.insertCell().textContent = found[5] || "";
+      row.insertCell().textContent = before ? before[1] : found[5] || "";
     });
     find("numbers").hidden = rows.rows.length === 0;
   }

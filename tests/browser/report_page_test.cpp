@@ -116,7 +116,7 @@ void wait_until_drawn(Chromium& browser) {
 
 /// Pixels that a test of a colour accepts.
 template <class Test>
-std::size_t count_pixels(const Screenshot& picture, Test test) {
+std::size_t count_pixels(const Pixels& picture, Test test) {
   std::size_t count = 0;
   for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3)
     count += test(picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]);

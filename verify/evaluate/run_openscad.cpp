@@ -14,14 +14,25 @@
 namespace partscribe::verify {
 namespace {
 
-/// Lines in which OpenSCAD complains; at most twenty, for a loop can repeat one a million times.
-std::vector<std::string> complaints_in(const std::string& text) {
+/// OpenSCAD names a script by the way there from where it runs; its name says it as well.
+std::string without_folders(std::string line, const std::string& name) {
+  const auto end = line.find("/" + name);
+  if (end == std::string::npos) return line;
+  const auto begin = line.find_last_of(" '\"", end);
+  return line.erase(begin + 1, end - begin);  // npos + 1 is 0
+}
+
+/// Lines in which OpenSCAD complains about the script `name`; at most twenty, for a loop can repeat one a million
+/// times.
+std::vector<std::string> complaints_in(const std::string& text, const std::string& name) {
   std::vector<std::string> found;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
     const bool complains = line.find("WARNING") != std::string::npos || line.find("ERROR") != std::string::npos;
-    if (complains && std::find(found.begin(), found.end(), line) == found.end()) found.push_back(line);
+    if (!complains) continue;
+    line = without_folders(std::move(line), name);
+    if (std::find(found.begin(), found.end(), line) == found.end()) found.push_back(line);
     if (found.size() == 20) break;
   }
   return found;
@@ -90,7 +101,7 @@ Result<Evaluation> run_script(const Path& path, const Path& beside, Evaluation e
     return Error{"openscad did not finish '" + path.filename().string() + "' within " +
                      std::to_string(static_cast<long>(options.seconds)) + " s",
                  ErrorKind::stopped};
-  evaluation.complaints = complaints_in(run->err);
+  evaluation.complaints = complaints_in(run->err, script.filename().string());
   evaluation.failed = !evaluation.complaints.empty();
   // The exit code alone is no verdict: an open polyhedron inside a boolean is dropped with exit code 0.
   if (run->exit_code != 0) {
