@@ -16,7 +16,6 @@
 #include "cli/measure/faces_file.h"
 #include "cli/names.h"
 #include "cli/report/report_scene.h"
-#include "core/number.h"
 #include "fit/procedures.h"
 #include "model/json.h"
 #include "python/arrays.h"
@@ -55,20 +54,10 @@ struct Built {
   std::shared_ptr<Judged> judged;
 };
 
-Result<SharedOptions> shared_options(std::optional<double> tolerance, int threads, const std::string& units = {}) {
-  if (tolerance && !(*tolerance >= 1e-6 && *tolerance <= 1e6))
-    return usage_error("tolerance: expected a number of mm from 1e-6 to 1e6, found " + print_number(*tolerance));
-  if (threads < 0 || threads > 1024)
-    return usage_error("threads: expected a whole number from 0 to 1024, found " + std::to_string(threads));
+SharedOptions shared(std::optional<double> tolerance, int threads, const std::string& units = {}) {
   SharedOptions options;
   options.tolerance = tolerance, options.threads = threads, options.units = units;
   return options;
-}
-
-SharedOptions shared(std::optional<double> tolerance, int threads, const std::string& units = {}) {
-  auto options = shared_options(tolerance, threads, units);
-  if (!options) raise(options.error());
-  return *options;
 }
 
 std::shared_ptr<Judged> judged(Verdict verdict, const Scan& scan) {

@@ -79,6 +79,7 @@ def read(
     _one_of("poses", poses, ("given", "guess", "none", "turntable"))
     _one_of("registration", registration, ("symmetric", "paper", "paper-triangles"))
     _one_of("filter", filter, ("none", "rlts", "profile"))
+    _within("threads", threads, 0, 1024)
     return _native.read(
         _paths(files), units or "", poses, registration, fiducials or "", correct_depth, filter, threads, progress
     )
@@ -95,6 +96,8 @@ def measure(
     tolerance : float, optional
         mm; what is smaller than a few of it is no face. Otherwise chosen from the scan's noise and size.
     """
+    _within("tolerance", tolerance, 1e-6, 1e6)
+    _within("threads", threads, 0, 1024)
     return Measurement(_native.measure(_scan(scan, threads, progress), tolerance, threads, progress))
 
 
@@ -142,6 +145,8 @@ def build(
     InputError, UsageError
         Out of tolerance is no error: see the `verdict` of the result.
     """
+    _within("tolerance", tolerance, 1e-6, 1e6)
+    _within("threads", threads, 0, 1024)
     return Build(
         _native.build(
             _scan(scan, threads, progress), tolerance, out or "", name or "", _words("to", to), nominal,
@@ -196,10 +201,10 @@ def verify(
     """
     _one_of("rule", rule, ("local", "max"))
     _one_of("align", align, ("none", "best-fit", "datums"))
-    if outliers is not None and not 0 <= outliers <= 1:
-        raise UsageError(f"outliers: expected a share from 0 to 1, found {outliers}")
-    if not 1 <= time_limit <= 1e6:
-        raise UsageError(f"time_limit: expected seconds from 1 to 1e6, found {time_limit}")
+    _within("tolerance", tolerance, 1e-6, 1e6)
+    _within("outliers", outliers, 0, 1)
+    _within("time_limit", time_limit, 1, 1e6)
+    _within("threads", threads, 0, 1024)
     return Verdict(
         _native.verify(
             _paths(artifacts), _scan(scan, threads, progress), tolerance, None if model is None else _model(model),
@@ -244,6 +249,11 @@ def _one_of(name: str, value: object, words: tuple[object, ...]) -> None:
     if value not in words:
         known = ", ".join(str(word) for word in words if word is not None)
         raise UsageError(f"{name}: expected one of {known}, found {value!r}")
+
+
+def _within(name: str, value: float | None, low: float, high: float) -> None:
+    if value is not None and not low <= value <= high:
+        raise UsageError(f"{name}: expected a number from {low:g} to {high:g}, found {value:g}")
 
 
 def _words(name: str, words: Iterable[str] | None) -> list[str]:

@@ -210,7 +210,7 @@ class Build:
     ok : bool
         Every file is verified.
     procedure, description : str
-        One word, and the procedure in words. `fallback` tells that no procedure was found and that it is a triangulation.
+        One word, and the procedure in words. `fallback` tells that it is a triangulation, because none was found.
     parameters : list of Parameter
     model : dict
         model.json; changed, it can be given to `emit`. `model_json` is its text.

@@ -97,7 +97,7 @@ def test_a_missing_program_is_an_outcome(files, pin, monkeypatch, tmp_path):
 def test_bad_arguments_name_what_is_expected(files, pin):
     with pytest.raises(partscribe.UsageError, match="align: expected one of none, best-fit, datums, found 'icp'"):
         partscribe.verify(files / "part.scad", pin, align="icp")
-    with pytest.raises(partscribe.UsageError, match="outliers: expected a share"):
+    with pytest.raises(partscribe.UsageError, match="outliers: expected a number from 0 to 1, found 2"):
         partscribe.verify(files / "part.scad", pin, outliers=2)
     with pytest.raises(partscribe.InputError, match="missing.scad"):
         partscribe.verify(files / "missing.scad", pin)
