@@ -19,8 +19,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS openscad)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS bubblewrap)
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
-"${PROJECT_DESCRIPTION}
-Partscribe reads 3-D scans of a part and writes the part as an editable CAD
+"Partscribe reads 3-D scans of a part and writes the part as an editable CAD
 procedure: named dimensions and named steps, not a bag of triangles. One run
 writes OpenSCAD, Alpha_1 SCL, IGES and STEP. Then every file is run by its own
 program, and what comes out is compared with the scan in both directions.")
@@ -37,8 +36,7 @@ ${Python_VERSION_MAJOR}.${next}), python3-numpy, partscribe (= ${PROJECT_VERSION
     "${PROJECT_SOURCE_DIR}/cmake/debian/postinst;${PROJECT_SOURCE_DIR}/cmake/debian/prerm")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION
-"3-D scans as editable CAD procedures, verified: Python
-Partscribe as a Python package: scans and deviations as numpy arrays, builds,
+"Partscribe as a Python package: scans and deviations as numpy arrays, builds,
 measurements and verdicts as Python objects.")
 endif()
 include(CPack)
