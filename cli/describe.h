@@ -56,4 +56,7 @@ std::string no_procedure_line(const Model& model, const std::string& asked);
 /// The superellipsoid that was recovered first, in one line; empty if the model has none.
 std::string hypothesis_line(const Model& model);
 
+/// What `explain` prints: every number with its evidence, the steps, the rivals.
+std::string explanation(const Model& model);
+
 }  // namespace partscribe::cli

@@ -80,15 +80,13 @@ Session::~Session() {
 }
 
 Result<Done> Session::start() {
-  context.threads = options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  connect();
   terminal_ = ::isatty(2) == 1 && std::getenv("TERM") != nullptr;
   if (!options.log.empty()) {
     log_.open(options.log, std::ios::app);
     if (!log_)
       return usage_error("--log " + options.log.string() + ": cannot be written; name a file in an existing folder");
   }
-  context.progress = [this](const std::string& name, double share) { show_progress(name, share); };
-  context.log = [this](const std::string& line) { note(line); };
   cancel_flag = &context.cancelled;
   first_interrupt_ms = 0;
   listen_for(SIGINT);
@@ -98,6 +96,17 @@ Result<Done> Session::start() {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write
   watch_ = std::thread([this] { end_when_cancelled(); });
   return Done{};
+}
+
+void Session::start_within(Host host) {
+  host_ = std::move(host);
+  connect();
+}
+
+void Session::connect() {
+  context.threads = options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  context.progress = [this](const std::string& name, double share) { show_progress(name, share); };
+  context.log = [this](const std::string& line) { note(line); };
 }
 
 /// Stages look at the flag and end by themselves; one that is deep in somebody else's library is not waited for. No
@@ -146,14 +155,14 @@ void Session::finish_stage() {
 
 void Session::print(const std::string& text) {
   clear_bar();
-  if (options.quiet || options.json) return;
+  if (options.quiet || options.json || host_) return;
   std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
 }
 
 void Session::print_json(const std::string& text) {
   clear_bar();
-  if (!options.json) return;
+  if (!options.json || host_) return;
   std::fputs(text.c_str(), stdout);
   if (!text.ends_with('\n')) std::fputc('\n', stdout);
   std::fflush(stdout);
@@ -166,6 +175,7 @@ void Session::output(const std::string& text) {
 }
 
 void Session::warn(const std::string& line) {
+  if (host_) return host_->warning(line);
   clear_bar();
   std::fprintf(stderr, "partscribe: warning: %s\n", line.c_str());
   log_line("warning: " + line);
@@ -190,8 +200,12 @@ void Session::tell_progress(const std::string& title, double share) {
 
 void Session::show_progress(const std::string& name, double share) {
   if (options.quiet && !options.progress) return;
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   const std::string title = stage_.empty() || name == stage_ ? name : stage_ + ": " + name;
+  if (host_) {
+    lock.unlock();  // the host may take its time
+    return host_->progress(title, share);
+  }
   if (options.progress) return tell_progress(title, share);
   if (!terminal_) {
     // One plain line per stage: a log file or a build server wants no bar.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <fstream>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -30,6 +31,12 @@ struct SharedOptions {
   Path log;
 };
 
+/// Where the news of a run go that is a part of another program.
+struct Host {
+  std::function<void(const std::string& stage, double share)> progress;  ///< called by any thread
+  std::function<void(const std::string& line)> warning;
+};
+
 /// Results go to standard output (nothing but JSON with --json); progress and warnings to standard error.
 class Session {
  public:
@@ -44,6 +51,8 @@ class Session {
 
   /// Opens the log and connects progress, threads and Ctrl-C.
   Result<Done> start();
+  /// In place of start(), where the run is a part of another program: prints nothing and leaves signals alone.
+  void start_within(Host host);
   /// What a run that is cancelled from now on leaves, as an end of the line that says so.
   void if_cancelled(const std::string& leaves);
   /// Ends the running stage and starts the next; also the place where Ctrl-C is noticed.
@@ -58,12 +67,14 @@ class Session {
   void note(const std::string& line);        ///< news while working: --log, and standard error if it is a terminal's
 
  private:
+  void connect();
   void show_progress(const std::string& stage, double share);
   void tell_progress(const std::string& title, double share);
   void clear_bar();
   void end_when_cancelled();
   void log_line(const std::string& line);
 
+  std::optional<Host> host_;
   std::ofstream log_;
   std::mutex mutex_;
   bool terminal_ = false, bar_shown_ = false;

@@ -1,5 +1,5 @@
-# What `cmake --install` lays down, in two components: `program`, of which CPack makes the Debian package, and
-# `library`, which other programs find with find_package(partscribe).
+# What `cmake --install` lays down, in two components: `program`, and `library`, which other programs find with
+# find_package(partscribe). A third one, `python`, is python/CMakeLists.txt's.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -52,26 +52,3 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/partscribe-conf
   COMPATIBILITY SameMinorVersion)
 install(FILES cmake/partscribe-config.cmake ${PROJECT_BINARY_DIR}/generated/partscribe-config-version.cmake
   DESTINATION ${described} COMPONENT library)
-
-# ---- The Debian package. ----
-set(PARTSCRIBE_MAINTAINER "The Partscribe maintainers <maintainers@partscribe.invalid>" CACHE STRING
-  "who answers for a Debian package that is made here")
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "${PARTSCRIBE_MAINTAINER}")
-set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};partscribe;program;/")
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_STRIP_FILES ON)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
-  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# `build` and `verify` run the scripts that were written, and confine what they run where they can.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS openscad)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS bubblewrap)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
-"Partscribe reads 3-D scans of a part and writes the part as an editable CAD
-procedure: named dimensions and named steps, not a bag of triangles. One run
-writes OpenSCAD, Alpha_1 SCL, IGES and STEP. Then every file is run by its own
-program, and what comes out is compared with the scan in both directions.")
-include(CPack)

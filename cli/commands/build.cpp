@@ -4,19 +4,12 @@
 
 #include "cli/commands.h"
 #include "cli/commands/build_json.h"
-#include "cli/commands/stages.h"
-#include "cli/commands/views.h"
-#include "cli/commands/wider.h"
+#include "cli/commands/built.h"
 #include "cli/describe.h"
 #include "cli/inputs.h"
 #include "cli/names.h"
-#include "cli/report/report_page.h"
-#include "cli/result_folder.h"
 #include "core/number.h"
-#include "fit/procedures.h"
-#include "geometry/io/read_geometry.h"
 #include "geometry/normals/normals.h"
-#include "model/json.h"
 #include "scan/filter/background.h"
 
 namespace partscribe::cli {
@@ -45,17 +38,6 @@ struct BuildArguments {
   Path templates, pictures;
 };
 
-/// What a build wrote, the artifacts first.
-std::vector<Path> files_in(const Path& folder) {
-  auto names = artifact_names();
-  for (const char* file : {"model.json", "cloud.ply", "poses.json", "verdict.json", "report.html"})
-    names.push_back(file);
-  std::vector<Path> files;
-  for (const auto& name : names)
-    if (std::filesystem::exists(folder / name)) files.push_back(folder / name);
-  return files;
-}
-
 /// What build says at the end.
 void print_result(const Model& model, const Verdict& verdict, const Path& folder, Session& session) {
   session.print("\n" + found_lines(model));
@@ -65,7 +47,7 @@ void print_result(const Model& model, const Verdict& verdict, const Path& folder
                   " points)\n");
   session.print("\n" + verdict_table(verdict));
   std::string names;
-  for (const auto& file : files_in(folder)) names += " " + file.filename().string();
+  for (const auto& file : built_files(folder)) names += " " + file.filename().string();
   session.print("\nFiles in " + folder.string() + ":" + names + "\n");
   session.print("Open " + (folder / "report.html").string() + " for pictures and reasons.\n");
   session.print(seconds_line(session) + "\n");
@@ -88,117 +70,9 @@ std::string scene_hint(const Path& input, const std::string& units, const Scan& 
          (units.empty() ? "" : " --units " + units) + " --on-table 1 cuts the largest out for build.\n";
 }
 
-/// A format that has no such body is a row of the verdict, and none that is verified.
-void add_unwritten(Verdict& verdict, const Emitted& emitted) {
-  for (const auto& [file, backend, reason] : emitted.failures) {
-    ArtifactVerdict& row = verdict.artifacts.emplace_back();
-    row.file = file, row.backend = backend;
-    row.verdict = verdict.verdict = Outcome::out_of_tolerance;
-    row.reasons.push_back("it cannot be written: " + reason);
-  }
-}
-
-/// "part.scad: hole 1: 0.3 mm too far in +x ...".
-std::string first_fault(const Verdict& verdict) {
-  for (const auto& a : verdict.artifacts) {
-    if (a.verdict != Outcome::out_of_tolerance) continue;
-    for (const auto& f : a.findings)
-      if (f.kind != Finding::Kind::not_scanned) return a.file + ": " + f.text;
-    if (!a.reasons.empty()) return a.file + ": " + a.reasons.front();
-  }
-  return "its files differ";
-}
-
-/// A model, written and judged.
-struct Trial {
-  std::string model;  ///< its model.json
-  std::string procedure;
-  Emitted emitted;
-  Verdict verdict;
-};
-
-/// Every model that the fit offers is written, run and judged before it becomes the answer.
-struct Trials {
-  const Scan& scan;
-  const std::vector<std::string>& backends;
-  const Path& templates;
-  const Path folder;
-  double tolerance;
-  Session& session;
-  std::vector<Trial> tried;
-
-  Result<const Trial*> of(const CheckedModel& model) {
-    std::string text = write_model_json(*model);
-    for (const Trial& known : tried)
-      if (known.model == text) return &known;
-    if (auto ok = session.stage("write"); !ok) return ok.error();
-    auto emitted = emit_all(model, backends, templates, session);
-    if (!emitted) return emitted.error();
-    const auto scripts = write_artifacts(emitted->artifacts, folder);
-    if (!scripts) return scripts.error();
-    if (auto ok = session.stage("verify"); !ok) return ok.error();
-    Verdict verdict;
-    if (!scripts->empty()) {
-      VerifyOptions options;
-      options.tolerance = tolerance;
-      options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*model));
-      auto judged = verify_artifacts(*scripts, scan, *model, options, session.context);
-      if (!judged) return judged.error();
-      verdict = std::move(*judged);
-    }
-    add_unwritten(verdict, *emitted);
-    tried.push_back({std::move(text), procedure_of(*model), std::move(*emitted), std::move(verdict)});
-    return &tried.back();
-  }
-
-  /// The first thing that is wrong with a model; nothing if it is verified, or if the scan or a missing program keeps
-  /// it from being so.
-  Result<std::string> refusal(const CheckedModel& model) {
-    const auto trial = of(model);
-    if (!trial) return trial.error();
-    std::string reason;
-    if ((*trial)->verdict.verdict == Outcome::out_of_tolerance) reason = first_fault((*trial)->verdict);
-    if (!reason.empty() && !std::holds_alternative<TriSurface>(model->objects.back().shape))
-      session.print("Tried " + procedure_text(*model) + ": " + reason + ".\n");
-    if (auto ok = session.stage("fit"); !ok) return ok.error();
-    return reason;
-  }
-};
-
-/// A procedure and the tolerance at which this very build would verify it, where nothing is verified now or all that is
-/// is a triangulation. `as_read`: the scan's points as they were before the fit.
-Result<std::optional<Wider>> wider_procedure(const Trials& trials, const Model& model, const PointCloud& as_read,
-                                             const std::string& name, const FitArguments& fit, Session& session) {
-  const double reach = useful_reach(as_read.bounds().diagonal());
-  std::vector<Wider> proposals;
-  if (const Rival* nearest = nearest_procedure(model))
-    proposals.push_back({procedure_word(nearest->procedure), tolerance_that_lets(nearest->deviation)});
-  for (const Trial& trial : trials.tried)
-    if (auto wider = wider_for(trial.procedure, trial.verdict, reach)) proposals.push_back(std::move(*wider));
-  return first_verified(std::move(proposals), reach, [&](const Wider& wider) -> Result<std::optional<Verdict>> {
-    FitArguments only = fit;
-    only.procedure = wider.procedure;
-    Scan again = trials.scan;
-    again.cloud = as_read;
-    const auto aside = TemporaryDirectory::make();
-    if (!aside) return aside.error();
-    Trials alone{again, trials.backends, trials.templates, aside->path(), wider.tolerance, session, {}};
-    if (auto ok = session.stage("fit"); !ok) return ok.error();
-    const auto fitted = fit_stage(again, wider.tolerance, name, only, session);
-    if (!fitted) return fitted.error();
-    if ((*fitted)->fallback) return std::optional<Verdict>();
-    const auto trial = alone.of(*fitted);
-    if (!trial) return trial.error();
-    return std::optional((*trial)->verdict);
-  });
-}
-
-/// Reads, fits, writes and judges into `results`, whose files are `name`'s. `reads_cloud`: the cloud there is an input
-/// and stays.
-Result<int> work(const BuildArguments& arguments, const std::vector<std::string>& backends, const std::string& name,
-                 bool reads_cloud, ResultFolder& results, Session& session) {
-  const Path& folder = results.path();
-  const bool registers = arguments.poses.poses != "given";
+/// Reads, fits, writes and judges. `asked`: all but the tolerance, which may follow from the scan.
+Result<int> work(const BuildArguments& arguments, const BuildRequest& asked, BuildFolder& into, Session& session) {
+  const Path& folder = into.results.path();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto placed =
       read_views(arguments.scans, arguments.poses, arguments.filter == "none" ? Points::measured : Points::flagged,
@@ -216,67 +90,34 @@ Result<int> work(const BuildArguments& arguments, const std::vector<std::string>
     session.print("Set aside " + std::to_string(placed->filter.rejected) + " of " +
                   std::to_string(placed->filter.returns) + " returns of range images as outliers.\n");
 
-  if (auto ok = session.stage("fit"); !ok) return ok.error();
-  // Away from the folder of the results, which are written when the answer is known.
-  const auto aside = TemporaryDirectory::make();
-  if (!aside) return aside.error();
-  Trials trials{*scan, backends, arguments.templates, aside->path(), tolerance.tolerance, session, {}};
-  const bool any_other = arguments.fit.procedure.empty();
+  BuildRequest request = asked;
+  request.tolerance = tolerance.tolerance;
   const PointCloud as_read = scan->cloud;
-  const auto model =
-      fit_stage(*scan, tolerance.tolerance, name, arguments.fit, session,
-                any_other ? Refusal([&](const CheckedModel& m) { return trials.refusal(m); }) : Refusal());
-  if (!model) return model.error();
-  const auto trial = trials.of(*model);
-  if (!trial) return trial.error();
-  const Verdict& verdict = (*trial)->verdict;
-  if (auto ok = session.stage("write"); !ok) return ok.error();
-  if (auto ok = results.begin(); !ok) return ok.error();
-  std::string cloud_sha256;
-  if (!reads_cloud) {
-    const std::string cloud = write_cloud_ply(scan->cloud);
-    if (auto ok = write_file(folder / "cloud.ply", cloud); !ok) return ok.error();
-    if (registers) cloud_sha256 = sha256(cloud);
-  }
-  if (registers)
-    if (auto ok = write_file(folder / "poses.json", poses_json(*placed, cloud_sha256)); !ok) return ok.error();
-  if (auto ok = write_file(folder / "model.json", (*trial)->model); !ok) return ok.error();
-  if (auto ok = results.mark(); !ok) return ok.error();
-  session.if_cancelled(results.left());
-  const auto scripts = write_artifacts((*trial)->emitted.artifacts, folder);
-  if (!scripts) return scripts.error();
-  if (auto ok = results.mark(); !ok) return ok.error();
-  session.if_cancelled(results.left());
-  const std::string json = write_verdict_json(verdict);
-  if (auto ok = write_file(folder / "verdict.json", json); !ok) return ok.error();
-
-  if (auto ok = session.stage("report"); !ok) return ok.error();
-  const std::optional<Model> reported = **model;
-  const auto scene = report_scene(reported, verdict, scan->cloud, session.context);
-  const auto pictures = draw_report(scene, session.context);
-  const auto page = report_page(
-      {name, reported, verdict, scene, pictures, read_scripts(*scripts), {}, scan->warnings, session.version});
-  if (auto ok = write_file(folder / "report.html", page); !ok) return ok.error();
+  const auto built = build_part(*scan, request, session);
+  if (!built) return built.error();
+  const auto pictures = write_built(*built, *placed, into, session);
+  if (!pictures) return pictures.error();
   if (!arguments.pictures.empty())
-    if (auto drawn = write_pictures(pictures, arguments.pictures, session.options.force); !drawn) return drawn.error();
-  session.finish_stage();
+    if (auto drawn = write_pictures(*pictures, arguments.pictures, session.options.force); !drawn) return drawn.error();
 
-  session.if_cancelled("");
-  print_result(**model, verdict, folder, session);
+  const Model& model = *built->model;
+  const Verdict& verdict = built->trial().verdict;
+  print_result(model, verdict, folder, session);
   if (verdict.verdict == Outcome::out_of_tolerance)
     session.print(scene_hint(arguments.scans.front(), session.options.units, *scan, session.context.threads));
-  session.print(no_procedure_line(**model, arguments.fit.procedure));
+  session.print(no_procedure_line(model, request.fit.procedure));
   std::optional<Wider> wider;
   const bool heard = !session.options.quiet || session.options.json;
-  if (heard && ((*model)->fallback || verdict.verdict == Outcome::out_of_tolerance)) {
+  if (heard && (model.fallback || verdict.verdict == Outcome::out_of_tolerance)) {
     // The files are whole: what stops this search takes nothing from them.
-    if (auto found = wider_procedure(trials, **model, as_read, name, arguments.fit, session)) wider = std::move(*found);
+    if (auto found = wider_procedure(*built, *scan, as_read, request, session)) wider = std::move(*found);
     session.finish_stage();
   }
   if (wider)
     session.print("Try --procedure " + wider->procedure + " --tolerance " + print_number(wider->tolerance) +
                   ": that was tried and is verified.\n");
-  session.print_json(build_json(**model, arguments.fit.procedure, wider, json, files_in(folder), scan->warnings));
+  session.print_json(build_json(model, request.fit.procedure, wider, write_verdict_json(verdict), built_files(folder),
+                                scan->warnings));
   return exit_code_of(verdict.verdict);
 }
 
@@ -286,20 +127,13 @@ Result<int> run_build(const BuildArguments& arguments, Session& session) {
   const Path named_after = arguments.fit.name.empty() ? arguments.scans.front() : Path(arguments.fit.name);
   // A build starts from scans, so an earlier run's cloud.ply is an input like any other: its folder is its own.
   const Path folder = output_folder(session.options, arguments.scans.front(), named_after);
-  std::error_code ignored;
-  bool reads_cloud = false;
-  for (const auto& scan : arguments.scans)
-    reads_cloud = reads_cloud || std::filesystem::equivalent(scan, folder / "cloud.ply", ignored);
-  auto outputs = artifact_names();
-  for (const char* file : {"model.json", "verdict.json", "report.html"}) outputs.push_back(file);
-  if (arguments.poses.poses != "given" || !reads_cloud) outputs.push_back("poses.json");
-  if (!reads_cloud) outputs.push_back("cloud.ply");
-  ResultFolder results(folder, outputs, "build", arguments.scans);
+  BuildFolder into = build_folder(folder, arguments.scans, arguments.poses.poses != "given");
   if (auto ok = check_same_part(session.options, folder, arguments.scans); !ok) return ok.error();
-  if (auto ok = results.check(session.options.force); !ok) return ok.error();
+  if (auto ok = into.results.check(session.options.force); !ok) return ok.error();
   if (!arguments.pictures.empty())
     if (auto ok = check_overwriting(arguments.pictures, {"scan.png"}, session.options.force); !ok) return ok.error();
-  return results.close(work(arguments, *backends, part_name(named_after), reads_cloud, results, session));
+  const BuildRequest request{part_name(named_after), 0, *backends, arguments.templates, arguments.fit};
+  return into.results.close(work(arguments, request, into, session));
 }
 
 }  // namespace

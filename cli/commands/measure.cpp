@@ -10,7 +10,6 @@
 #include "cli/measure/faces_file.h"
 #include "cli/measure/measured_part.h"
 #include "cli/pictures/face_picture.h"
-#include "geometry/normals/normals.h"
 #include "verify/report/words.h"
 
 namespace partscribe::cli {
@@ -31,8 +30,6 @@ its uncertainty, and what belongs to no face. Nothing is rounded to nominal size
 standard deviation. Writes faces.json (all of it), faces.csv (a row for each face), features.csv (a row for each size of
 a feature) and faces.png (the part with its faces coloured; the numbers are those of the tables). Exit code 0 when they
 were written, whatever the part is like; 3 if a file cannot be read, 2 if one exists already.)";
-
-constexpr std::size_t least_points = 50;  // of a cloud
 
 struct MeasureArguments {
   std::vector<Path> scans;
@@ -61,15 +58,8 @@ Result<int> work(const MeasureArguments& given, const Path& folder, Session& ses
   auto placed = read_views(given.scans, given.poses, Points::measured, session);
   if (!placed) return placed.error();
   Scan& scan = placed->scan;
-  if (scan.mesh.empty() && scan.cloud.size() < least_points)
-    return bad_input(scan.files.front() + ": expected at least " + std::to_string(least_points) + " points, found " +
-                     std::to_string(scan.cloud.size()));
   const auto tolerance = tolerance_for(scan, session);
-  // Of meshes as well: those that are scans are measured by their points.
-  if (auto ok = session.stage("normals"); !ok) return ok.error();
-  estimate_normals(scan.cloud, {}, session.context);
-  if (auto ok = session.stage("faces"); !ok) return ok.error();
-  const auto part = measured_part(scan, tolerance.tolerance, session.context);
+  const auto part = measure_stage(scan, tolerance.tolerance, session);
   if (!part) return part.error();
   if (auto ok = session.stage("write"); !ok) return ok.error();
   const std::string picture = write_png(draw_faces(scan, part->faces, session.context));

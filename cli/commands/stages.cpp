@@ -10,6 +10,7 @@
 #include "core/number.h"
 #include "fit/build.h"
 #include "fit/procedures.h"
+#include "geometry/normals/normals.h"
 
 namespace partscribe::cli {
 namespace {
@@ -55,6 +56,18 @@ Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& 
     };
   const auto built = build_model(scan, options, session.context);
   return built ? stamped(*built) : built;
+}
+
+Result<MeasuredPart> measure_stage(Scan& scan, double tolerance, Session& session) {
+  constexpr std::size_t least_points = 50;  // of a cloud
+  if (scan.mesh.empty() && scan.cloud.size() < least_points)
+    return bad_input(scan.files.front() + ": expected at least " + std::to_string(least_points) + " points, found " +
+                     std::to_string(scan.cloud.size()));
+  // Of meshes as well: those that are scans are measured by their points.
+  if (auto ok = session.stage("normals"); !ok) return ok.error();
+  estimate_normals(scan.cloud, {}, session.context);
+  if (auto ok = session.stage("faces"); !ok) return ok.error();
+  return measured_part(scan, tolerance, session.context);
 }
 
 Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names) {

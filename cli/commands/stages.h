@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/measure/measured_part.h"
 #include "cli/pictures/pictures.h"
 #include "cli/session.h"
 #include "core/files.h"
@@ -34,6 +35,9 @@ using Refusal = std::function<Result<std::string>(const CheckedModel&)>;
 /// build_model with the program's version and options in the provenance.
 Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& name, const FitArguments& arguments,
                                Session& session, const Refusal& refusal = {});
+
+/// The faces of a scan with what follows from them; its cloud gets normals, noise and flags.
+Result<MeasuredPart> measure_stage(Scan& scan, double tolerance, Session& session);
 
 /// The backends of --to in the program's order; empty names all. An unknown one is a usage error.
 Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names);

@@ -1,4 +1,5 @@
-# package.sh BUILD FOLDER VERSION: the Debian package has these files, these fields, and a program that runs.
+# package.sh BUILD FOLDER VERSION: makes the Debian packages; that of the program has these files, these fields, and a
+# program that runs.
 build=$1 folder=$2 version=$3
 for tool in dpkg-deb dpkg-shlibdeps file; do
   command -v "$tool" >/dev/null || { echo "skipped: $tool is not installed"; exit 0; }

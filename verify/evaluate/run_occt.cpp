@@ -1,5 +1,6 @@
 #include "verify/evaluate/run_occt.h"
 
+#include <dlfcn.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -145,8 +146,18 @@ std::optional<Result<BrepReading>> from_bytes(std::string_view bytes) {
 // ---- Who reads.
 // -------------------------------------------------------------------------------------------------------
 
-/// The program partscribe: this one if it is, else the one beside it, else the one on PATH.
+/// The library that holds this code, if it is none of the program itself: the Python module.
+Path own_library() {
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&own_library), &info) == 0 || !info.dli_fname) return {};
+  Path file(info.dli_fname);
+  return file.is_absolute() ? file : Path();
+}
+
+/// The program partscribe: this one if it is, else the one beside the library or the program that holds this code, else
+/// the one on PATH.
 Path reader_program() {
+  const auto beside = [](const Path& file) { return find_program((file.parent_path() / "partscribe").string()); };
   char name[4096];
   const auto length = ::readlink("/proc/self/exe", name, sizeof name);
   if (length > 0) {
@@ -155,7 +166,9 @@ Path reader_program() {
     if (own.ends_with(gone)) own.remove_suffix(gone.size());
     const Path self(own);
     if (self.filename() == "partscribe") return "/proc/self/exe";
-    if (Path beside = find_program((self.parent_path() / "partscribe").string()); !beside.empty()) return beside;
+    if (const Path library = own_library(); !library.empty())
+      if (Path program = beside(library); !program.empty()) return program;
+    if (Path program = beside(self); !program.empty()) return program;
   }
   return find_program("partscribe");
 }
