@@ -32,8 +32,8 @@ std::string man_list(const std::vector<Declared>& declared) {
   std::string result;
   for (const auto& d : declared) {
     result += ".TP\n";
-    if (!d.letter.empty()) result += "\\fB" + man_text(d.letter) + "\\fR, ";
     result += d.is_option() ? "\\fB" + man_text(d.name) + "\\fR" : "\\fI" + man_text(d.name) + "\\fR";
+    if (!d.letter.empty()) result += ", \\fB" + man_text(d.letter) + "\\fR";
     if (!d.value_name.empty()) result += " \\fI" + man_text(d.value_name) + "\\fR";
     result += "\n" + man_text(d.help) + "\n";
   }

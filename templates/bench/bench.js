@@ -4,8 +4,9 @@
   const script = find("script"), verdict = find("verdict"), report = find("report"), button = find("verify");
   const rows = document.querySelector("#numbers tbody");
   const asFiled = find("filed").value;
-  // "shank_d = 12;", as scripts begin; what it is stands in a comment on the line before or behind it.
-  const named = /^([A-Za-z_]\w*)( *= *)(-?[0-9.]+(?:e-?[0-9]+)?)( *;(?: *\/\/ *(.*))?.*)$/;
+  // "shank_d = 12;" or "shank_d = as_designed ? 12 : 12.003;", as scripts begin; what it is stands in a comment on the
+  // line before or behind it.
+  const named = /^([A-Za-z_]\w*)( *= *(?:as_designed *\? *)?)(-?[0-9.]+(?:e-?[0-9]+)?)((?: *:[^;]*)?;(?: *\/\/ *(.*))?.*)$/;
   const remark = /^\/\/ *(.*)$/;
 
   function showNumbers() {
