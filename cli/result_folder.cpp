@@ -32,6 +32,8 @@ std::map<std::string, std::string> left_by(const Path& mark, const std::string& 
 ResultFolder::ResultFolder(Path folder, std::vector<std::string> files, std::string command,
                            const std::vector<Path>& inputs)
     : folder_(std::move(folder)), files_(std::move(files)), command_(std::move(command)) {
+  std::error_code ignored;
+  was_there_ = std::filesystem::exists(folder_, ignored);
   for (const auto& input : inputs) inputs_.push_back(std::filesystem::absolute(input).lexically_normal().string());
 }
 
@@ -87,9 +89,12 @@ std::string ResultFolder::left() const {
 }
 
 Result<int> ResultFolder::close(Result<int> outcome) const {
-  if (!begun_) return outcome;
-  const std::string rest = outcome ? "" : left();
   std::error_code ignored;
+  if (!begun_) {
+    if (!outcome && !was_there_) std::filesystem::remove(folder_, ignored);  // only if nothing is in it
+    return outcome;
+  }
+  const std::string rest = outcome ? "" : left();
   if (rest.empty()) std::filesystem::remove(folder_ / mark_name, ignored);
   if (rest.empty() || !mark()) return outcome;
   return Error{outcome.error().message + rest, outcome.error().kind};

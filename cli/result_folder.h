@@ -31,6 +31,7 @@ class ResultFolder {
   /// yet.
   std::string left() const;
   /// All files are there; or, if `outcome` is an error, it also says which of them are and what may be done with them.
+  /// A folder that was made for nothing is removed.
   Result<int> close(Result<int> outcome) const;
 
  private:
@@ -39,7 +40,7 @@ class ResultFolder {
   Path folder_;
   std::vector<std::string> files_, inputs_;
   std::string command_;
-  bool begun_ = false;
+  bool begun_ = false, was_there_ = false;
 };
 
 }  // namespace partscribe::cli

@@ -35,13 +35,13 @@ Result<int> run_fit(const FitCommandArguments& given, Session& session) {
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto scan = read_scans(given.scans, session);
   if (!scan) return scan.error();
-  if (auto ok = make_folder(folder); !ok) return ok.error();
   const auto tolerance = tolerance_for(*scan, session);
   session.print("Read " + std::to_string(scan->cloud.size()) + " points; " + tolerance.reason + ".\n");
   if (auto ok = session.stage("fit"); !ok) return ok.error();
   const auto model = fit_stage(*scan, tolerance.tolerance, name, given.fit, session);
   if (!model) return model.error();
   const std::string text = write_model_json(**model);
+  if (auto ok = make_folder(folder); !ok) return ok.error();
   if (auto ok = write_file(folder / "model.json", text); !ok) return ok.error();
   session.finish_stage();
   session.print("\n" + found_lines(**model) + "\n" + dimension_table(**model) + "\nModel in " +

@@ -50,6 +50,19 @@ TEST_CASE("result folder: a stopped run says what it leaves, and the next run of
   CHECK_FALSE(may_write(folder.path(), "build", "a.ply"));  // finished results are somebody's
 }
 
+TEST_CASE("result folder: one that was made for nothing is gone, one that was there stays") {
+  const TemporaryDirectory folder;
+  const Error refusal{"three points are no part", ErrorKind::bad_input};
+  for (const bool was_there : {false, true}) {
+    const Path results = folder.path() / (was_there ? "old" : "new");
+    if (was_there) std::filesystem::create_directory(results);
+    const ResultFolder run(results, names, "build", {"a.ply"});
+    std::filesystem::create_directories(results);
+    CHECK_FALSE(run.close(refusal).ok());
+    CHECK(std::filesystem::exists(results) == was_there);
+  }
+}
+
 TEST_CASE("result folder: what was changed after a stopped run is somebody's") {
   const TemporaryDirectory folder;
   REQUIRE_FALSE(stopped_run(folder.path(), "a.ply").ok());
