@@ -1,6 +1,7 @@
 #include "cli/mcp/tool_schema.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "cli/suggest.h"
@@ -24,8 +25,10 @@ Json property_schema(const Declared& d) {
       schema = {{"type", "array"}, {"items", text}};
       break;
     case Takes::number:
+      schema = {{"type", "number"}, {"minimum", d.low}, {"maximum", d.high}};
+      break;
     case Takes::count:
-      schema = {{"type", d.takes == Takes::number ? "number" : "integer"}, {"minimum", d.low}, {"maximum", d.high}};
+      schema = {{"type", "integer"}, {"minimum", std::lround(d.low)}, {"maximum", std::lround(d.high)}};
       break;
     default:
       schema = text;
