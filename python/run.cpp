@@ -57,9 +57,10 @@ void run_apart(const cli::SharedOptions& options, const py::object& progress,
   }
   if (raised) throw py::error_already_set(*raised);
   done.get();
-  const py::module_ python = py::module_::import("warnings");
-  const py::object category = py::module_::import("partscribe.errors").attr("ScanWarning");
-  for (const auto& line : warnings) python.attr("warn")(text(line), category, 3);  // at the caller of the package
+  if (warnings.empty()) return;
+  py::list lines;
+  for (const auto& line : warnings) lines.append(text(line));
+  py::module_::import("partscribe.errors").attr("warn")(lines);
 }
 
 }  // namespace partscribe::python

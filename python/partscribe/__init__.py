@@ -24,7 +24,8 @@ from typing import Any, Union
 from . import _native
 from ._native import Scan
 from .errors import Error, InputError, MissingProgramError, ScanWarning, StoppedError, UsageError
-from .results import ArtifactVerdict, Build, Dimension, Feature, Finding, Measurement, Parameter, Verdict, parameters_of
+from .results import ArtifactVerdict, Build, Dimension, Feature, Finding, Measurement, Parameter, Verdict
+from .results import parameters_of as _parameters_of
 
 __version__: str = _native.version
 __all__ = [
@@ -215,7 +216,7 @@ def verify(
 
 def parameters(model: ModelLike) -> list[Parameter]:
     """The named numbers of a model: a model.json or its folder, what `json.load` makes of one, or a Build."""
-    return parameters_of(json.loads(_model(model).json))
+    return _parameters_of(json.loads(_model(model).json))
 
 
 def explain(model: ModelLike) -> str:
@@ -239,6 +240,8 @@ def emit(
     ----------
     to : some of "openscad", "alpha1", "iges", "step", optional
         Which files to make; otherwise all.
+    templates : path, optional
+        A folder of template packs in place of the built-in ones.
     force : bool
         Overwrite files in `out`.
     """

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
+
 
 class Error(Exception):
     """The world did not allow it.
@@ -60,3 +63,12 @@ class ScanWarning(UserWarning):
 def of_kind(exit_code: int) -> type[Error]:
     """The class whose errors end the command line with this code."""
     return next((kind for kind in Error.__subclasses__() if kind.exit_code == exit_code), Error)
+
+
+def warn(lines: list[str]) -> None:
+    """Warns of each line at the place that called the package."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "partscribe":
+        frame, level = frame.f_back, level + 1
+    for line in lines:
+        warnings.warn(line, ScanWarning, stacklevel=level)

@@ -66,7 +66,7 @@ def test_a_changed_model_is_emitted(built, tmp_path):
     model = built.model
     next(p for p in model["parameters"] if p["name"] == "head_d")["value"] = 22
     files = partscribe.emit(model, tmp_path / "larger", ["openscad"])
-    assert b"head_d = 22;" in files["part.scad"]
+    assert b"head_d = as_designed ? 22 : 19.9999;" in files["part.scad"]
     assert (tmp_path / "larger/part.scad").read_bytes() == files["part.scad"]
     assert partscribe.emit(built, to=["openscad"])["part.scad"] == built.artifacts["part.scad"]
 

@@ -10,8 +10,10 @@ FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
 def run(text, names, where):
-    parser, runner, said = doctest.DocTestParser(), doctest.DocTestRunner(optionflags=FLAGS), []
-    runner.run(parser.get_doctest(text, names, where, where, 0), out=said.append, clear_globs=False)
+    runner, said = doctest.DocTestRunner(optionflags=FLAGS), []
+    test = doctest.DocTestParser().get_doctest(text, names, where, where, 0)
+    runner.run(test, out=said.append, clear_globs=False)
+    names.update(test.globs)
     assert runner.failures == 0, "".join(said)
     return runner.tries
 
