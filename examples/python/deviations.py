@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import partscribe  # noqa: E402
 
 TOLERANCE = 0.1  # mm
+SHOWN = 0.4  # mm, largest deviation with a colour of its own
 
 
 def main() -> int:
@@ -31,34 +32,39 @@ def main() -> int:
         thick = partscribe.verify(f"{folder}/part.scad", scan, TOLERANCE, model=model)
     print(thick)
 
-    figure, axes = plt.subplots(2, 2, figsize=(9, 6.4), width_ratios=(2, 1), layout="constrained")
-    titles = ("as built", f"shank_d = {shank['value']:g} mm in place of {part.value('shank_d'):g} mm")
+    figure, axes = plt.subplots(2, 2, figsize=(9, 5.2), width_ratios=(2.2, 1), layout="constrained")
+    titles = ("as built", f"shank_d = {shank['value']:g} in place of {part.value('shank_d'):g}")
     for row, title, verdict in zip(axes, titles, (part.verdict, thick)):
-        drawn = draw(*row, part.scan, verdict["part.scad"].deviations, f"{title}: {verdict.verdict.replace('_', ' ')}")
-    figure.colorbar(drawn, ax=axes[:, 0], location="left", label="scan minus script, mm")
-    figure.savefig(sys.argv[2], dpi=110)
+        deviations = verdict["part.scad"].deviations
+        drawn = draw_map(row[0], scan.points, deviations)
+        row[0].set_title(f"{title}: {verdict.verdict.replace('_', ' ')}")
+        draw_histogram(row[1], deviations)
+    axes[1, 0].set_xlabel("mm")
+    axes[1, 1].set_xlabel("scan minus script, mm")
+    axes[0, 1].legend(loc="upper right", fontsize="small")
+    figure.colorbar(drawn, ax=axes[:, 0], label="scan minus script, mm", aspect=40, pad=0.02)
+    figure.savefig(sys.argv[2], dpi=100)
     print(f"wrote {sys.argv[2]}")
     return 0
 
 
-def draw(map_axes, histogram_axes, scan, deviations, title):
-    """The points seen from the side, coloured by their deviation, and how often each deviation occurs."""
-    largest = 4 * TOLERANCE
-    # Along the part's longest direction, and across it; what is nearest to the eye is drawn last.
-    middle = scan.points.mean(axis=0)
-    _, _, axes = np.linalg.svd(scan.points - middle, full_matrices=False)
-    along, across, depth = axes @ (scan.points - middle).T
+def draw_map(axes, points, deviations):
+    """The points seen from the side, coloured by their deviations; what is nearest to the eye is drawn last."""
+    middle = points.mean(axis=0)
+    _, _, directions = np.linalg.svd(points - middle, full_matrices=False)  # the part's longest one first
+    along, across, depth = directions @ (points - middle).T
     order = np.argsort(depth)
-    drawn = map_axes.scatter(
-        along[order], across[order], c=deviations[order], s=1.5, linewidths=0, cmap="coolwarm",
-        vmin=-largest, vmax=largest, plotnonfinite=False, rasterized=True,
+    axes.set(aspect="equal", ylabel="mm")
+    return axes.scatter(
+        along[order], across[order], c=deviations[order], s=5, linewidths=0, cmap="coolwarm",
+        vmin=-SHOWN, vmax=SHOWN, plotnonfinite=False,
     )  # fmt: skip
-    map_axes.set(title=title, xlabel="mm", ylabel="mm", aspect="equal")
-    histogram_axes.hist(deviations, bins=80, range=(-largest, largest), color="0.4")
-    for bound in (-TOLERANCE, TOLERANCE):
-        histogram_axes.axvline(bound, color="tab:red", linewidth=1, linestyle="--")
-    histogram_axes.set(xlabel="mm", ylabel="points", yscale="log")
-    return drawn
+
+
+def draw_histogram(axes, deviations):
+    axes.hist(deviations, bins=80, range=(-SHOWN, SHOWN), color="0.3")
+    axes.axvspan(-TOLERANCE, TOLERANCE, color="tab:green", alpha=0.2, linewidth=0, label="tolerance")
+    axes.set(ylabel="points", yscale="log", ylim=(0.7, None))
 
 
 if __name__ == "__main__":

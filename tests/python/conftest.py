@@ -1,6 +1,5 @@
 """Scans that the tests share."""
 
-import shutil
 import struct
 from pathlib import Path
 
@@ -51,7 +50,3 @@ def box(tmp_path_factory) -> Path:
     return file
 
 
-@pytest.fixture
-def needs_openscad() -> None:
-    if not shutil.which("openscad"):
-        pytest.skip("openscad is not installed")
