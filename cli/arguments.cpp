@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <new>
 
@@ -34,7 +35,8 @@ constexpr const char* program_footer =
     R"(Exit codes: 0 verified, 1 out of tolerance, 2 usage, 3 input cannot be used, 4 a needed program is missing,
 5 cancelled or limit reached, 6 the scan cannot decide at this tolerance.
 'partscribe help COMMAND' explains a command; 'partscribe help --man' prints all of it as a manual page,
-'partscribe help --completion bash|zsh|fish' what makes a shell complete its words.)";
+'partscribe help --completion bash|zsh|fish' what makes a shell complete its words, 'partscribe help --markdown
+COMMAND' the part of a command's page that the program writes.)";
 
 std::string range_text(double low, double high) {
   return "a number from " + print_number(low) + " to " + print_number(high);
@@ -159,16 +161,27 @@ std::string versions(const std::string& own) {
          "\nOpenCASCADE " + occt_version();
 }
 
-/// "help --man" and "help --completion SHELL": the exit code, or nothing if something else was asked for.
+/// "help --man", "help --markdown COMMAND" and "help --completion SHELL": the exit code, or nothing if something else
+/// was asked for.
 std::optional<int> print_manual(const std::vector<Command>& commands, const std::string& version,
                                 const std::vector<std::string>& words) {
-  if (words.size() < 2 || words[0] != "help" || (words[1] != "--man" && words[1] != "--completion"))
+  const std::array<std::string_view, 3> known = {"--man", "--markdown", "--completion"};
+  if (words.size() < 2 || words[0] != "help" || std::find(known.begin(), known.end(), words[1]) == known.end())
     return std::nullopt;
   Manual manual{version, program_help, program_footer, shared_options(), {}};
   for (const auto& command : commands)
     manual.commands.push_back({command.name, command.summary, command.help, declared_by(command)});
   if (words[1] == "--man") {
     std::fputs(manual_page(manual).c_str(), stdout);
+    return 0;
+  }
+  if (words[1] == "--markdown") {
+    const std::string name = words.size() > 2 ? words[2] : "nothing";
+    const auto command = std::find_if(manual.commands.begin(), manual.commands.end(),
+                                      [&](const CommandManual& one) { return one.name == name; });
+    if (command == manual.commands.end())
+      return fail(usage_error("help --markdown: expected a command, found '" + name + "'"));
+    std::fputs(command_markdown(*command).c_str(), stdout);
     return 0;
   }
   const std::string shell = words.size() > 2 ? words[2] : "nothing";

@@ -5,7 +5,7 @@
 namespace partscribe::cli {
 namespace {
 
-constexpr const char* help_words = "--man --completion";
+constexpr const char* help_words = "--man --markdown --completion";
 constexpr const char* shell_words = "bash zsh fish";
 
 std::string spaced(const std::vector<std::string>& words) {
@@ -176,6 +176,8 @@ complete -c partscribe -n __fish_use_subcommand -f -a help -d 'explain the progr
   const std::string help = "__fish_seen_subcommand_from help";
   result += "complete -c partscribe -n '" + help + "' -f -a '" + command_names(manual) + "'\n";
   result += "complete -c partscribe -n '" + help + "' -l man -d 'print a manual page'\n";
+  result += "complete -c partscribe -n '" + help + "' -l markdown -x -a '" + command_names(manual) +
+            "' -d 'print what help says, in Markdown'\n";
   result += "complete -c partscribe -n '" + help + "' -l completion -x -a '" + shell_words + "'\n";
   for (const auto& command : manual.commands) {
     result += "complete -c partscribe -n __fish_use_subcommand -f -a " + command.name + " -d '" +

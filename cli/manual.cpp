@@ -47,7 +47,47 @@ std::string operands_of(const CommandManual& command) {
   return result;
 }
 
+/// Text that Markdown prints as it is, also in the cell of a table.
+std::string markdown_text(const std::string& text) {
+  std::string result;
+  for (const char c : text)
+    result += (std::string("\\`*_[]<|").find(c) == std::string::npos ? "" : "\\") + std::string(1, c);
+  return result;
+}
+
+/// Paragraphs; lines that begin with two spaces are a block of their own, as it stands.
+std::string markdown_paragraphs(const std::string& text) {
+  std::string result;
+  std::istringstream lines(text);
+  bool example = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  ") != example) {
+      example = !example;
+      result += example ? "\n```\n" : "```\n\n";
+    }
+    result += (example ? line.substr(2) : markdown_text(line)) + "\n";
+  }
+  return result + (example ? "```\n" : "");
+}
+
+std::string markdown_table(const std::vector<Declared>& declared) {
+  std::string result = "| | |\n|---|---|\n";
+  for (const auto& d : declared) {
+    std::string words = d.name + (d.value_name.empty() ? "" : " " + d.value_name) + (d.repeated ? " ..." : "");
+    for (auto bar = words.find('|'); bar != std::string::npos; bar = words.find('|', bar + 2)) words.insert(bar, "\\");
+    result += "| `" + words + (d.letter.empty() ? "` | " : "`, `" + d.letter + "` | ") + markdown_text(d.help) + " |\n";
+  }
+  return result;
+}
+
 }  // namespace
+
+std::string command_markdown(const CommandManual& command) {
+  std::string usage = "partscribe " + command.name + " [options]";
+  for (const auto& d : command.own)
+    if (!d.is_option()) usage += " " + d.name + (d.repeated ? "..." : "");
+  return "```\n" + usage + "\n```\n\n" + markdown_paragraphs(command.help) + "\n" + markdown_table(command.own);
+}
 
 std::string manual_page(const Manual& manual) {
   const std::string first = manual.about.substr(0, manual.about.find(".\n"));

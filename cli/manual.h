@@ -1,4 +1,4 @@
-/// The command line as a manual page: what the commands declare, for those who do not run the program.
+/// The command line as a manual page and in Markdown: what the commands declare, for those who do not run the program.
 #pragma once
 
 #include <string>
@@ -22,5 +22,8 @@ struct Manual {
 
 /// In the language of man(7).
 std::string manual_page(const Manual& manual);
+
+/// What help says of one command, in Markdown: the second half of its page of the documentation.
+std::string command_markdown(const CommandManual& command);
 
 }  // namespace partscribe::cli

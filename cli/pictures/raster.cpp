@@ -125,8 +125,11 @@ void draw_contour(Raster& raster, double leap_mm, int width_px, Color color) {
       if (std::isinf(raster.depth[k])) continue;
       const auto step = static_cast<std::size_t>(width_px);
       // The nearer side of the leap is drawn on, so that lines do not grow over what lies behind.
-      for (const auto other : {k - step, k + step, k - step * width, k + step * width})
-        if (raster.depth[k] - raster.depth[other] > leap_mm) marked[k] = 1;
+      for (const auto other : {k - step, k + step, k - step * width, k + step * width}) {
+        // A steep surface is no leap: there it goes on as it came.
+        const float came = std::max(0.0F, raster.depth[2 * k - other] - raster.depth[k]);
+        if (raster.depth[k] - raster.depth[other] - came > leap_mm) marked[k] = 1;
+      }
     }
   for (std::size_t k = 0; k < marked.size(); ++k)
     if (marked[k]) raster.pixels[k] = color;

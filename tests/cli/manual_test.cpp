@@ -1,4 +1,4 @@
-/// The manual page holds what help says, and man(1) has no complaint.
+/// The manual page and the pages of docs/commands hold what help says, and man(1) has no complaint.
 #include "cli/manual.h"
 
 #include <catch2/catch.hpp>
@@ -40,6 +40,39 @@ TEST_CASE("manual: every command and every option that help names is in the page
     }
   }
   CHECK(options > 100);
+}
+
+TEST_CASE("manual: of each command Markdown has every option of its own, and a page of docs that its text can end") {
+  const auto overview = bytes_of(source_file("docs/cli.md"));
+  std::set<std::string> pages;
+  for (const auto& entry : std::filesystem::directory_iterator(source_file("docs/commands")))
+    pages.insert(entry.path().stem().string());
+  for (const auto& command : command_words()) {
+    INFO(command);
+    CHECK(pages.erase(command) == 1);
+    CHECK(overview.find("](commands/" + command + ".md)") != std::string::npos);
+    const auto text = run_partscribe({"help", "--markdown", command}).out;
+    CHECK(text.starts_with("```\npartscribe " + command + " [options]"));
+    for (const auto& option : option_words(command)) {
+      INFO(option);
+      CHECK((text.find("| `" + option) != std::string::npos || overview.find("| `" + option) != std::string::npos));
+    }
+  }
+  CHECK(pages.empty());
+}
+
+TEST_CASE("manual: Markdown is asked for by the name of a command") {
+  const auto output = run_partscribe({"help", "--markdown", "biuld"});
+  CHECK(output.exit_code == 2);
+  CHECK(output.err == "partscribe: help --markdown: expected a command, found 'biuld'\n");
+}
+
+TEST_CASE("manual: text that Markdown would take for its own is printed as it is") {
+  const cli::CommandManual command{"do", "", "a <b> and c_d | e\n\n  do -x | y\n", {{"--x", "A|B", "x * y|z"}}};
+  const auto text = cli::command_markdown(command);
+  CHECK(text.find("\na \\<b> and c\\_d \\| e\n") != std::string::npos);
+  CHECK(text.find("\n```\ndo -x | y\n```\n") != std::string::npos);
+  CHECK(text.find("| `--x A\\|B` | x \\* y\\|z |\n") != std::string::npos);
 }
 
 TEST_CASE("manual: says the version, the exit codes and the examples, and is shown without a warning") {

@@ -102,4 +102,22 @@ TEST_CASE("raster: a PNG has the signature, its size and an end") {
   CHECK(png.substr(png.size() - 8, 4) == "IEND");
 }
 
+TEST_CASE("raster: a contour is drawn where the depth leaps, not where a surface is steep") {
+  // From x = -1 to 0 a wall that rises by 12 mm per mm, behind it level ground 6 mm below its upper end.
+  const std::vector<Vec3> corners = {{-1, -1, -12}, {0, -1, 0},  {0, 1, 0},  {-1, 1, -12},
+                                     {0, -1, -6},   {1, -1, -6}, {1, 1, -6}, {0, 1, -6}};
+  Raster raster(100, 100, white);
+  draw_triangles(raster, from_above(), corners, {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}},
+                 [](std::uint32_t, const Vec3&, int, int) { return blue; });
+  const auto per_pixel = raster.depth[50 * 100 + 40] - raster.depth[50 * 100 + 39];
+  REQUIRE(per_pixel > 0.1);
+  draw_contour(raster, 0.1, 1, red);
+  const auto marked = [&](int from, int to) {
+    return std::count(raster.pixels.begin() + 50 * 100 + from, raster.pixels.begin() + 50 * 100 + to, red);
+  };
+  CHECK(marked(15, 45) == 0);
+  CHECK(marked(45, 55) == 1);
+  CHECK(marked(55, 85) == 0);
+}
+
 }  // namespace partscribe::testing
