@@ -7,7 +7,7 @@ import pytest
 
 
 def test_the_example_draws_a_verified_and_a_refused_script(root, pin, tmp_path):
-    pytest.importorskip("matplotlib")
+    pytest.importorskip("matplotlib", reason="skipped: matplotlib is not installed")
     picture = tmp_path / "deviations.png"
     run = [sys.executable, root / "examples/python/deviations.py", pin, picture]
     said = subprocess.run(run, check=True, capture_output=True, text=True).stdout
