@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <nlohmann/json.hpp>
 
+#include "core/lies_within.h"
 #include "core/number.h"
 #include "scan/read/range_file.h"
 #include "scan/read/sources.h"
@@ -265,6 +266,8 @@ std::optional<Error> add_scan_json(const Path& path, const ReadOptions& options,
       if (it == view.end()) continue;
       if (!it->is_string()) return Place{place.where + "." + key}.expected("a file name", *it);
       const auto file = it->get<std::string>();
+      if (!lies_within(folder / file, folder))
+        return Place{place.where + "." + key}.expected("a file in the folder of " + name + " or below", *it);
       const auto suffix = Path(file).extension();
       (is_range_file(suffix.string()) ? image : points) = file;
     }

@@ -466,6 +466,25 @@ TEST_CASE("alpha1: files are included from the folder of the file that asks") {
   CHECK_THAT(missing.error().message, Catch::Contains("none.scl"));
 }
 
+TEST_CASE("alpha1: nothing is included from elsewhere, and one line says what was asked for") {
+  Procedure procedure;
+  std::filesystem::create_directory(procedure.folder.path() / "own");
+  procedure.add("sizes.scl", "Size : 3.0;");
+  procedure.add("own/.sizes.scl", "Size : 3.0;");
+  std::filesystem::create_symlink(procedure.folder.path() / "sizes.scl", procedure.folder.path() / "own/link.scl");
+  for (const std::string named : {"/etc/passwd", "../sizes.scl", "link.scl", ".sizes.scl", "/dev/zero", "."}) {
+    const Path file = procedure.add("own/part.scl", "include \"" + named + "\";");
+    Context context;
+    const auto e = evaluate_alpha1(file, {}, context);
+    REQUIRE(e.ok());
+    CHECK(e->failed);
+    REQUIRE(e->complaints.size() == 1);
+    CHECK_THAT(e->complaints[0],
+               Catch::StartsWith("part.scl:1:1: expected a file to include in the procedure's folder") &&
+                   Catch::EndsWith("\"" + named + "\""));
+  }
+}
+
 TEST_CASE("alpha1: a cancelled run stops") {
   Procedure procedure;
   const Path path = procedure.add("t.scl", "A : unitSphere; B : objTransform( A, sG( 2.0 ) );");
