@@ -167,4 +167,29 @@ TEST_CASE("process: a confined program that never ends is ended with all that it
   CHECK_FALSE(left);
 }
 
+TEST_CASE("process: a confined program that fills its folder, with large files or many, is ended") {
+  const TemporaryDirectory scratch;
+  Context context;
+  for (const char* one : {"head -c 100000 /dev/zero > $i", ": > $i"}) {
+    const auto output = run_confined({"sh", "-c", std::string("i=0; while :; do i=$((i + 1)); ") + one + "; done"},
+                                     {.seconds = 60, .file_mb = 8}, {{}, {scratch.path()}}, context);
+    REQUIRE_FALSE(output.ok());
+    CHECK(output.error().kind == ErrorKind::stopped);
+    CHECK(output.error().message.starts_with("'sh' wrote more than "));
+  }
+}
+
+TEST_CASE("process: a program that multiplies is ended with all that it started") {
+  Context context;
+  const auto output =
+      run_process({"sh", "-c", "while :; do sleep 301.5 & done"}, {.seconds = 5, .processes = 100}, context);
+  if (output.ok())  // whoever is not root is refused more by the system
+    CHECK(output->seconds < 6);
+  else
+    CHECK(output.error().message == "'sh' started more than 100 processes");
+  for (int i = 0; i < 200 && runs_somewhere({"sleep", "301.5"}); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK_FALSE(runs_somewhere({"sleep", "301.5"}));
+}
+
 }  // namespace partscribe::testing
