@@ -74,39 +74,15 @@ std::string moved_script(const Path& script, const std::string& text, const Vec3
          "]) far_away();\n";
 }
 
-<<<<<<< HEAD
-/// Runs a script as it is, which may read what lies in `beside` and in its own folder; `evaluation` has the program's
-/// name already.
-Result<Evaluation> run_script(const Path& path, const Path& beside, Evaluation evaluation,
-=======
-/// Where OpenSCAD looks for libraries and fonts beside the system's own places.
-std::vector<Path> folders_of_openscad() {
-  std::vector<Path> folders;
-  const char *named = std::getenv("OPENSCADPATH"), *home = std::getenv("HOME");
-  std::istringstream list(named ? named : "");
-  for (std::string folder; std::getline(list, folder, ':');)
-    if (!folder.empty()) folders.push_back(std::filesystem::absolute(folder));
-  if (home && *home == '/')
-    for (const char* own : {".local/share/OpenSCAD", ".local/share/fonts", ".fonts"})
-      folders.push_back(Path(home) / own);
-  return folders;
-}
-
 /// Runs a script as it is, which may read itself and `files`; `evaluation` has the program's name already.
 Result<Evaluation> run_script(const Path& path, const std::vector<Path>& files, Evaluation evaluation,
->>>>>>> 6c7fee5 (verify: scripts see only the files that they name; what they write and start is limited; readings are checked when handed over)
                               const EvaluateOptions& options, Context& context) {
   const auto folder = TemporaryDirectory::make();
   if (!folder) return folder.error();
   const Path script = std::filesystem::absolute(path), stl = folder->path() / "evaluated.stl";
-<<<<<<< HEAD
   Confinement reach{openscad_folders(), {folder->path()}};
-  reach.readable.insert(reach.readable.end(), {beside, script.parent_path()});
-=======
-  Confinement reach{folders_of_openscad(), {folder->path()}};
   reach.readable.push_back(script);
   reach.readable.insert(reach.readable.end(), files.begin(), files.end());
->>>>>>> 6c7fee5 (verify: scripts see only the files that they name; what they write and start is limited; readings are checked when handed over)
   // Absolute paths: 2021.01 resolves relative output names differently per format. Binary STL: ASCII keeps 6 digits.
   const auto run = run_confined({"openscad", "-o", stl.string(), "--export-format", "binstl", "--hardwarnings",
                                  "--check-parameters=true", "--check-parameter-ranges=true", script.string()},
