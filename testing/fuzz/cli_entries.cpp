@@ -1,5 +1,9 @@
-// What the program itself reads: the words of its command line, and its own verdict.json.
+// What the program itself reads: the words of its command line, messages of agents, and its own verdict.json.
+#include <nlohmann/json.hpp>
+
 #include "cli/commands.h"
+#include "cli/mcp/server.h"
+#include "cli/mcp/tool_schema.h"
 #include "cli/verdict_file.h"
 #include "core/ensure.h"
 #include "testing/fuzz/entries.h"
@@ -33,6 +37,33 @@ void fuzz_words(std::string_view bytes) {
   pointers.push_back(nullptr);
   const int code = run_program(static_cast<int>(words.size()), pointers.data(), commands, "0");
   ensure(code == 0 || code == 2, "words are understood, or refused as bad usage");
+}
+
+void fuzz_mcp(std::string_view bytes) {
+  using Json = nlohmann::ordered_json;
+  using Takes = Declared::Takes;
+  const std::vector<Declared> declared = {{"files", "", "", Takes::file, {}, true},
+                                          {"--tolerance", "MM", "", Takes::word},
+                                          {"--rule", "", "", Takes::word, {"local", "max"}},
+                                          {"--strict", "", "", Takes::nothing}};
+  Service service{
+      "name", "Title", "1", "", Json::array({{{"name", "verify"}, {"inputSchema", input_schema(declared)}}}).dump(),
+      {}};
+  service.call = [&](const std::string&, const std::string& arguments, Context&) {
+    const auto words = command_words(Json::parse(arguments), declared, "/usr/share");
+    return Json{{"content", Json::array()}, {"isError", !words.ok()}}.dump();
+  };
+  const auto check = [](const std::string& line) {
+    ensure(line.find('\n') == std::string::npos, "an answer is one line");
+    ensure(Json::accept(line), "an answer is JSON");
+  };
+  Server server(service, check);
+  while (!bytes.empty()) {
+    const auto end = std::min(bytes.find('\n'), bytes.size());
+    server.receive(std::string(bytes.substr(0, end)));
+    bytes.remove_prefix(std::min(end + 1, bytes.size()));
+  }
+  server.finish();
 }
 
 }  // namespace partscribe::testing

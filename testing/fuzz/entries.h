@@ -30,6 +30,7 @@ void fuzz_iges(std::string_view bytes);
 void fuzz_brep(std::string_view bytes);  ///< what the reader of STEP and IGES hands back
 void fuzz_verdict(std::string_view bytes);
 void fuzz_words(std::string_view bytes);  ///< a command line, a word a line
+void fuzz_mcp(std::string_view bytes);    ///< messages of an agent, one a line
 
 /// A function above by its name without "fuzz_".
 struct FuzzEntry {
