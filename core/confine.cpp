@@ -43,9 +43,9 @@ std::vector<std::string> shell_of(const Confinement& confinement) {
     return std::distance(a.first.begin(), a.first.end()) < std::distance(b.first.begin(), b.first.end());
   });
   const std::string most_bytes = std::to_string(256u << 20);  // it is memory that is written to
-  command.insert(command.end(), {"--size", most_bytes, "--tmpfs", "/tmp"});
+  command.insert(command.end(), {"--size", most_bytes, "--tmpfs", "/tmp", "--proc", "/proc", "--dev", "/dev"});
   for (const auto& [path, writable] : paths) show(writable ? "--bind" : "--ro-bind", path, command);
-  command.insert(command.end(), {"--proc", "/proc", "--dev", "/dev", "--remount-ro", "/dev", "--remount-ro", "/"});
+  command.insert(command.end(), {"--remount-ro", "/dev", "--remount-ro", "/"});
   command.insert(command.end(), {"--setenv", "TMPDIR", "/tmp"});
   command.insert(command.end(),
                  {"--chdir", confinement.writable.empty() ? "/tmp" : confinement.writable.front().string()});
