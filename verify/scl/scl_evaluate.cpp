@@ -146,11 +146,9 @@ class Interpreter {
       return refuse(node, "expected includes at most " + std::to_string(limits_.include_depth) + " deep, found more");
     if (++includes_ > 1000) return refuse(node, "expected at most 1000 includes, found more");
     const Path path = folder_ / node.text;
-    if (!lies_within(path, root_))
-      return refuse(node, "expected a file to include in the procedure's folder or below, found \"" + node.text + "\"");
     std::error_code code;
-    if (!std::filesystem::is_regular_file(path, code))
-      return refuse(node, "expected the file to include, found no \"" + node.text + "\"");
+    if (!lies_within(path, root_) || !std::filesystem::is_regular_file(path, code))
+      return refuse(node, "expected a file to include in the procedure's folder or below, found \"" + node.text + "\"");
     auto done = run_file(path, node.text);
     --include_depth_;
     return done;
