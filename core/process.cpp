@@ -184,7 +184,7 @@ Result<ProcessOutput> run_watched(const std::vector<std::string>& arguments, con
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   int open_ends = 2, status = 0;
   bool killed = false;
-  double ended = -1, looked = 0;
+  double ended = -1, next_look = interval;
   std::string excess;  // what it had too much of
   // A program may close its output long before its end; and what it left running may hold the output open for ever.
   while (ended < 0 || (open_ends > 0 && elapsed() < ended + patience)) {
@@ -207,13 +207,14 @@ Result<ProcessOutput> run_watched(const std::vector<std::string>& arguments, con
       }
     }
     if (ended < 0 && ::waitpid(child, &status, WNOHANG) == child) ended = elapsed();
-    if (ended < 0 && excess.empty() && elapsed() > looked + interval) {
-      looked = elapsed();
+    if (ended < 0 && excess.empty() && elapsed() > next_look) {
+      const double began = elapsed();
       if (outgrown(watch.folders, limits.file_mb))
         excess = "wrote more than " + print_number(limits.file_mb) + " MB, or more than " + std::to_string(most_files) +
                  " files";
       else if (::geteuid() == 0 && ::sysinfo(&system) == 0 && system.procs > processes)  // root has no other limit
         excess = "started more than " + std::to_string(limits.processes) + " processes";
+      next_look = elapsed() + std::max(interval, 10 * (elapsed() - began));  // to look must not become the work
     }
     if (ended < 0 && !killed && (context.cancelled || !excess.empty() || elapsed() > limits.seconds)) {
       result.timed_out = !context.cancelled && excess.empty();

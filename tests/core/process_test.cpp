@@ -197,9 +197,10 @@ TEST_CASE(
 TEST_CASE("process: a confined program that fills its folder, with large files or many, is ended") {
   const TemporaryDirectory scratch;
   Context context;
-  for (const char* one : {"head -c 100000 /dev/zero > $i", ": > $i"}) {
-    const auto output = run_confined({"sh", "-c", std::string("i=0; while :; do i=$((i + 1)); ") + one + "; done"},
-                                     {.seconds = 60, .file_mb = 8}, {{}, {scratch.path()}}, context);
+  for (const char* script :
+       {"while :; do i=x$i; head -c 100000 /dev/zero > $i; done", "seq 400000 | split -l 1 -a 4; sleep 60"}) {
+    const auto output =
+        run_confined({"sh", "-c", script}, {.seconds = 60, .file_mb = 8}, {{}, {scratch.path()}}, context);
     REQUIRE_FALSE(output.ok());
     CHECK(output.error().kind == ErrorKind::stopped);
     CHECK(output.error().message.starts_with("'sh' wrote more than "));

@@ -405,7 +405,8 @@ TEST_CASE("alpha1: bad text is refused with file, line and column") {
       {"A : if ( 1 ) 2; else 3;", "expected true or false as the condition of if"},
       {"A : ptZ( pt( 1, 2 ) );", "expected a point with this coordinate"},
       {"A : 1; getAttr( unitSphere, \"x\" );", "has no attribute"},
-      {"include \"nowhere.scl\";", "t.scl:1:1: expected a file to include in the procedure's folder or below, found \"nowhere.scl\""},
+      {"include \"nowhere.scl\";",
+       "t.scl:1:1: expected a file to include in the procedure's folder or below, found \"nowhere.scl\""},
       {"M : seqCollect { seqCollect { pt(0,0,0); pt(1,0,0); } seqCollect { pt(0,1,0); } }"
        "A : surface( Linear, \"ec_open\", \"kv_uniform\", Linear, \"ec_open\", \"kv_uniform\", M );",
        "rows of equal length"},
