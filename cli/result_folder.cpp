@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/inputs.h"
+#include "core/json_nesting.h"
 #include "core/json_text.h"
 
 namespace partscribe::cli {
@@ -15,7 +16,7 @@ constexpr const char* mark_name = "unfinished.json";
 std::map<std::string, std::string> left_by(const Path& mark, const std::string& command,
                                            const std::vector<std::string>& inputs) {
   const auto text = read_file(mark);
-  if (!text) return {};
+  if (!text || nested_too_deeply(*text)) return {};
   const auto json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("command", nlohmann::json()) != command ||
       json.value("inputs", nlohmann::json()) != nlohmann::json(inputs))

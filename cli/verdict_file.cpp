@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/json_nesting.h"
 #include "core/number.h"
 
 namespace partscribe::cli {
@@ -130,6 +131,7 @@ ArtifactVerdict artifact_of(const Json& json) {
 
 Result<Verdict> read_verdict_json(const std::string& bytes, const std::string& where) {
   try {
+    if (nested_too_deeply(bytes)) throw std::runtime_error("the document is nested too deeply");
     const Json json = Json::parse(bytes);
     Verdict verdict;
     verdict.verdict = outcome_of(json, "verdict");

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/process.h"
+#include "core/process_watch.h"
 
 namespace partscribe::core {
 namespace {
@@ -42,9 +42,10 @@ std::vector<std::string> shell_of(const Confinement& confinement) {
   std::stable_sort(paths.begin(), paths.end(), [](const auto& a, const auto& b) {
     return std::distance(a.first.begin(), a.first.end()) < std::distance(b.first.begin(), b.first.end());
   });
-  command.insert(command.end(), {"--tmpfs", "/tmp"});
+  const std::string most_bytes = std::to_string(256u << 20);  // it is memory that is written to
+  command.insert(command.end(), {"--size", most_bytes, "--tmpfs", "/tmp", "--proc", "/proc", "--dev", "/dev"});
   for (const auto& [path, writable] : paths) show(writable ? "--bind" : "--ro-bind", path, command);
-  command.insert(command.end(), {"--proc", "/proc", "--dev", "/dev"});
+  command.insert(command.end(), {"--remount-ro", "/dev", "--remount-ro", "/"});
   command.insert(command.end(), {"--setenv", "TMPDIR", "/tmp"});
   command.insert(command.end(),
                  {"--chdir", confinement.writable.empty() ? "/tmp" : confinement.writable.front().string()});
@@ -88,19 +89,19 @@ Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, co
                                    const Confinement& confinement, Context& context, const LineListener& listener) {
   std::error_code replaced;  // a program that was replaced while it runs has no path any more
   const Path found = find_program(arguments[0]), program = std::filesystem::canonical(found, replaced);
+  ProcessWatch watch{arguments[0], {}, confinement.writable, listener};
   const std::string reason = !no_confinement().empty() ? no_confinement() : replaced ? "its file was replaced" : "";
   if (found.empty() || !reason.empty()) {
     if (!found.empty()) context.say(arguments[0] + " runs with access to all files and the network, because " + reason);
-    return with_room(run_process(arguments, limits, context,
-                                 confinement.writable.empty() ? Path() : confinement.writable.front(), listener),
-                     arguments[0], confinement);
+    if (!confinement.writable.empty()) watch.working_directory = confinement.writable.front();
+    return with_room(run_watched(arguments, limits, watch, context), arguments[0], confinement);
   }
   Confinement shown = confinement;
   shown.readable.push_back(program);
   std::vector<std::string> command = shell_of(shown);
   command.insert(command.end(), {"--", program.string()});
   command.insert(command.end(), arguments.begin() + 1, arguments.end());
-  return with_room(run_process(command, limits, context, {}, listener), arguments[0], confinement);
+  return with_room(run_watched(command, limits, watch, context), arguments[0], confinement);
 }
 
 }  // namespace partscribe::core

@@ -52,7 +52,8 @@ void digest_block(const unsigned char* block, std::array<std::uint32_t, 8>& stat
 }  // namespace
 
 Result<std::string> read_file(const Path& path, std::uint64_t max_bytes) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // A pipe would let us wait for somebody who writes.
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (file < 0) return bad_input(path.string() + ": cannot be opened: " + reason());
   struct stat status {};
   if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {

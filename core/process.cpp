@@ -19,11 +19,15 @@
 #include <sstream>
 #include <string_view>
 
+#include "core/number.h"
+#include "core/process_watch.h"
 #include "core/sanitized.h"
 
 namespace partscribe::core {
 namespace {
 
+constexpr int most_files = 100'000;
+constexpr double interval = 0.1;  // seconds between looks at what it has used
 constexpr double patience = 0.5;  // seconds for output that is still on its way when a program has ended
 
 /// Variables that a program needs to find its files, and what tells a sanitizer how to speak.
@@ -83,6 +87,23 @@ class Lines {
   std::string line_;
 };
 
+/// Whether the files in the folders, or their number, have outgrown `most_mb`.
+bool outgrown(const std::vector<Path>& folders, double most_mb) {
+  double bytes = 0;
+  int files = 0;
+  for (const auto& folder : folders) {
+    std::error_code failure;
+    for (std::filesystem::recursive_directory_iterator at(folder, failure), end; !failure && at != end;
+         at.increment(failure)) {
+      std::error_code gone;
+      const auto size = at->is_symlink(gone) ? 0 : at->file_size(gone);
+      if (!gone) bytes += static_cast<double>(size);
+      if (++files > most_files || bytes > most_mb * 1048576.0) return true;
+    }
+  }
+  return false;
+}
+
 struct Pipe {
   int read_end = -1, write_end = -1;
   bool open() {
@@ -109,6 +130,12 @@ Path find_program(const std::string& name) {
 Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, const ProcessLimits& limits,
                                   Context& context, const Path& working_directory, const LineListener& listener) {
   ensure(!arguments.empty(), "a process needs a program");
+  return run_watched(arguments, limits, {arguments[0], working_directory, {}, listener}, context);
+}
+
+Result<ProcessOutput> run_watched(const std::vector<std::string>& arguments, const ProcessLimits& limits,
+                                  const ProcessWatch& watch, Context& context) {
+  ensure(!arguments.empty(), "a process needs a program");
   const Path program = find_program(arguments[0]);
   if (program.empty())
     return Error{"program '" + arguments[0] + "' was not found on PATH: install it", ErrorKind::missing_program};
@@ -122,13 +149,13 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   ::sysinfo(&system);
   const double processes = system.procs + limits.processes;  // the limit counts all processes of the user
   const pid_t parent = ::getpid();
-  const std::string program_text = program.string(), folder = working_directory.string();
+  const std::string program_text = program.string(), folder = watch.working_directory.string();
   Pipe out, err;
-  if (!out.open() || !err.open()) return Error{"no pipe for '" + arguments[0] + "'", ErrorKind::stopped};
+  if (!out.open() || !err.open()) return Error{"no pipe for '" + watch.name + "'", ErrorKind::stopped};
 
   const auto start = std::chrono::steady_clock::now();
   const pid_t child = ::fork();
-  if (child < 0) return Error{"'" + arguments[0] + "' cannot be started: " + std::strerror(errno), ErrorKind::stopped};
+  if (child < 0) return Error{"'" + watch.name + "' cannot be started: " + std::strerror(errno), ErrorKind::stopped};
   if (child == 0) {
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -152,12 +179,13 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
 
   ProcessOutput result;
   const auto kept_output = static_cast<std::size_t>(limits.output_mb * 1048576);
-  Lines lines(listener);
+  Lines lines(watch.listener);
   pollfd ends[2] = {{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}};
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   int open_ends = 2, status = 0;
   bool killed = false;
-  double ended = -1;
+  double ended = -1, next_look = interval;
+  std::string excess;  // what it had too much of
   // A program may close its output long before its end; and what it left running may hold the output open for ever.
   while (ended < 0 || (open_ends > 0 && elapsed() < ended + patience)) {
     if (open_ends > 0)
@@ -179,8 +207,17 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
       }
     }
     if (ended < 0 && ::waitpid(child, &status, WNOHANG) == child) ended = elapsed();
-    if (ended < 0 && !killed && (context.cancelled || elapsed() > limits.seconds)) {
-      result.timed_out = !context.cancelled;
+    if (ended < 0 && excess.empty() && elapsed() > next_look) {
+      const double began = elapsed();
+      if (outgrown(watch.folders, limits.file_mb))
+        excess = "wrote more than " + print_number(limits.file_mb) + " MB, or more than " + std::to_string(most_files) +
+                 " files";
+      else if (::geteuid() == 0 && ::sysinfo(&system) == 0 && system.procs > processes)  // root has no other limit
+        excess = "started more than " + std::to_string(limits.processes) + " processes";
+      next_look = elapsed() + std::max(interval, 10 * (elapsed() - began));  // to look must not become the work
+    }
+    if (ended < 0 && !killed && (context.cancelled || !excess.empty() || elapsed() > limits.seconds)) {
+      result.timed_out = !context.cancelled && excess.empty();
       ::kill(-child, SIGKILL);
       killed = true;
     }
@@ -188,7 +225,8 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
   ::kill(-child, SIGKILL);  // what it left running
   ::close(out.read_end);
   ::close(err.read_end);
-  if (context.cancelled) return Error{"cancelled while '" + arguments[0] + "' was running", ErrorKind::stopped};
+  if (context.cancelled) return Error{"cancelled while '" + watch.name + "' was running", ErrorKind::stopped};
+  if (!excess.empty()) return Error{"'" + watch.name + "' " + excess, ErrorKind::stopped};
   result.seconds = ended;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;

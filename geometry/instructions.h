@@ -17,6 +17,23 @@
 #define PARTSCRIBE_EACH_VERSION(of) of(baseline), of(baseline), of(baseline)
 #endif
 
+#if defined(__clang__)
+/// What GCC calls so: the lanes of one vector, or of two behind each other, by their numbers.
+template <class V, class Numbers>
+V __builtin_shuffle(const V& v, const Numbers& numbers) {
+  V result;
+  for (unsigned l = 0; l < sizeof v / sizeof v[0]; ++l) result[l] = v[numbers[l]];
+  return result;
+}
+template <class V, class Numbers>
+V __builtin_shuffle(const V& a, const V& b, const Numbers& numbers) {
+  constexpr unsigned lanes = sizeof a / sizeof a[0];
+  V result;
+  for (unsigned l = 0; l < lanes; ++l) result[l] = unsigned(numbers[l]) < lanes ? a[numbers[l]] : b[numbers[l] - lanes];
+  return result;
+}
+#endif
+
 namespace partscribe::geometry {
 
 /// avx2: with bmi; avx512: f, vl, dq, and popcnt. Kernels answer the same to the bit, whichever runs.

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/json_nesting.h"
 #include "core/json_text.h"
 #include "core/number.h"
 
@@ -507,6 +508,7 @@ std::string write_model_json(const Model& m) {
 }
 
 Result<Model> read_model_json(std::string_view text, const std::string& where) {
+  if (nested_too_deeply(text)) return bad_input(where + ": expected a model, found JSON that is nested too deeply");
   try {
     return read_document(Json::parse(text.begin(), text.end()));
   } catch (const Complaint& complaint) {

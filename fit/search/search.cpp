@@ -284,8 +284,9 @@ void consider_makers(ProcedureSearch& search, bool last_resort, const FitInput& 
   std::vector<const Maker*> order;
   for (const auto& maker : makers())
     if (maker.last_resort == last_resort) order.push_back(&maker);
-  std::ranges::stable_partition(
-      order, [&](const Maker* maker) { return std::ranges::find(maker->first_for, called) != maker->first_for.end(); });
+  std::stable_partition(order.begin(), order.end(), [&](const Maker* maker) {
+    return std::ranges::find(maker->first_for, called) != maker->first_for.end();
+  });
   for (const Maker* maker : order) {
     for (auto& candidate : maker->propose(sought, context))
       if (!context.cancelled) consider(std::move(candidate));

@@ -50,7 +50,7 @@ struct Package {
   std::string unit;
 };
 
-constexpr std::size_t most_triangles = 50'000'000;  // components may multiply without end
+constexpr std::size_t most_copies = 100, few_triangles = 2'000'000, most_triangles = 50'000'000;
 constexpr std::size_t most_visits = 1'000'000;
 constexpr int deepest = 32;
 
@@ -187,8 +187,16 @@ class ModelReader {
   }
 };
 
+/// Components may multiply without end: how many triangles, and how many vertices, may come of those in the file.
+std::size_t credible_size(const Package& package) {
+  std::size_t stated = 0;
+  for (const auto& [key, object] : package.objects)
+    stated += std::max(object.mesh.triangles.size(), object.mesh.vertices.size());
+  return std::clamp(most_copies * stated, few_triangles, most_triangles);
+}
+
 std::optional<Error> place(const Package& package, const Component& item, const Affine& outer, int depth,
-                           std::size_t& visits, const std::string& name, TriangleMesh& mesh) {
+                           std::size_t most, std::size_t& visits, const std::string& name, TriangleMesh& mesh) {
   const auto found = package.objects.find(item.object);
   if (found == package.objects.end()) return bad_input(name + ": expected an object " + item.object + ", found none");
   if (depth > deepest)
@@ -198,9 +206,9 @@ std::optional<Error> place(const Package& package, const Component& item, const 
     return bad_input(name + ": expected at most " + std::to_string(most_visits) + " components, found more");
   const Affine transform = chained(outer, item.transform);
   const auto& object = found->second;
-  if (mesh.triangles.size() + object.mesh.triangles.size() + object.components.size() > most_triangles ||
-      mesh.vertices.size() + object.mesh.vertices.size() > most_triangles)
-    return bad_input(name + ": expected at most " + std::to_string(most_triangles) + " triangles, found more");
+  if (mesh.triangles.size() + object.mesh.triangles.size() + object.components.size() > most ||
+      mesh.vertices.size() + object.mesh.vertices.size() > most)
+    return bad_input(name + ": expected at most " + std::to_string(most) + " triangles, found more");
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const bool exact = transform == Affine(Affine::Identity());
   for (const auto& v : object.mesh.vertices)
@@ -211,7 +219,7 @@ std::optional<Error> place(const Package& package, const Component& item, const 
     mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   }
   for (const auto& component : object.components)
-    if (auto error = place(package, component, transform, depth + 1, visits, name, mesh)) return error;
+    if (auto error = place(package, component, transform, depth + 1, most, visits, name, mesh)) return error;
   return {};
 }
 
@@ -236,9 +244,10 @@ Result<RawGeometry> parse_3mf(std::string_view bytes, const std::string& name) {
     for (const auto& [key, object] : package.objects)
       if (!object.mesh.triangles.empty()) package.items.push_back({key, Affine::Identity()});
   }
+  const std::size_t most = credible_size(package);
   std::size_t visits = 0;
   for (const auto& item : package.items)
-    if (auto error = place(package, item, Affine::Identity(), 0, visits, name, raw.mesh)) return *error;
+    if (auto error = place(package, item, Affine::Identity(), 0, most, visits, name, raw.mesh)) return *error;
   if (raw.mesh.triangles.empty()) return bad_input(name + ": expected triangles, found none");
   raw.unit = package.unit;
   raw.cloud.points = raw.mesh.vertices;

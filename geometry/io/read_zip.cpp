@@ -51,10 +51,13 @@ struct Close {
   void operator()(void* archive) const { unzClose(archive); }
 };
 
-/// The archive's current file.
-Result<std::string> unpacked(unzFile archive, const unz_file_info64& info, const std::string& where) {
+/// What all files of an archive may take unpacked: a model shrinks some ten times, a bomb a thousand times.
+std::size_t most_unpacked(std::size_t archive_size) { return std::max<std::size_t>(256u << 20, 100 * archive_size); }
+
+/// The archive's current file, of at most `room` bytes.
+Result<std::string> unpacked(unzFile archive, const unz_file_info64& info, std::size_t room, const std::string& where) {
   // Deflate never shrinks more than 1032 times; a larger claim is not believed.
-  if (info.uncompressed_size / 1032 > info.compressed_size + 1)
+  if (info.uncompressed_size / 1032 > info.compressed_size + 1 || info.uncompressed_size > room)
     return bad_input(where + "expected a credible size, found " + std::to_string(info.uncompressed_size) + " bytes");
   if (unzOpenCurrentFile(archive) != UNZ_OK)
     return bad_input(where + "expected a stored or deflated file, found one that cannot be opened");
@@ -83,6 +86,7 @@ Result<std::vector<ZippedFile>> unzip(std::string_view bytes, const std::string&
   const std::unique_ptr<void, Close> file(unzOpen2_64(archive.c_str(), &functions));
   if (!file) return bad_input(archive + ": expected a ZIP archive with a directory at its end, found none");
   std::vector<ZippedFile> files;
+  std::size_t room = most_unpacked(bytes.size());
   for (int state = unzGoToFirstFile(file.get()); state != UNZ_END_OF_LIST_OF_FILE;
        state = unzGoToNextFile(file.get())) {
     unz_file_info64 info{};
@@ -91,8 +95,9 @@ Result<std::vector<ZippedFile>> unzip(std::string_view bytes, const std::string&
         unzGetCurrentFileInfo64(file.get(), &info, name, sizeof name - 1, nullptr, 0, nullptr, 0) != UNZ_OK)
       return bad_input(archive + ": expected a ZIP archive with a whole directory, found a damaged one");
     if (!wanted(name)) continue;
-    auto content = unpacked(file.get(), info, archive + ": " + name + ": ");
+    auto content = unpacked(file.get(), info, room, archive + ": " + name + ": ");
     if (!content) return content.error();
+    room -= content->size();
     files.push_back({name, std::move(*content)});
   }
   return files;

@@ -179,7 +179,8 @@ Loop shortest_through(const LabelledEdges& edges, std::uint32_t root, double lon
   best.length = longest;
   std::uint32_t u = none, v = none;
   while (!queue.empty()) {
-    const auto [far, at] = queue.top();
+    const double far = queue.top().first;
+    const std::uint32_t at = queue.top().second;
     queue.pop();
     Reached& here = reached.at(at);
     if (here.settled) continue;

@@ -96,8 +96,9 @@ bool triangles_cross(const PlacedTriangle& a, const PlacedTriangle& b) {
   for (const std::uint32_t v : a.vertices)
     for (const std::uint32_t w : b.vertices) shared += v == w;
   if (shared >= 2) return false;
-  for (const auto& [s, t] : {std::pair{&a, &b}, std::pair{&b, &a}})
+  for (const auto& pair : {std::pair{&a, &b}, std::pair{&b, &a}})
     for (std::size_t k = 0; k < 3; ++k) {
+      const auto *s = pair.first, *t = pair.second;
       const std::size_t next = (k + 1) % 3;
       const auto is_corner = [&](std::uint32_t v) { return std::count(t->vertices.begin(), t->vertices.end(), v) > 0; };
       // An edge that ends in a corner of the other triangle cannot pass through its inside.

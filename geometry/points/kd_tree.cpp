@@ -253,7 +253,10 @@ struct KdTree::Tree {
   void nearest_of_leaf(std::size_t number, std::size_t count, Scratch& scratch,
                        const std::function<void(std::uint32_t, std::span<const Neighbour>)>& use) const {
     constexpr double margin = 1.2, far = 8;  // of squared distances
-    auto& [c, boxes, complete, sq_reach, list] = scratch;
+    KdCandidates& c = scratch.candidates;
+    KdBoxes& boxes = scratch.boxes;
+    double &complete = scratch.complete, &sq_reach = scratch.sq_reach;
+    auto& list = scratch.list;
     const Leaf& leaf = leaves[number];
     const std::size_t size = std::min(finite - number * leaf_size, leaf_size);
     std::array<double, leaf_size> reaches;  // squared; of the points so far

@@ -36,7 +36,8 @@ namespace baseline {
 #define WIDE 4
 typedef std::int32_t WideMask __attribute__((vector_size(16)));
 typedef std::int32_t FloatMask __attribute__((vector_size(16)));
-typedef std::int64_t RealMask __attribute__((vector_size(16)));
+typedef double RealPair __attribute__((vector_size(16)));
+typedef decltype(RealPair{} == RealPair{}) RealMask;
 inline unsigned mask_bits(const FloatMask& m) { return (m[0] & 1u) | (m[1] & 2u) | (m[2] & 4u) | (m[3] & 8u); }
 inline unsigned mask_bits(const RealMask& m) { return static_cast<unsigned>((m[0] & 1u) | (m[1] & 2u)); }
 #include "geometry/points/search_nearest.inc"

@@ -49,7 +49,8 @@ NurbsCurve<3> over_unit(NurbsCurve<3> curve) {
 
 /// Adds the knots of the other that this one has not, or less often. Knots nearer than rounding are one.
 NurbsCurve<3> with_knots_of(NurbsCurve<3> curve, const KnotVector& other) {
-  for (const auto& [knot, times] : other.multiplicities()) {
+  for (const auto& [other_knot, times] : other.multiplicities()) {
+    const double knot = other_knot;
     const auto own = curve.t.multiplicities();
     const auto near =
         std::find_if(own.begin(), own.end(), [&](const auto& k) { return std::abs(k.first - knot) < 1e-12; });

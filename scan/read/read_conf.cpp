@@ -1,6 +1,7 @@
 /// Stanford .conf files: range meshes with the poses that put them together.
 #include <Eigen/Geometry>
 
+#include "core/lies_within.h"
 #include "core/number.h"
 #include "scan/read/sources.h"
 
@@ -54,6 +55,8 @@ std::optional<Error> add_conf(const Path& path, Context& context, Pieces& pieces
       return wrong("expected a unit quaternion, found one of length " + print_number(q.norm()));
     // The quaternion turns the world into the view: the published meshes only meet with its inverse.
     const Pose pose{q.normalized().toRotationMatrix().transpose(), Vec3(v[0], v[1], v[2])};
+    if (!lies_within(path.parent_path() / words[1], path.parent_path()))
+      return wrong("expected a file in the folder of " + name + " or below, found '" + words[1] + "'");
     if (auto error = add_geometry(path.parent_path() / words[1], pose, false, "", context, pieces)) return error;
     ++meshes;
   }

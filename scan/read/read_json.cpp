@@ -3,6 +3,8 @@
 #include <Eigen/SVD>
 #include <nlohmann/json.hpp>
 
+#include "core/json_nesting.h"
+#include "core/lies_within.h"
 #include "core/number.h"
 #include "scan/read/range_file.h"
 #include "scan/read/sources.h"
@@ -155,19 +157,15 @@ std::optional<Error> parse_meaning(const json& view, const json& all, const Plac
 Result<json> parse_document(const std::string& bytes, const std::string& name) {
   std::string_view text = bytes;
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-  std::string problem;
+  if (nested_too_deeply(text)) return bad_input(name + ": expected JSON, found a document that is nested too deeply");
   try {
-    // Deep nesting would exhaust the stack when the document is taken apart.
-    json document = json::parse(text, [](int depth, json::parse_event_t, json&) {
-      if (depth > 20) throw std::length_error("nested too deeply");
-      return true;
-    });
+    json document = json::parse(text);
     if (!document.is_object())
       return bad_input(name + ": expected a JSON object, found " + std::string(document.type_name()));
     return document;
   } catch (const json::parse_error& error) {
     return bad_input(name + ", byte " + std::to_string(error.byte) + ": expected JSON, found something else");
-  } catch (const std::exception& error) {
+  } catch (const json::exception& error) {
     return bad_input(name + ": expected JSON, found a document that is " + error.what());
   }
 }
@@ -210,7 +208,7 @@ void add_pose_covariance(const Path& cloud, Pieces& pieces) {
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure)) return;
   const auto text = read_file(path);
-  if (!text.ok()) return;
+  if (!text.ok() || nested_too_deeply(*text)) return;
   const json poses = json::parse(*text, nullptr, false);
   if (!poses.is_object() || poses.value("cloud_sha256", json()) != pieces.sha256.back()) return;
   const json rows = poses.value("covariance_between_views", json()), center = poses.value("center", json());
@@ -265,6 +263,8 @@ std::optional<Error> add_scan_json(const Path& path, const ReadOptions& options,
       if (it == view.end()) continue;
       if (!it->is_string()) return Place{place.where + "." + key}.expected("a file name", *it);
       const auto file = it->get<std::string>();
+      if (!lies_within(folder / file, folder))
+        return Place{place.where + "." + key}.expected("a file in the folder of " + name + " or below", *it);
       const auto suffix = Path(file).extension();
       (is_range_file(suffix.string()) ? image : points) = file;
     }

@@ -221,8 +221,9 @@ std::vector<std::uint8_t> screened(const Grid& grid) {
       if (!grid.has(r, c)) continue;
       const double pitch = grid.pixel(grid.at(r, c));
       const double limit = 3 * std::sqrt(6.0) * 1.5 * grid.sigma + 0.3 * pitch;
-      for (const auto& [dr, dc] : directions) {
+      for (const auto& direction : directions) {
         const auto line = [&](int a, int b) {
+          const auto [dr, dc] = direction;
           if (!grid.has(r + a * dr, c + a * dc) || !grid.has(r + b * dr, c + b * dc)) return false;
           const double z0 = grid.z(r, c), za = grid.z(r + a * dr, c + a * dc), zb = grid.z(r + b * dr, c + b * dc);
           const double bend = a == -1 ? za - 2 * z0 + zb : z0 - 2 * za + zb;

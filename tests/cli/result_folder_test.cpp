@@ -63,6 +63,15 @@ TEST_CASE("result folder: one that was made for nothing is gone, one that was th
   }
 }
 
+TEST_CASE("result folder: a mark that nobody wrote is none") {
+  const TemporaryDirectory folder;
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  for (const std::string text : {std::string(), std::string("{"), "{\"command\": " + deep + "}"}) {
+    REQUIRE(write_file(folder.path() / "unfinished.json", text).ok());
+    CHECK(may_write(folder.path(), "build", "a.ply"));
+  }
+}
+
 TEST_CASE("result folder: what was changed after a stopped run is somebody's") {
   const TemporaryDirectory folder;
   REQUIRE_FALSE(stopped_run(folder.path(), "a.ply").ok());

@@ -1,6 +1,8 @@
 // Files appear whole, and content has one name.
 #include "core/files.h"
 
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
@@ -37,6 +39,9 @@ TEST_CASE("write_file: a folder that does not exist is one line of bad news") {
 
 TEST_CASE("read_file: a folder and a missing file are told apart from files") {
   CHECK(read_file("/tmp").error().message.find("expected a file") != std::string::npos);
+  const TemporaryDirectory folder;
+  REQUIRE(::mkfifo((folder.path() / "pipe").c_str(), 0600) == 0);  // nobody writes into it
+  CHECK(read_file(folder.path() / "pipe").error().message.find("expected a file") != std::string::npos);
   CHECK(read_file("/no/such/file").error().kind == ErrorKind::bad_input);
 }
 

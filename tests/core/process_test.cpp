@@ -1,6 +1,8 @@
 /// Other programs stay within their limits, see what they may see, and leave nothing running.
 #include "core/process.h"
 
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
@@ -165,6 +167,57 @@ TEST_CASE("process: a confined program that never ends is ended with all that it
   for (int i = 0; left && i < 200; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
     left = runs_somewhere({"sleep", "301.25"}) || runs_somewhere({"sleep", "302.25"});
   CHECK_FALSE(left);
+}
+
+TEST_CASE(
+    "process: a confined program sees named files where it has folders of its own, and writes nothing beside them") {
+  if (!no_confinement().empty()) {
+    WARN("skipped: " << no_confinement());
+    return;
+  }
+  for (const Path within : {"/tmp", "/dev/shm"}) {
+    if (!std::filesystem::exists(within)) continue;
+    const Path named = within / ("partscribe-named-" + std::to_string(::getpid()));
+    REQUIRE(write_file(named, "named").ok());
+    const TemporaryDirectory scratch;
+    Context context;
+    const auto output = run_confined({"sh", "-c",
+                                      "cat " + named.string() +
+                                          "; for folder in / /dev /dev/shm /home; do echo x > $folder/x && echo wrote; "
+                                          "done; echo x > /dev/null; head -c 300000000 /dev/zero > /tmp/large"},
+                                     {.seconds = 20}, {{named}, {scratch.path()}}, context);
+    std::filesystem::remove(named);
+    REQUIRE(output.ok());
+    INFO(output->err);
+    CHECK(output->out == "named");
+    CHECK(output->err.find("No space left on device") != std::string::npos);
+  }
+}
+
+TEST_CASE("process: a confined program that fills its folder, with large files or many, is ended") {
+  const TemporaryDirectory scratch;
+  Context context;
+  for (const char* script :
+       {"while :; do i=x$i; head -c 100000 /dev/zero > $i; done", "seq 400000 | split -l 1 -a 4; sleep 60"}) {
+    const auto output =
+        run_confined({"sh", "-c", script}, {.seconds = 60, .file_mb = 8}, {{}, {scratch.path()}}, context);
+    REQUIRE_FALSE(output.ok());
+    CHECK(output.error().kind == ErrorKind::stopped);
+    CHECK(output.error().message.starts_with("'sh' wrote more than "));
+  }
+}
+
+TEST_CASE("process: a program that multiplies is ended with all that it started") {
+  Context context;
+  const auto output =
+      run_process({"sh", "-c", "while :; do sleep 301.5 & done"}, {.seconds = 5, .processes = 100}, context);
+  if (output.ok())  // whoever is not root is refused more by the system
+    CHECK(output->seconds < 6);
+  else
+    CHECK(output.error().message == "'sh' started more than 100 processes");
+  for (int i = 0; i < 200 && runs_somewhere({"sleep", "301.5"}); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK_FALSE(runs_somewhere({"sleep", "301.5"}));
 }
 
 }  // namespace partscribe::testing

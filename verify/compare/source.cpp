@@ -75,9 +75,11 @@ LocalNoise noise_in_wider_neighbourhoods(const ScanSource& source, int threads) 
       source.tree->nearest(source.points[i], asked, near);
       if (source.rays.empty()) return;
       const auto same_side = [&](const Neighbour& n) { return seen_from_one_side(source, n.index, i); };
-      const auto other_side = std::ranges::stable_partition(near, same_side);
+      const auto other_side = std::stable_partition(near.begin(), near.end(), same_side);
       // Far more than were asked for are another place: then the nearest of the other side fill up the number.
-      if (near.size() - other_side.size() >= count || asked >= 4 * count || asked >= source.points.size()) return;
+      if (static_cast<std::size_t>(other_side - near.begin()) >= count || asked >= 4 * count ||
+          asked >= source.points.size())
+        return;
     }
   };
   return local_noise(source.points, nearest, threads);

@@ -1,30 +1,20 @@
 #include "verify/evaluate/alpha1.h"
 
-#include <chrono>
-
 #include "verify/scl/scl_evaluate.h"
 
 namespace partscribe::verify {
 
-Result<Evaluation> evaluate_alpha1(const Path& path, const EvaluateOptions& options, Context& context) {
-  // The clock only ends a run that takes too long, and fills the field that reports how long it took.
-  using Clock = std::chrono::steady_clock;
-  const auto begin = Clock::now();
-  auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
-  SclLimits limits;
-  limits.stop = [&] { return context.cancelled.load() || seconds() > options.seconds; };
-
-  Evaluation evaluation;
+Result<BrepReading> read_alpha1(const Path& path, const EvaluateOptions& options) {
+  BrepReading reading;
+  Evaluation& evaluation = reading.evaluation;
   evaluation.backend = "alpha1";
-  evaluation.program = "partscribe scl interpreter";
+  evaluation.program = scl_interpreter;
   evaluation.version = "1.0";
-  auto outcome = run_scl(path, limits);
+  auto outcome = run_scl(path, {});
   if (!outcome.ok()) return outcome.error();
   evaluation.complaints = outcome->complaints;
   if (evaluation.complaints.empty()) {
-    auto mesh = scl_mesh(outcome->objects, options.tolerance / 10, limits.stop);
-    if (!mesh.ok() && mesh.error().kind == ErrorKind::stopped)
-      return Error{path.string() + ": " + mesh.error().message, ErrorKind::stopped};
+    auto mesh = scl_mesh(outcome->objects, options.tolerance / 10, {});
     if (!mesh.ok()) {
       evaluation.complaints.push_back(path.filename().string() + ": " + mesh.error().message);
     } else {
@@ -34,8 +24,7 @@ Result<Evaluation> evaluate_alpha1(const Path& path, const EvaluateOptions& opti
     }
   }
   evaluation.failed = !evaluation.complaints.empty();
-  evaluation.seconds = seconds();
-  return evaluation;
+  return reading;
 }
 
 }  // namespace partscribe::verify

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "geometry/io/read_geometry.h"
-#include "verify/evaluate/alpha1.h"
 #include "verify/evaluate/run_occt.h"
 #include "verify/evaluate/run_openscad.h"
 #include "verify/evaluate/solid.h"

@@ -11,6 +11,7 @@
 #include <Standard_Version.hxx>
 #include <TopoDS_Shape.hxx>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
@@ -19,10 +20,11 @@
 #include <mutex>
 #include <new>
 #include <sstream>
-#include <type_traits>
 
 #include "core/number.h"
 #include "core/process.h"
+#include "verify/evaluate/alpha1.h"
+#include "verify/evaluate/brep_bytes.h"
 #include "verify/exchange/brep_distance.h"
 #include "verify/exchange/read_brep.h"
 
@@ -31,120 +33,16 @@ namespace {
 
 constexpr const char* command = "read-brep";
 constexpr int out_of_memory = 99;  // exit code of the reader
-constexpr std::string_view magic = "partscribe brep 1\n";
 
-// ---- What the reading process hands back: numbers as they lie in memory, for both ends are one program. ----
-
-class ByteWriter {
- public:
-  template <class T>
-  requires std::is_trivially_copyable_v<T>
-  void put(const T& value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
-  void put(const std::string& text) {
-    put(static_cast<std::uint64_t>(text.size()));
-    bytes_ += text;
-  }
-  void put(const Vec3& v) {
-    for (int k = 0; k < 3; ++k) put(v[k]);
-  }
-  template <class T>
-  void put(const std::vector<T>& list) {
-    put(static_cast<std::uint64_t>(list.size()));
-    for (const auto& item : list) put(item);
-  }
-  std::string take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_{magic};
+/// Who reads a kind of file.
+struct Reader {
+  const char* kind;
+  const char* program;
+  Result<BrepReading> (*read)(const Path& path, const EvaluateOptions& options);
+  bool sees_folder = false;  ///< and not only the file
 };
-
-/// The same in the same order; `whole()` is false once something was missing.
-class ByteReader {
- public:
-  explicit ByteReader(std::string_view bytes) : rest_(bytes) {
-    whole_ = bytes.starts_with(magic);
-    if (whole_) rest_.remove_prefix(magic.size());
-  }
-  template <class T>
-  requires std::is_trivially_copyable_v<T>
-  void get(T& value) {
-    const std::string_view bytes = next(sizeof value);
-    if (whole_) std::memcpy(&value, bytes.data(), sizeof value);
-  }
-  void get(std::string& text) {
-    std::uint64_t size = 0;
-    get(size);
-    text = next(size);
-  }
-  void get(Vec3& v) {
-    for (int k = 0; k < 3; ++k) get(v[k]);
-  }
-  template <class T>
-  void get(std::vector<T>& list) {
-    std::uint64_t size = 0;
-    get(size);
-    whole_ = whole_ && size <= rest_.size();  // an item takes at least one byte
-    if (!whole_) return;
-    list.resize(size);
-    for (auto& item : list) get(item);
-  }
-  bool whole() const { return whole_; }
-
- private:
-  std::string_view rest_;
-  bool whole_ = true;
-
-  std::string_view next(std::uint64_t size) {
-    whole_ = whole_ && size <= rest_.size();
-    if (!whole_) return {};
-    const std::string_view bytes = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return bytes;
-  }
-};
-
-/// One list of what is handed over, for both directions: `pass` is put or get.
-template <class Reading, class Pass>
-void each_field(Reading& reading, const Pass& pass) {
-  auto& e = reading.evaluation;
-  pass(e.backend), pass(e.program), pass(e.version);
-  pass(e.mesh.vertices), pass(e.mesh.triangles);
-  pass(e.solid), pass(e.error), pass(e.failed), pass(e.complaints);
-  pass(e.gap.width), pass(e.gap.kind), pass(e.gap.place);
-  pass(reading.body);
-}
-
-std::string to_bytes(const Result<BrepReading>& result) {
-  ByteWriter writer;
-  writer.put(result.ok());
-  if (result.ok()) {
-    each_field(*result, [&](const auto& field) { writer.put(field); });
-  } else {
-    writer.put(result.error().kind);
-    writer.put(result.error().message);
-  }
-  return writer.take();
-}
-
-std::optional<Result<BrepReading>> from_bytes(std::string_view bytes) {
-  ByteReader reader(bytes);
-  bool ok = false;
-  reader.get(ok);
-  BrepReading reading;
-  Error error;
-  if (ok) {
-    each_field(reading, [&](auto& field) { reader.get(field); });
-  } else {
-    reader.get(error.kind);
-    reader.get(error.message);
-  }
-  if (!reader.whole()) return std::nullopt;
-  if (!ok) return Result<BrepReading>(std::move(error));
-  return Result<BrepReading>(std::move(reading));
-}
-
-// ---- Who reads.
-// -------------------------------------------------------------------------------------------------------
+constexpr std::array readers = {Reader{"iges", "OpenCASCADE", read_iges}, Reader{"step", "OpenCASCADE", read_step},
+                                Reader{"alpha1", scl_interpreter, read_alpha1, true}};
 
 /// The library that holds this code, if it is none of the program itself: the Python module.
 Path own_library() {
@@ -196,27 +94,27 @@ std::shared_ptr<const BrepDistance> exact_of(const std::string& body) {
 }
 
 /// What a run of the reader that brought no result says about the file, or about the reader.
-Result<Evaluation> no_result(const char* kind, const Path& path, const EvaluateOptions& options,
+Result<Evaluation> no_result(const Reader& reader, const Path& path, const EvaluateOptions& options,
                              const ProcessOutput& run, const std::string& program) {
   if (run.exit_code == out_of_memory)
-    return Error{
-        "OpenCASCADE needs more than " + print_number(options.memory_mb) + " MB for '" + path.filename().string() + "'",
-        ErrorKind::stopped};
+    return Error{std::string(reader.program) + " needs more than " + print_number(options.memory_mb) + " MB for '" +
+                     path.filename().string() + "'",
+                 ErrorKind::stopped};
   if (run.exit_code <= 128)
     return Error{"the reader '" + program + "' ended with exit code " + std::to_string(run.exit_code) + " over '" +
                      path.filename().string() + "': " + last_line_of(run.err) + "; is it of another version?",
                  ErrorKind::missing_program};
   Evaluation evaluation;
-  evaluation.backend = kind;
-  evaluation.program = "OpenCASCADE";
+  evaluation.backend = reader.kind;
+  evaluation.program = reader.program;
   evaluation.seconds = run.seconds;
   evaluation.failed = true;
-  evaluation.complaints.push_back("OpenCASCADE crashed over the file, by signal " +
+  evaluation.complaints.push_back(std::string(reader.program) + " crashed over the file, by signal " +
                                   std::to_string(run.exit_code - 128));
   return evaluation;
 }
 
-Result<Evaluation> evaluate_apart(const char* kind, const Path& path, const EvaluateOptions& options,
+Result<Evaluation> evaluate_apart(const Reader& reader, const Path& path, const EvaluateOptions& options,
                                   Context& context) {
   const std::string shown = "'" + path.filename().string() + "'";
   if (context.cancelled) return Error{"cancelled before " + shown + " was read", ErrorKind::stopped};
@@ -228,14 +126,16 @@ Result<Evaluation> evaluate_apart(const char* kind, const Path& path, const Eval
   const auto folder = TemporaryDirectory::make();
   if (!folder) return folder.error();
   const Path file = std::filesystem::absolute(path), answer = folder->path() / "reading";
-  const auto run = run_confined({program.string(), command, kind, file.string(), answer.string(),
+  const auto run = run_confined({program.string(), command, reader.kind, file.string(), answer.string(),
                                  print_number(options.tolerance), print_number(options.scanned_size)},
-                                {options.seconds, options.memory_mb}, {{file}, {folder->path()}}, context);
+                                {options.seconds, options.memory_mb},
+                                {{reader.sees_folder ? file.parent_path() : file}, {folder->path()}}, context);
   if (!run.ok()) return run.error();
   if (run->timed_out)
-    return Error{"OpenCASCADE did not finish " + shown + " within " + print_number(options.seconds) + " s",
-                 ErrorKind::stopped};
-  if (run->exit_code != 0) return no_result(kind, path, options, *run, program.string());
+    return Error{
+        std::string(reader.program) + " did not finish " + shown + " within " + print_number(options.seconds) + " s",
+        ErrorKind::stopped};
+  if (run->exit_code != 0) return no_result(reader, path, options, *run, program.string());
   const auto bytes = read_file(answer);
   if (!bytes.ok()) return bytes.error();
   auto reading = from_bytes(*bytes);
@@ -269,11 +169,15 @@ bool parse(const char* text, double& value) {
 }  // namespace
 
 Result<Evaluation> evaluate_iges(const Path& path, const EvaluateOptions& options, Context& context) {
-  return evaluate_apart("iges", path, options, context);
+  return evaluate_apart(readers[0], path, options, context);
 }
 
 Result<Evaluation> evaluate_step(const Path& path, const EvaluateOptions& options, Context& context) {
-  return evaluate_apart("step", path, options, context);
+  return evaluate_apart(readers[1], path, options, context);
+}
+
+Result<Evaluation> evaluate_alpha1(const Path& path, const EvaluateOptions& options, Context& context) {
+  return evaluate_apart(readers[2], path, options, context);
 }
 
 std::string occt_version() { return OCC_VERSION_COMPLETE; }
@@ -281,17 +185,18 @@ std::string occt_version() { return OCC_VERSION_COMPLETE; }
 std::optional<int> serve_as_reader(int count, const char* const* arguments) {
   if (count < 2 || std::strcmp(arguments[1], command) != 0) return std::nullopt;
   EvaluateOptions options;
+  const auto reader = std::ranges::find_if(
+      readers, [&](const Reader& r) { return count == 7 && std::strcmp(r.kind, arguments[2]) == 0; });
   const bool understood =
-      count == 7 && parse(arguments[5], options.tolerance) && parse(arguments[6], options.scanned_size);
+      reader != readers.end() && parse(arguments[5], options.tolerance) && parse(arguments[6], options.scanned_size);
   if (!understood) {
     std::fprintf(stderr, "%s is started by the program itself\n", command);
     return static_cast<int>(ErrorKind::usage);
   }
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for the answer of an orphan
   std::set_terminate(end_by_exception);
-  const bool iges = std::strcmp(arguments[2], "iges") == 0;
   try {
-    const auto written = write_file(arguments[4], to_bytes((iges ? read_iges : read_step)(arguments[3], options)));
+    const auto written = write_file(arguments[4], to_bytes(reader->read(arguments[3], options)));
     return written.ok() ? 0 : static_cast<int>(ErrorKind::stopped);
   } catch (const std::bad_alloc&) {
     return out_of_memory;

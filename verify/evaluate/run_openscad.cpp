@@ -9,6 +9,7 @@
 #include "core/number.h"
 #include "core/process.h"
 #include "geometry/io/read_geometry.h"
+#include "verify/evaluate/openscad_files.h"
 #include "verify/evaluate/solid.h"
 
 namespace partscribe::verify {
@@ -46,6 +47,8 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
+constexpr double most_file_mb = 2048;
+
 /// STL holds single precision; the facets themselves are what the script means.
 constexpr double single_precision = 6e-8;
 
@@ -82,19 +85,19 @@ std::string moved_script(const Path& script, const std::string& text, const Vec3
          "]) far_away();\n";
 }
 
-/// Runs a script as it is, which may read what lies in `beside` and in its own folder; `evaluation` has the program's
-/// name already.
-Result<Evaluation> run_script(const Path& path, const Path& beside, Evaluation evaluation,
+/// Runs a script as it is, which may read itself and `files`; `evaluation` has the program's name already.
+Result<Evaluation> run_script(const Path& path, const std::vector<Path>& files, Evaluation evaluation,
                               const EvaluateOptions& options, Context& context) {
   const auto folder = TemporaryDirectory::make();
   if (!folder) return folder.error();
   const Path script = std::filesystem::absolute(path), stl = folder->path() / "evaluated.stl";
   Confinement reach{openscad_folders(), {folder->path()}};
-  reach.readable.insert(reach.readable.end(), {beside, script.parent_path()});
+  reach.readable.push_back(script);
+  reach.readable.insert(reach.readable.end(), files.begin(), files.end());
   // Absolute paths: 2021.01 resolves relative output names differently per format. Binary STL: ASCII keeps 6 digits.
   const auto run = run_confined({"openscad", "-o", stl.string(), "--export-format", "binstl", "--hardwarnings",
                                  "--check-parameters=true", "--check-parameter-ranges=true", script.string()},
-                                {options.seconds, options.memory_mb}, reach, context);
+                                {options.seconds, options.memory_mb, most_file_mb}, reach, context);
   if (!run.ok()) return run.error();
   evaluation.seconds = run->seconds;
   if (run->timed_out)
@@ -134,8 +137,8 @@ Result<Evaluation> run_script(const Path& path, const Path& beside, Evaluation e
 
 /// Evaluates a script whose drawing lies far from the origin near it, and moves the result back in double precision;
 /// nothing where that fails.
-std::optional<Evaluation> run_near_origin(const Path& path, const Evaluation& far_away, const EvaluateOptions& options,
-                                          Context& context) {
+std::optional<Evaluation> run_near_origin(const Path& path, const std::vector<Path>& files, const Evaluation& far_away,
+                                          const EvaluateOptions& options, Context& context) {
   Vec3 far = far_away.mesh.bounds().center();
   for (int k = 0; k < 3; ++k) far[k] = std::round(far[k]);
   const auto text = read_file(path);
@@ -146,7 +149,7 @@ std::optional<Evaluation> run_near_origin(const Path& path, const Evaluation& fa
   if (!write_file(moved, moved_script(path, *text, far)).ok()) return {};
   Evaluation named;
   named.backend = far_away.backend, named.program = far_away.program, named.version = far_away.version;
-  auto result = run_script(moved, std::filesystem::absolute(path).parent_path(), std::move(named), options, context);
+  auto result = run_script(moved, files, std::move(named), options, context);
   if (!result.ok() || result->failed || result->mesh.empty()) return {};
   for (auto& v : result->mesh.vertices) v += far;
   result->seconds += far_away.seconds;
@@ -184,12 +187,12 @@ Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& op
   if (!version.ok()) return version.error();
   evaluation.version = *version;
 
-  auto result =
-      run_script(path, std::filesystem::absolute(path).parent_path(), std::move(evaluation), options, context);
+  const auto files = files_of_script(std::filesystem::absolute(path));
+  auto result = run_script(path, files, std::move(evaluation), options, context);
   if (!result.ok() || result->failed || result->mesh.empty()) return result;
   const double size = result->mesh.bounds().diagonal();
   if (result->error > options.tolerance / 100 && result->error > 10 * size * single_precision)
-    if (auto nearer = run_near_origin(path, *result, options, context)) return std::move(*nearer);
+    if (auto nearer = run_near_origin(path, files, *result, options, context)) return std::move(*nearer);
   return result;
 }
 

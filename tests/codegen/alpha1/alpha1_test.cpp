@@ -15,7 +15,7 @@
 #include "model/json.h"
 #include "testing/golden_models.h"
 #include "testing/program.h"
-#include "verify/evaluate/alpha1.h"
+#include "verify/evaluate/run_occt.h"
 
 using namespace partscribe::codegen;
 using namespace partscribe::verify;

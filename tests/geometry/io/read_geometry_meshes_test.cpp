@@ -1,6 +1,4 @@
 /// Mesh files: every format gives back the solid that was written.
-#include <zlib.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -8,8 +6,10 @@
 
 #include "core/number.h"
 #include "geometry/io/read_geometry.h"
+#include "testing/zip.h"
 
 using namespace partscribe::geometry;
+using partscribe::testing::zip;
 
 namespace {
 
@@ -83,50 +83,6 @@ std::string ascii_stl(const TriangleMesh& mesh) {
     text += facet(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
   }
   return text + "endsolid second\n";
-}
-
-std::string deflated(const std::string& bytes) {
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string out(bytes.size() + 1000, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
-
-std::string zip(const std::vector<std::pair<std::string, std::string>>& files, bool deflate_them) {
-  std::string out, directory;
-  for (const auto& [name, bytes] : files) {
-    const auto data = deflate_them ? deflated(bytes) : bytes;
-    const auto offset = static_cast<std::uint32_t>(out.size());
-    const auto common = [&](std::string& to) {
-      put<std::uint16_t>(to, 20), put<std::uint16_t>(to, 0), put<std::uint16_t>(to, deflate_them ? 8 : 0);
-      put<std::uint32_t>(to, 0);  // time
-      put<std::uint32_t>(to, static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()),
-                                                              static_cast<uInt>(bytes.size()))));
-      put<std::uint32_t>(to, static_cast<std::uint32_t>(data.size())),
-          put<std::uint32_t>(to, static_cast<std::uint32_t>(bytes.size()));
-      put<std::uint16_t>(to, static_cast<std::uint16_t>(name.size())), put<std::uint16_t>(to, 0);
-    };
-    out += "PK\x03\x04", common(out), out += name + data;
-    directory += "PK\x01\x02", put<std::uint16_t>(directory, 20), common(directory);
-    put<std::uint16_t>(directory, 0), put<std::uint16_t>(directory, 0), put<std::uint16_t>(directory, 0);
-    put<std::uint32_t>(directory, 0), put<std::uint32_t>(directory, offset);
-    directory += name;
-  }
-  const auto begin = static_cast<std::uint32_t>(out.size());
-  out += directory + "PK\x05\x06";
-  put<std::uint32_t>(out, 0);
-  put<std::uint16_t>(out, static_cast<std::uint16_t>(files.size())),
-      put<std::uint16_t>(out, static_cast<std::uint16_t>(files.size()));
-  put<std::uint32_t>(out, static_cast<std::uint32_t>(directory.size())), put<std::uint32_t>(out, begin),
-      put<std::uint16_t>(out, 0);
-  return out;
 }
 
 std::string block_xml(const std::string& id) {
@@ -346,6 +302,25 @@ TEST_CASE("read 3MF: prefixed names, entities and comments are XML; damage is na
   }
   CHECK(fault(zip({{"3D/part.model", bomb + "]><model>&a11;</model>"}}, true)).find("amplification") !=
         std::string::npos);
+}
+
+TEST_CASE("read 3MF: small files that would become large are refused") {
+  const auto fault = [](const std::string& bytes) {
+    const auto raw = parse_geometry(bytes, "a.3mf");
+    return raw.ok() ? std::string() : raw.error().message;
+  };
+  const auto blanks = zip({{"3D/3dmodel.model", "<model>" + std::string(270u << 20, ' ') + "</model>"}}, true);
+  CHECK(blanks.size() < 1u << 20);
+  CHECK(fault(blanks).find("expected a credible size, found 283115535 bytes") != std::string::npos);
+  std::string objects = model_head + block_xml("1");
+  for (int i = 2; i < 12; ++i) {
+    const std::string component = "<component objectid=\"" + std::to_string(i - 1) + "\"/>";
+    objects += "<object id=\"" + std::to_string(i) + "\"><components>";
+    for (int k = 0; k < 10; ++k) objects += component;
+    objects += "</components></object>";
+  }
+  const auto many = zip({{"3D/m.model", objects + "</resources><build><item objectid=\"11\"/></build></model>"}}, true);
+  CHECK(fault(many).find("expected at most 2000000 triangles, found more") != std::string::npos);
 }
 
 TEST_CASE("read polygons: a concave face is cut inside its outline") {

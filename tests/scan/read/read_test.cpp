@@ -278,6 +278,8 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
     REQUIRE(without.warnings.size() == 1);
     CHECK(without.warnings[0].find("poses.json: expected a center and the lower triangle") != std::string::npos);
   }
+  folder.put("poses.json", poses(sum, std::string(1'000'000, '[') + std::string(1'000'000, ']')));
+  CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
   ReadOptions inches;
   inches.unit = parse_unit("inch");
   folder.put("poses.json", poses(sum, "13"));

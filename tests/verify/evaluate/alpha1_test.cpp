@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/number.h"
+#include "verify/evaluate/run_occt.h"
 
 using namespace partscribe::verify;
 
@@ -404,7 +405,8 @@ TEST_CASE("alpha1: bad text is refused with file, line and column") {
       {"A : if ( 1 ) 2; else 3;", "expected true or false as the condition of if"},
       {"A : ptZ( pt( 1, 2 ) );", "expected a point with this coordinate"},
       {"A : 1; getAttr( unitSphere, \"x\" );", "has no attribute"},
-      {"include \"nowhere.scl\";", "t.scl:1:1: expected the file to include, found no \"nowhere.scl\""},
+      {"include \"nowhere.scl\";",
+       "t.scl:1:1: expected a file to include in the procedure's folder or below, found \"nowhere.scl\""},
       {"M : seqCollect { seqCollect { pt(0,0,0); pt(1,0,0); } seqCollect { pt(0,1,0); } }"
        "A : surface( Linear, \"ec_open\", \"kv_uniform\", Linear, \"ec_open\", \"kv_uniform\", M );",
        "rows of equal length"},
@@ -464,6 +466,25 @@ TEST_CASE("alpha1: files are included from the folder of the file that asks") {
   const auto missing = evaluate_alpha1(procedure.folder.path() / "none.scl", {}, context);
   REQUIRE_FALSE(missing.ok());
   CHECK_THAT(missing.error().message, Catch::Contains("none.scl"));
+}
+
+TEST_CASE("alpha1: nothing is included from elsewhere, and one line says what was asked for") {
+  Procedure procedure;
+  std::filesystem::create_directory(procedure.folder.path() / "own");
+  procedure.add("sizes.scl", "Size : 3.0;");
+  procedure.add("own/.sizes.scl", "Size : 3.0;");
+  std::filesystem::create_symlink(procedure.folder.path() / "sizes.scl", procedure.folder.path() / "own/link.scl");
+  for (const std::string named : {"/etc/passwd", "../sizes.scl", "link.scl", ".sizes.scl", "/dev/zero", "."}) {
+    const Path file = procedure.add("own/part.scl", "include \"" + named + "\";");
+    Context context;
+    const auto e = evaluate_alpha1(file, {}, context);
+    REQUIRE(e.ok());
+    CHECK(e->failed);
+    REQUIRE(e->complaints.size() == 1);
+    CHECK_THAT(e->complaints[0],
+               Catch::StartsWith("part.scl:1:1: expected a file to include in the procedure's folder") &&
+                   Catch::EndsWith("\"" + named + "\""));
+  }
 }
 
 TEST_CASE("alpha1: a cancelled run stops") {

@@ -103,6 +103,17 @@ TEST_CASE("run occt: what does not finish is not run in the verdict, with exit c
   CHECK(all_reasons(*verdict).find("OpenCASCADE did not finish 'part.step'") != std::string::npos);
 }
 
+TEST_CASE("run occt: a procedure that takes too long is not run, in its time") {
+  Desk desk;
+  const Path file = desk.put("part.scl", "A : 0; while ( true ) A;");
+  EvaluateOptions options;
+  options.seconds = 0.01;
+  const auto late = evaluate_artifact(file, options, desk.context);
+  REQUIRE_FALSE(late.ok());
+  CHECK(late.error().kind == ErrorKind::stopped);
+  CHECK(late.error().message == "partscribe scl interpreter did not finish 'part.scl' within 0.01 s");
+}
+
 TEST_CASE("run occt: a file that crashes the reader is refused") {
   Desk desk;
   // Lists within lists, deeper than the stack of OpenCASCADE's parser.

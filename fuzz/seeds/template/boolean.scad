@@ -1,0 +1,15 @@
+{{^place}}
+module {{name}}() {{operation}}() {
+{{#operands}}
+  {{line}}();
+{{/operands}}
+}
+{{/place}}
+{{#place}}
+module {{name}}()
+  {{place}}{{operation}}() {
+    {{#operands}}
+    {{line}}();
+    {{/operands}}
+  }
+{{/place}}

@@ -1,0 +1,2 @@
+module {{name}}()
+  {{place}}cube([{{size_x}}, {{size_y}}, {{size_z}}]);

@@ -1,0 +1,1 @@
+{{#center}}translate([{{center}}]) {{/center}}disc({{radius}});{{#role}}  // {{role}}{{/role}}

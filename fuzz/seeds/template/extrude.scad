@@ -1,0 +1,4 @@
+{{sketch}}
+
+module {{name}}()
+  {{place}}{{below}}linear_extrude(height = {{height}}) {{sketch_name}}();

@@ -1,0 +1,2 @@
+module {{name}}()
+  {{place}}round_cutter(d = {{diameter}}, from = {{from}}, to = {{to}});

@@ -1,0 +1,6 @@
+module {{name}}() {{place}}{
+{{#keep}}
+  {{operand}}();
+{{/keep}}
+  {{behind}}mirror({{normal}}) {{operand}}();
+}

@@ -1,0 +1,2 @@
+module {{name}}()
+  {{place}}for (i = [0 : {{last}}]) {{motion}} {{operand}}();

@@ -1,0 +1,3 @@
+polygon({{open}}[
+  {{rows}}
+]{{close}});{{#role}}  // {{role}}{{/role}}

@@ -1,0 +1,2 @@
+module {{name}}()
+  {{place}}ball({{radius}});

@@ -1,0 +1,2 @@
+module {{name}}()
+  {{place}}polyhedron(points = {{name}}_points, faces = {{name}}_faces, convexity = 10);
