@@ -30,6 +30,13 @@ void show(const std::string& bind, const Path& path, std::vector<std::string>& c
   command.insert(command.end(), {bind, path.string(), path.string()});
 }
 
+/// Where a confined program starts; may be empty.
+Path first_folder(const Confinement& confinement) {
+  return !confinement.shared.empty()     ? confinement.shared.front()
+         : !confinement.writable.empty() ? confinement.writable.front()
+                                         : Path();
+}
+
 /// What the shell of a program is given, before the program itself.
 std::vector<std::string> shell_of(const Confinement& confinement) {
   std::vector<std::string> command = {"bwrap",         "--unshare-all", "--die-with-parent",
@@ -37,7 +44,8 @@ std::vector<std::string> shell_of(const Confinement& confinement) {
   std::vector<std::pair<Path, bool>> paths;  // and whether they are writable
   for (const auto& path : system_folders) paths.emplace_back(path, false);
   for (const auto& path : confinement.readable) paths.emplace_back(path, false);
-  for (const auto& path : confinement.writable) paths.emplace_back(path, true);
+  for (const auto* folders : {&confinement.writable, &confinement.shared})
+    for (const auto& path : *folders) paths.emplace_back(path, true);
   // What is mounted later hides what lies below it: the outer ones first.
   std::stable_sort(paths.begin(), paths.end(), [](const auto& a, const auto& b) {
     return std::distance(a.first.begin(), a.first.end()) < std::distance(b.first.begin(), b.first.end());
@@ -47,8 +55,8 @@ std::vector<std::string> shell_of(const Confinement& confinement) {
   for (const auto& [path, writable] : paths) show(writable ? "--bind" : "--ro-bind", path, command);
   command.insert(command.end(), {"--remount-ro", "/dev", "--remount-ro", "/"});
   command.insert(command.end(), {"--setenv", "TMPDIR", "/tmp"});
-  command.insert(command.end(),
-                 {"--chdir", confinement.writable.empty() ? "/tmp" : confinement.writable.front().string()});
+  const Path first = first_folder(confinement);
+  command.insert(command.end(), {"--chdir", first.empty() ? "/tmp" : first.string()});
   return command;
 }
 
@@ -93,7 +101,7 @@ Result<ProcessOutput> run_confined(const std::vector<std::string>& arguments, co
   const std::string reason = !no_confinement().empty() ? no_confinement() : replaced ? "its file was replaced" : "";
   if (found.empty() || !reason.empty()) {
     if (!found.empty()) context.say(arguments[0] + " runs with access to all files and the network, because " + reason);
-    if (!confinement.writable.empty()) watch.working_directory = confinement.writable.front();
+    watch.working_directory = first_folder(confinement);
     return with_room(run_watched(arguments, limits, watch, context), arguments[0], confinement);
   }
   Confinement shown = confinement;

@@ -43,7 +43,9 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& arguments, con
 /// What a confined program sees beside the system's own programs, libraries and fonts, as absolute paths.
 struct Confinement {
   std::vector<Path> readable;  ///< files and folders
-  std::vector<Path> writable;  ///< folders
+  std::vector<Path> writable;  ///< folders for its files alone, whose size is limited
+  std::vector<Path> shared;    ///< folders that it may write to as well, and that hold files of others; it starts in
+                               ///< the first of these, else in the first writable one
 };
 
 /// Why programs cannot be confined on this system, in words; empty if they are.

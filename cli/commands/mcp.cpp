@@ -72,6 +72,7 @@ Result<int> run_mcp(const McpArguments& given, Session& session) {
   if (failure) return Error{"the program's own file was not found", ErrorKind::missing_program};
   workshop.limits.seconds = given.seconds;
   workshop.limits.output_mb = 64;
+  workshop.limits.processes = 1 << 16;  // what a call runs has limits of its own
   if (!no_confinement().empty())
     session.warn("calls are not confined to " + workshop.root.string() + ", only their arguments are, because " +
                  no_confinement());

@@ -80,7 +80,7 @@ Result<ProcessOutput> run(const std::vector<std::string>& words, const Workshop&
                           Context& context) {
   std::vector<std::string> command = {workshop.program.string()};
   command.insert(command.end(), words.begin(), words.end());
-  Confinement reach{openscad_folders(), {workshop.root, scratch}};
+  const Confinement reach{openscad_folders(), {scratch}, {workshop.root}};
   return run_confined(command, workshop.limits, reach, context, [&](const std::string& line) {
     const Json said = Json::parse(line, nullptr, false);
     if (said.is_object() && said.contains("step")) context.report(said.value("step", ""), said.value("share", 0.0));

@@ -207,6 +207,17 @@ TEST_CASE("process: a confined program that fills its folder, with large files o
   }
 }
 
+TEST_CASE("process: what lies in a shared folder is not the program's, which starts there and may write") {
+  const TemporaryDirectory scratch, shared;
+  REQUIRE(write_file(shared.path() / "others", std::string(3 << 20, 'x')).ok());
+  Context context;
+  const auto output = run_confined({"sh", "-c", "echo mine > mine; sleep 1; pwd"}, {.seconds = 20, .file_mb = 1},
+                                   {{}, {scratch.path()}, {shared.path()}}, context);
+  REQUIRE(output.ok());
+  CHECK(output->out == std::filesystem::canonical(shared.path()).string() + "\n");
+  CHECK(std::filesystem::exists(shared.path() / "mine"));
+}
+
 TEST_CASE("process: a program that multiplies is ended with all that it started") {
   Context context;
   const auto output =
