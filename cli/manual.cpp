@@ -1,5 +1,6 @@
 #include "cli/manual.h"
 
+#include <functional>
 #include <sstream>
 
 namespace partscribe::cli {
@@ -13,19 +14,26 @@ std::string man_text(const std::string& text) {
   return result;
 }
 
-/// Paragraphs; lines that begin with two spaces stay as they are.
-std::string man_paragraphs(const std::string& text) {
+/// Each line as it is `shown`; those that begin with two spaces are examples, and stand between `begin` and `end`.
+std::string with_examples(const std::string& text, const std::string& begin, const std::string& end,
+                          const std::function<std::string(const std::string& line, bool example)>& shown) {
   std::string result;
   std::istringstream lines(text);
   bool example = false;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("  ") != example) {
       example = !example;
-      result += example ? ".PP\n.in +2n\n.nf\n" : ".fi\n.in\n";
+      result += example ? begin : end;
     }
-    result += line.empty() ? ".PP\n" : man_text(example ? line.substr(2) : line) + "\n";
+    result += shown(example ? line.substr(2) : line, example) + "\n";
   }
-  return result + (example ? ".fi\n.in\n" : "");
+  return result + (example ? end : "");
+}
+
+std::string man_paragraphs(const std::string& text) {
+  return with_examples(text, ".PP\n.in +2n\n.nf\n", ".fi\n.in\n", [](const std::string& line, bool) {
+    return line.empty() ? std::string(".PP") : man_text(line);
+  });
 }
 
 std::string man_list(const std::vector<Declared>& declared) {
@@ -55,19 +63,9 @@ std::string markdown_text(const std::string& text) {
   return result;
 }
 
-/// Paragraphs; lines that begin with two spaces are a block of their own, as it stands.
 std::string markdown_paragraphs(const std::string& text) {
-  std::string result;
-  std::istringstream lines(text);
-  bool example = false;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with("  ") != example) {
-      example = !example;
-      result += example ? "\n```\n" : "```\n\n";
-    }
-    result += (example ? line.substr(2) : markdown_text(line)) + "\n";
-  }
-  return result + (example ? "```\n" : "");
+  return with_examples(text, "\n```\n", "```\n\n",
+                       [](const std::string& line, bool example) { return example ? line : markdown_text(line); });
 }
 
 std::string markdown_table(const std::vector<Declared>& declared) {
