@@ -1,8 +1,8 @@
 #include "cli/mcp/tools.h"
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "cli/mcp/findings.h"
@@ -10,6 +10,7 @@
 #include "cli/mcp/tool_schema.h"
 #include "cli/report/report_html.h"
 #include "cli/verdict_file.h"
+#include "core/lies_within.h"
 #include "verify/evaluate/run_openscad.h"
 
 namespace partscribe::cli {
@@ -17,22 +18,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Where the pictures of a call go, within its scratch folder.
-constexpr const char *picture_folder = "pictures", *picture_file = "picture.png";
-
 /// A command, and what a call of it says besides its arguments.
 struct CommandTool {
   Command command;
-  bool writes;       ///< files into the root, unless it is told otherwise
-  std::string asks;  ///< option by which it is asked for pictures in the scratch folder; empty: it writes some anyway
+  bool writes;             ///< files into the root, unless it is told otherwise
+  std::string asks = {};   ///< the option by which it is asked for pictures; empty: it writes some anyway, or none
+  std::string place = {};  ///< of these pictures in the scratch folder
 };
 
 std::vector<CommandTool> command_tools() {
-  return {{build_command(), true, "--pictures"},
-          {verify_command(), false, "--pictures"},
-          {explain_command(), false, ""},
-          {measure_command(), true, ""},
-          {render_command(), false, "--picture"}};
+  return {{build_command(), true, "--pictures=", "pictures"},
+          {verify_command(), false, "--pictures=", "pictures"},
+          {explain_command(), false},
+          {measure_command(), true},
+          {render_command(), false, "--picture=", "picture.png"}};
 }
 
 /// What an agent may say: the command's own arguments and those of the shared ones that concern its work. How it speaks
@@ -58,9 +57,22 @@ std::string description_of(const Command& command) {
 
 Json text_block(const std::string& text) { return {{"type", "text"}, {"text", text}}; }
 
+/// The folders of a call.
+struct Places {
+  Path root, scratch;
+
+  /// What the call has written; nothing where it could not: it names its files itself.
+  std::optional<std::string> read(const Path& file) const {
+    const Path path = root / file;  // an absolute one is itself
+    if (!lies_within(path, root) && !lies_within(path, scratch)) return {};
+    auto bytes = read_file(path);
+    return bytes ? std::optional(std::move(*bytes)) : std::nullopt;
+  }
+};
+
 /// Nothing if there is no such picture.
-void add_picture(const Path& file, Json& content) {
-  if (const auto png = read_file(file))
+void add_picture(const Path& file, const Places& places, Json& content) {
+  if (const auto png = places.read(file))
     content.push_back({{"type", "image"}, {"data", base64(*png)}, {"mimeType", "image/png"}});
 }
 
@@ -76,11 +88,11 @@ std::string complaint_in(const ProcessOutput& run) {
 }
 
 /// A run of the program, confined to the root and `scratch`.
-Result<ProcessOutput> run(const std::vector<std::string>& words, const Workshop& workshop, const Path& scratch,
+Result<ProcessOutput> run(const std::vector<std::string>& words, const Workshop& workshop, const Places& places,
                           Context& context) {
   std::vector<std::string> command = {workshop.program.string()};
   command.insert(command.end(), words.begin(), words.end());
-  const Confinement reach{openscad_folders(), {scratch}, {workshop.root}};
+  const Confinement reach{openscad_folders(), {places.scratch}, {places.root}};
   return run_confined(command, workshop.limits, reach, context, [&](const std::string& line) {
     const Json said = Json::parse(line, nullptr, false);
     if (said.is_object() && said.contains("step")) context.report(said.value("step", ""), said.value("share", 0.0));
@@ -88,7 +100,7 @@ Result<ProcessOutput> run(const std::vector<std::string>& words, const Workshop&
 }
 
 /// The verdict in words, the script that was written, and the pictures that say most.
-void add_verdict(const Json& said, const Path& root, const Path& pictures, Json& content, Json& structured) {
+void add_verdict(const Json& said, const Places& places, const Path& pictures, Json& content, Json& structured) {
   const auto verdict = read_verdict_json(said.dump(), "the verdict");
   if (!verdict) return;
   structured["tasks"] = tasks_of(*verdict);
@@ -98,10 +110,10 @@ void add_verdict(const Json& said, const Path& root, const Path& pictures, Json&
   constexpr std::size_t longest_script = 64 << 10;
   for (const auto& file : said.value("files", std::vector<std::string>()))
     if (file.ends_with(".scad"))
-      if (const auto script = read_file(root / file); script && script->size() <= longest_script)
+      if (const auto script = places.read(file); script && script->size() <= longest_script)
         content.push_back(text_block(file + ":\n" + *script));
-  add_picture(pictures / "deviation.png", content);
-  if (!structured["tasks"].empty()) add_picture(pictures / "finding-1.png", content);
+  add_picture(pictures / "deviation.png", places, content);
+  if (!structured["tasks"].empty()) add_picture(pictures / "finding-1.png", places, content);
 }
 
 /// What a model says that is short, whatever the part: no shapes, which may hold a million triangles.
@@ -137,18 +149,16 @@ std::string call_tool(const std::string& name, const std::string& arguments, con
   if (!given) return failed_call(given.error().message);
   const auto scratch = TemporaryDirectory::make();
   if (!scratch) return failed_call(scratch.error().message);
-  const Path pictures = scratch->path() / picture_folder, picture = scratch->path() / picture_file;
+  const Places places{workshop.root, scratch->path()};
+  const Path pictures = places.scratch / tool->place;
   std::vector<std::string> words = {name, "--progress"};
-  if (tool->asks == "--pictures") words.push_back("--pictures=" + pictures.string());
-  const bool draws = tool->asks == "--picture";
-  const auto told =
-      std::find_if(given->begin(), given->end(), [](const auto& w) { return w.starts_with("--picture="); });
-  if (draws && told == given->end()) words.push_back("--picture=" + picture.string());
+  const bool told = std::any_of(given->begin(), given->end(), [&](const auto& w) { return w.starts_with(tool->asks); });
+  if (!tool->asks.empty() && !told) words.push_back(tool->asks + pictures.string());
   words.insert(words.end(), given->begin(), given->end());
   auto with_json = words;
   with_json.insert(with_json.begin() + 1, "--json");
 
-  const auto output = run(with_json, workshop, scratch->path(), context);
+  const auto output = run(with_json, workshop, places, context);
   if (!output) return failed_call(output.error().message);
   if (output->timed_out)
     return failed_call(name + " did not end within " + std::to_string(static_cast<long>(workshop.limits.seconds)) +
@@ -158,19 +168,16 @@ std::string call_tool(const std::string& name, const std::string& arguments, con
   Json content = Json::array(), structured = said;
   structured["exit_code"] = output->exit_code;
   if (name == "build" || name == "verify") {
-    add_verdict(said, workshop.root, pictures, content, structured);
+    add_verdict(said, places, pictures, content, structured);
   } else if (name == "explain") {
-    const auto plain = run(words, workshop, scratch->path(), context);
+    const auto plain = run(words, workshop, places, context);
     if (!plain) return failed_call(plain.error().message);
     content.push_back(text_block(plain->out));
     structured = short_model(said);
-  } else if (name == "measure") {
-    content.push_back(text_block(said.dump(1)));
-    for (const auto& file : said.value("files", std::vector<std::string>()))
-      if (file.ends_with(".png")) add_picture(workshop.root / file, content);
   } else {
-    content.push_back(text_block(said.value("description", "")));
-    add_picture(told == given->end() ? picture : workshop.root / told->substr(told->find('=') + 1), content);
+    content.push_back(text_block(name == "measure" ? said.dump(1) : said.value("description", "")));
+    for (const auto& file : said.value("files", std::vector<std::string>()))
+      if (file.ends_with(".png")) add_picture(file, places, content);
   }
   const Json result = {{"content", content}, {"structuredContent", structured}, {"isError", false}};
   return result.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
