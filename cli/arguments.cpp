@@ -1,5 +1,8 @@
 #include "cli/arguments.h"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -288,7 +291,7 @@ void Arguments::path(Path& target, const std::string& name, const std::string& v
 }
 
 void Arguments::list(std::vector<std::string>& target, const std::string& name, const std::string& value_name,
-                     const std::string& help) {
+                     const std::vector<std::string>& words, const std::string& help) {
   app_.add_option_function<std::string>(
           name,
           [&target](const std::string& text) {
@@ -298,7 +301,7 @@ void Arguments::list(std::vector<std::string>& target, const std::string& name, 
               begin = end + 1;
             }
           },
-          noted({name, value_name, help, Declared::Takes::list}))
+          noted({name, value_name, help, Declared::Takes::list, words}))
       ->type_name(value_name);
 }
 
@@ -332,7 +335,16 @@ std::vector<Declared> shared_options() {
   return arguments.declared();
 }
 
-int run_program(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version) {
+namespace {
+
+/// Whether something that was printed did not arrive. A reader that went away wanted no more.
+bool output_was_lost() {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return false;
+  pollfd output{STDOUT_FILENO, POLLOUT, 0};
+  return ::poll(&output, 1, 0) < 1 || !(output.revents & POLLERR);
+}
+
+int run_words(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version) {
   CLI::App app(program_help, "partscribe");
   app.set_version_flag(
       "--version", [&] { return versions(version); }, "print its version, and those of the CAD programs that it uses");
@@ -402,6 +414,14 @@ int run_program(int argc, const char* const* argv, const std::vector<Command>& c
     }
   }
   return fail(usage_error("expected a command, found none: see 'partscribe --help'"));
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version) {
+  const int code = run_words(argc, argv, commands, version);
+  if (code >= static_cast<int>(ErrorKind::usage) || !output_was_lost()) return code;
+  return fail({"standard output cannot be written: its disk is full, or it is closed", ErrorKind::stopped});
 }
 
 }  // namespace partscribe::cli

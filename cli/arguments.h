@@ -53,9 +53,9 @@ class Arguments {
   /// `letter`: a short name beside it ("-o").
   void path(Path& target, const std::string& name, const std::string& value_name, const std::string& help,
             const std::string& letter = {});
-  /// Comma-separated words.
+  /// Comma-separated ones of a few words.
   void list(std::vector<std::string>& target, const std::string& name, const std::string& value_name,
-            const std::string& help);
+            const std::vector<std::string>& words, const std::string& help);
   /// Operands: required, at least one.
   void paths(std::vector<Path>& target, const std::string& name, const std::string& help);
   /// A single required operand.

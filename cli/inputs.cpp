@@ -19,6 +19,17 @@ bool written_by_a_stage(const Path& input) {
   return input.filename() == "cloud.ply" || input.filename() == "model.json";
 }
 
+/// What may not be looked at is not there; that nothing can be written there either is said when it is tried.
+bool is_there(const Path& path) {
+  std::error_code hidden;
+  return std::filesystem::exists(path, hidden);
+}
+
+bool is_folder(const Path& path) {
+  std::error_code hidden;
+  return std::filesystem::is_directory(path, hidden);
+}
+
 /// The least round number that is not below `value`.
 double rounded_up(double value) {
   const double decade = power_of_ten_below(value);
@@ -36,9 +47,7 @@ Path output_folder(const SharedOptions& options, const Path& input, const Path& 
 }
 
 Result<Done> check_same_part(const SharedOptions& options, const Path& folder, const std::vector<Path>& inputs) {
-  if (!options.out.empty() || written_by_a_stage(inputs.front()) ||
-      !std::filesystem::is_regular_file(folder / "model.json"))
-    return Done{};
+  if (!options.out.empty() || written_by_a_stage(inputs.front()) || !is_there(folder / "model.json")) return Done{};
   const auto model = read_model(folder / "model.json");
   if (!model || (*model)->provenance.sources.empty()) return Done{};
   const auto& sources = (*model)->provenance.sources;
@@ -53,10 +62,10 @@ Result<Done> check_same_part(const SharedOptions& options, const Path& folder, c
 }
 
 Result<Done> check_overwriting(const Path& folder, const std::vector<std::string>& files, bool force) {
-  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+  if (is_there(folder) && !is_folder(folder))
     return usage_error(folder.string() + ": expected a folder for the results, found a file; give another --out");
   for (const auto& file : files)
-    if (!force && std::filesystem::exists(folder / file))
+    if (!force && is_there(folder / file))
       return usage_error((folder / file).string() +
                          " exists already; give --force to overwrite it or --out for another folder");
   return Done{};
@@ -64,9 +73,9 @@ Result<Done> check_overwriting(const Path& folder, const std::vector<std::string
 
 Result<Done> check_overwriting(const Path& file, bool force) {
   const Path folder = file.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
+  if (!folder.empty() && !is_folder(folder))
     return usage_error(file.string() + ": there is no folder " + folder.string() + "; make it first");
-  if (!force && std::filesystem::exists(file))
+  if (!force && is_there(file))
     return usage_error(file.string() + " exists already; give --force to overwrite it or another name");
   return Done{};
 }

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "core/number.h"
+#include "core/temporary_directories.h"
 
 namespace partscribe::cli {
 namespace {
@@ -119,6 +120,7 @@ void Session::end_when_cancelled() {
   if (ending_.wait_for(lock, 700ms, [this] { return ended_; })) return;
   std::fprintf(stderr, "%spartscribe: cancelled%s%s\n", bar_shown_ ? "\r\033[K" : "",
                stage_.empty() ? "" : (" in: " + stage_).c_str(), leaves_.c_str());
+  remove_temporary_directories();
   ::_exit(static_cast<int>(ErrorKind::stopped));
 }
 

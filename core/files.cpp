@@ -8,7 +8,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
+#include <set>
 #include <system_error>
+
+#include "core/temporary_directories.h"
 
 namespace partscribe::core {
 namespace {
@@ -121,6 +125,27 @@ std::string sha256(std::string_view bytes) {
   return text;
 }
 
+namespace {
+
+/// The temporary folders that exist, for an end at which nobody cleans up.
+struct Made {
+  std::mutex access;
+  std::set<Path> paths;
+};
+Made& made_folders() {
+  static Made* const made = new Made;  // outlives all that may still make one
+  return *made;
+}
+
+}  // namespace
+
+void remove_temporary_directories() {
+  Made& made = made_folders();
+  const std::lock_guard lock(made.access);
+  std::error_code ignored;
+  for (const auto& path : made.paths) std::filesystem::remove_all(path, ignored);
+}
+
 Result<TemporaryDirectory> TemporaryDirectory::make() {
   std::error_code failure;
   const Path parent = std::filesystem::temp_directory_path(failure);
@@ -129,6 +154,9 @@ Result<TemporaryDirectory> TemporaryDirectory::make() {
     return Error{"no temporary folder can be made in " + parent.string() + ": " +
                      (failure ? failure.message() : reason()) + "; TMPDIR names another place",
                  ErrorKind::stopped};
+  Made& made = made_folders();
+  const std::lock_guard lock(made.access);
+  made.paths.insert(pattern);
   return TemporaryDirectory(Path(pattern));
 }
 
@@ -141,8 +169,12 @@ TemporaryDirectory::TemporaryDirectory() {
 TemporaryDirectory::TemporaryDirectory(TemporaryDirectory&& other) noexcept { std::swap(path_, other.path_); }
 
 TemporaryDirectory::~TemporaryDirectory() {
+  if (path_.empty()) return;
   std::error_code ignored;
-  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  std::filesystem::remove_all(path_, ignored);
+  Made& made = made_folders();
+  const std::lock_guard lock(made.access);
+  made.paths.erase(path_);
 }
 
 }  // namespace partscribe::core

@@ -102,6 +102,7 @@ Result<int> work(const BuildArguments& arguments, const BuildRequest& asked, Bui
 
   const Model& model = *built->model;
   const Verdict& verdict = built->trial().verdict;
+  if (session.options.quiet) warn_of_missing(verdict, session);
   print_result(model, verdict, folder, session);
   if (verdict.verdict == Outcome::out_of_tolerance)
     session.print(scene_hint(arguments.scans.front(), session.options.units, *scan, session.context.threads));
@@ -148,7 +149,7 @@ Command build_command() {
                      "what tells outliers of range images before the fit: nothing, for the fit does so itself; or "
                      "reweighted least trimmed squares in windows, or through five samples of a row as published in "
                      "1993, which also take walls of one pixel");
-            a.list(arguments->to, "--to", "LIST", "which of openscad,alpha1,iges,step to write (default: all)");
+            declare_backends(arguments->to, a);
             a.text(arguments->fit.name, "--name", "NAME", "name of the part (default: from the first file)");
             a.flag(arguments->fit.no_nominal, "--no-nominal",
                    "keep every measured value; else a nominal size is taken where the data cannot tell the difference");

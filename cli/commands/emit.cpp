@@ -57,7 +57,7 @@ Command emit_command() {
   return {"emit", "write a model as CAD files", emit_help + ("\n\nBackends" + list),
           [options](Arguments& a) {
             a.operand(options->model, "model", "a model.json");
-            a.list(options->to, "--to", "LIST", "backends, comma-separated (default: all)");
+            declare_backends(options->to, a);
             a.path(options->templates, "--templates", "DIR",
                    "a folder of template packs in place of the built-in ones");
           },

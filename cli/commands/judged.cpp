@@ -33,10 +33,7 @@ Result<std::optional<Model>> model_of(const Path& artifact, const Path& named) {
   const Path beside = artifact.parent_path() / "model.json";
   if (!std::filesystem::is_regular_file(beside)) return std::optional<Model>();
   auto model = read_model(beside);
-  if (!model) return std::optional<Model>();
-  const std::string stem = artifact.stem().string();
-  if (stem != "part" && stem != (*model)->name) return std::optional<Model>();
-  return std::optional<Model>(**model);
+  return model ? std::optional<Model>(**model) : std::optional<Model>();
 }
 
 VerifyOptions verify_options(const std::optional<Model>& model, const Scan& scan, std::optional<double> outliers,

@@ -23,8 +23,8 @@ struct Operands {
 /// usage error of a missing one begins with the `command`.
 Result<Operands> told_apart(const std::vector<Path>& files, const std::string& command);
 
-/// The model that an artifact was written from: `named`, or model.json in the artifact's folder, if the artifact bears
-/// the name that emitting gives or the part's own. Edited scripts keep it: their features are judged by its names.
+/// The model that an artifact was written from: `named`, or model.json in the artifact's folder. Edited scripts keep
+/// it, under whatever name: their features are judged by its names.
 Result<std::optional<Model>> model_of(const Path& artifact, const Path& named = {});
 
 /// Tolerance and share of outliers as they were asked for, else those of the model, else chosen from the scan; what was

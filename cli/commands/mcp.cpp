@@ -78,10 +78,15 @@ Result<int> run_mcp(const McpArguments& given, Session& session) {
                  no_confinement());
   if (::isatty(0))
     session.warn("waiting for messages of the Model Context Protocol; an agent's client starts this command");
+  std::string advice = instructions;
+  if (!no_confinement().empty())
+    advice +=
+        " On this machine nothing keeps a script or scan from reading files outside that folder: give it none from "
+        "strangers.";
   Service service{"partscribe",
                   "Partscribe",
                   session.version,
-                  instructions,
+                  advice,
                   tool_list(),
                   [&](const std::string& tool, const std::string& arguments, Context& context) {
                     return call_tool(tool, arguments, workshop, context);

@@ -6,7 +6,6 @@
 #include "cli/commands/judged.h"
 #include "cli/commands/stages.h"
 #include "cli/inputs.h"
-#include "cli/names.h"
 #include "cli/report/report_scene.h"
 #include "core/json_text.h"
 #include "geometry/normals/normals.h"
@@ -111,7 +110,9 @@ Result<Done> read(const Path& file, Subject& subject, Session& session) {
 
 Result<int> run_render(const RenderArguments& given, Session& session) {
   const Path picture =
-      given.picture.empty() ? session.options.out / (folder_name(given.files.front()) + ".png") : given.picture;
+      given.picture.empty() ? session.options.out / (given.files.front().stem().string() + ".png") : given.picture;
+  if (picture.extension() != ".png")
+    return usage_error("the picture is a PNG file: expected a name that ends in .png, found " + picture.string());
   if (auto ok = check_overwriting(picture, session.options.force); !ok) return ok.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   Subject subject;

@@ -237,6 +237,7 @@ Result<int> run_report(const ReportArguments& given, Session& session) {
   if (auto ok = write_file(written.front(), drawing->page); !ok) return ok.error();
   session.finish_stage();
   for (const auto& file : written) session.print("Wrote " + file.string() + "\n");
+  session.print(verdict_sentence(material->verdict) + "\n");
   session.print_json(summary_json("report", written, material->scan.warnings));
   return recorded ? 0 : exit_code_of(material->verdict.verdict);
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/inputs.h"
+#include "cli/suggest.h"
 #include "codegen/emit.h"
 #include "codegen/exchange/brep.h"
 #include "core/json_text.h"
@@ -70,6 +71,16 @@ Result<MeasuredPart> measure_stage(Scan& scan, double tolerance, Session& sessio
   return measured_part(scan, tolerance, session.context);
 }
 
+void declare_backends(std::vector<std::string>& names, Arguments& options) {
+  std::vector<std::string> all;
+  std::string list;
+  for (const auto& backend : backends()) {
+    all.push_back(backend.name);
+    list += (list.empty() ? "" : ",") + backend.name;
+  }
+  options.list(names, "--to", "LIST", all, "which of " + list + " to write (default: all)");
+}
+
 Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names) {
   std::vector<std::string> all, chosen;
   std::string list;
@@ -79,7 +90,7 @@ Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>&
   }
   for (const auto& name : names)
     if (std::find(all.begin(), all.end(), name) == all.end())
-      return usage_error("--to: expected some of " + list + ", found '" + name + "'");
+      return usage_error("--to: expected some of " + list + ", found '" + name + "'" + did_you_mean(name, all));
   for (const auto& name : all)
     if (names.empty() || std::find(names.begin(), names.end(), name) != names.end()) chosen.push_back(name);
   return chosen;
@@ -130,6 +141,12 @@ Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts
 double outlier_rate_of(const Model& model) {
   const auto& p = model.provenance;
   return p.points == 0 ? 0 : static_cast<double>(p.rejected) / static_cast<double>(p.points);
+}
+
+void warn_of_missing(const Verdict& verdict, Session& session) {
+  for (const auto& artifact : verdict.artifacts)
+    if (artifact.verdict == Outcome::not_run && !artifact.reasons.empty())
+      session.warn(artifact.file + ": " + artifact.reasons.front());
 }
 
 std::string seconds_line(const Session& session) {

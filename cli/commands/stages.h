@@ -39,6 +39,9 @@ Result<CheckedModel> fit_stage(Scan& scan, double tolerance, const std::string& 
 /// The faces of a scan with what follows from them; its cloud gets normals, noise and flags.
 Result<MeasuredPart> measure_stage(Scan& scan, double tolerance, Session& session);
 
+/// --to, a list of backends.
+void declare_backends(std::vector<std::string>& names, Arguments& options);
+
 /// The backends of --to in the program's order; empty names all. An unknown one is a usage error.
 Result<std::vector<std::string>> chosen_backends(const std::vector<std::string>& names);
 
@@ -70,6 +73,9 @@ Result<std::vector<Path>> write_artifacts(const std::vector<Artifact>& artifacts
 
 /// The share of its points that the fit of a model set aside as outliers: so many the verifier may set aside too.
 double outlier_rate_of(const Model& model);
+
+/// Warns of each artifact that was not run, because its program is missing or did not finish.
+void warn_of_missing(const Verdict& verdict, Session& session);
 
 /// Where each stage's seconds went, in one line.
 std::string seconds_line(const Session& session);

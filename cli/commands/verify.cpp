@@ -98,6 +98,7 @@ Result<int> run_verify(const VerifyArguments& given, Session& session) {
     if (auto ok = write_file(given.junit, write_verdict_junit(*verdict)); !ok) return ok.error();
   if (!given.csv.empty())
     if (auto ok = write_file(given.csv, write_verdict_csv(*verdict)); !ok) return ok.error();
+  if (session.options.quiet) warn_of_missing(*verdict, session);
   session.print(verdict_table(*verdict));
   session.print(seconds_line(session) + "\n");
   session.print_json(json);

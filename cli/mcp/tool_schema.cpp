@@ -23,6 +23,7 @@ Json property_schema(const Declared& d) {
       break;
     case Takes::list:
       schema = {{"type", "array"}, {"items", text}};
+      if (!d.words.empty()) schema["items"]["enum"] = d.words;
       break;
     case Takes::number:
       schema = {{"type", "number"}, {"minimum", d.low}, {"maximum", d.high}};

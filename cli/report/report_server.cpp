@@ -71,7 +71,9 @@ Result<Done> serve_workbench(Workbench bench, int port, Session& session,
                     : server.bind_to_port("127.0.0.1", port) ? port
                                                              : -1;
   if (bound < 0)
-    return usage_error("port " + std::to_string(port) + " of this machine cannot be used: another program has it");
+    return usage_error(
+        "port " + std::to_string(port) +
+        " of this machine cannot be used: another program has it, or it is kept for the system (below 1024)");
   const std::string host = "127.0.0.1:" + std::to_string(bound);
   server.set_default_headers({{"Cache-Control", "no-store"},
                               {"Referrer-Policy", "no-referrer"},

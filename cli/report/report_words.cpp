@@ -53,6 +53,18 @@ std::string spoken(const std::string& name) {
   return words;
 }
 
+namespace {
+
+/// The first reason of an artifact, without a full stop; empty if it has none.
+std::string first_reason(const ArtifactVerdict* artifact) {
+  if (!artifact || artifact->reasons.empty()) return {};
+  std::string reason = artifact->reasons.front();
+  while (reason.ends_with('.')) reason.pop_back();
+  return reason;
+}
+
+}  // namespace
+
 std::string verdict_sentence(const Verdict& verdict) {
   const std::string tolerance = print_number(verdict.tolerance) + " mm";
   const ArtifactVerdict* artifact = deciding_artifact(verdict);
@@ -62,7 +74,9 @@ std::string verdict_sentence(const Verdict& verdict) {
       return "The CAD model is the scanned part: wherever the part was scanned, the two agree within " +
              readable(worst) + " mm, and " + tolerance + " is allowed.";
     case Outcome::out_of_tolerance: {
-      const std::string text = "The CAD model is not the scanned part";
+      const std::string text = "The CAD model is not the scanned part", reason = first_reason(artifact);
+      if (artifact && artifact->mesh.empty() && artifact->model_to_data.area == 0 && !reason.empty())
+        return "No part came out of " + artifact->file + ": " + reason + ".";
       const Finding* fault = nullptr;
       if (artifact)
         for (const auto& f : artifact->findings)
@@ -73,7 +87,7 @@ std::string verdict_sentence(const Verdict& verdict) {
       if (artifact && artifact->data_to_model.local_max > verdict.tolerance)
         return text + ": they differ by up to " + readable(artifact->data_to_model.local_max) + " mm, and " +
                tolerance + " is allowed.";
-      if (artifact && !artifact->reasons.empty()) return text + ": " + artifact->reasons.front() + ".";
+      if (!reason.empty()) return text + ": " + reason + ".";
       for (const auto& pair : verdict.between_backends)
         if (!pair.agree)
           return "The files do not describe the same part: " + pair.first + " and " + pair.second + " differ by " +
@@ -81,9 +95,9 @@ std::string verdict_sentence(const Verdict& verdict) {
       return text + " within " + tolerance + ".";
     }
     case Outcome::cannot_decide:
-      if (artifact && verdict.tolerance >= verdict.smallest_honest_tolerance && !artifact->reasons.empty())
-        return "Neither agreement nor disagreement within " + tolerance +
-               " could be shown: " + artifact->reasons.front() + ".";
+      if (verdict.tolerance >= verdict.smallest_honest_tolerance && !first_reason(artifact).empty())
+        return "Neither agreement nor disagreement within " + tolerance + " could be shown: " + first_reason(artifact) +
+               ".";
       return "This scan cannot decide within " + tolerance +
              ": its noise would hide such a deviation. It can decide from " +
              readable(verdict.smallest_honest_tolerance) + " mm upward.";
@@ -91,7 +105,7 @@ std::string verdict_sentence(const Verdict& verdict) {
       break;
   }
   return "Nothing is known yet: a program that is needed to look at the file is missing" +
-         (artifact && !artifact->reasons.empty() ? " (" + artifact->reasons.front() + ")." : std::string("."));
+         (first_reason(artifact).empty() ? "." : " (" + first_reason(artifact) + ").");
 }
 
 std::string honesty_sentences(const Verdict& verdict) {
