@@ -28,6 +28,8 @@ install(FILES ${made}/partscribe.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/
   COMPONENT program)
 install(FILES ${made}/changelog.gz ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}
   COMPONENT program)
+install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program PATTERN docs/site EXCLUDE)
 install(DIRECTORY corpus/pin corpus/tie_bar corpus/carton DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples
   COMPONENT program)
 

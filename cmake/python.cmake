@@ -39,3 +39,5 @@ install(TARGETS partscribe_python LIBRARY DESTINATION ${PARTSCRIBE_PYTHON_FOLDER
 install(FILES ${python_files} DESTINATION ${PARTSCRIBE_PYTHON_FOLDER}/partscribe COMPONENT python EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_BINARY_DIR}/generated/manual/changelog.gz cmake/copyright
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-partscribe COMPONENT python EXCLUDE_FROM_ALL)
+install(FILES examples/python/deviations.py
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-partscribe/examples COMPONENT python EXCLUDE_FROM_ALL)

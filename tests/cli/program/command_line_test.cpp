@@ -287,4 +287,43 @@ TEST_CASE("command line: Ctrl-C is obeyed within a second, wherever it comes") {
   }
 }
 
+TEST_CASE("program: output that does not arrive is an error, and a reader that wants no more is none") {
+  Context context;
+  const auto said = [&](const std::string& line) {
+    const auto run = run_process({"sh", "-c", line, program().string()}, {.seconds = 30}, context);
+    REQUIRE(run.ok());
+    return *run;
+  };
+  const auto lost = said("\"$0\" help --man > /dev/full");
+  CHECK(lost.exit_code == 5);
+  CHECK(lost.err.find("partscribe: standard output cannot be written") == 0);
+  CHECK(said("{ \"$0\" help --man; echo ended with $? >&2; } | head -c 1").err == "ended with 0\n");
+}
+
+TEST_CASE("program: cancelled, it leaves no temporary folder") {
+  const TemporaryDirectory folder;
+  std::filesystem::create_directory(folder.path() / "tmp");
+  Context context;
+  const auto run = run_process({"sh", "-c", "TMPDIR=$PWD/tmp timeout -s INT 1.5 \"$0\" build \"$1\" --quiet; ls tmp",
+                                program().string(), source_file("corpus/tie_bar/scan/scan.json").string()},
+                               {.seconds = 60}, context, folder.path());
+  REQUIRE(run.ok());
+  CHECK(run->out == "");
+}
+
+TEST_CASE("program: a copy of a script, under whatever name, is judged by the model beside it") {
+  const TemporaryDirectory folder;
+  const Path f = folder.path();
+  std::filesystem::copy_file(source_file("corpus/tie_bar/model.json"), f / "model.json");
+  REQUIRE(run_partscribe({"emit", "model.json", "--to", "openscad", "--quiet"}, f).exit_code == 0);
+  std::filesystem::copy_file(f / "part.scad", f / "mine.scad");
+  const std::string scan = source_file("corpus/tie_bar/scan/scan.json").string();
+  const auto own = run_partscribe({"verify", "part.scad", scan}, f),
+             copy = run_partscribe({"verify", "mine.scad", scan}, f);
+  CHECK(own.exit_code == copy.exit_code);
+  CHECK(copy.out.find("as in the model beside the artifact") != std::string::npos);
+  const auto rows = [](const std::string& text) { return text.substr(text.find("feature by feature"), 1500); };
+  CHECK(rows(own.out).substr(0, 600) == rows(copy.out).substr(0, 600));
+}
+
 }  // namespace partscribe::testing
