@@ -12,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/completion.h"
 #include "cli/manual.h"
+#include "cli/printable.h"
 #include "cli/suggest.h"
 #include "core/number.h"
 #include "core/process.h"
@@ -151,7 +152,7 @@ std::string about_unknown_word(const CLI::App& command) {
 }
 
 int fail(const Error& error) {
-  std::fprintf(stderr, "partscribe: %s\n", one_line(error.message).c_str());
+  std::fprintf(stderr, "partscribe: %s\n", printable(one_line(error.message)).c_str());
   return static_cast<int>(error.kind);
 }
 

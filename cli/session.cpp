@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "cli/printable.h"
 #include "core/number.h"
 #include "core/temporary_directories.h"
 
@@ -158,7 +159,7 @@ void Session::finish_stage() {
 void Session::print(const std::string& text) {
   clear_bar();
   if (options.quiet || options.json || host_) return;
-  std::fputs(text.c_str(), stdout);
+  std::fputs(printable(text).c_str(), stdout);
   std::fflush(stdout);
 }
 
@@ -172,14 +173,14 @@ void Session::print_json(const std::string& text) {
 
 void Session::output(const std::string& text) {
   clear_bar();
-  std::fputs(text.c_str(), stdout);
+  std::fputs(printable(text).c_str(), stdout);
   std::fflush(stdout);
 }
 
 void Session::warn(const std::string& line) {
   if (host_) return host_->warning(line);
   clear_bar();
-  std::fprintf(stderr, "partscribe: warning: %s\n", line.c_str());
+  std::fprintf(stderr, "partscribe: warning: %s\n", printable(line).c_str());
   log_line("warning: " + line);
 }
 
@@ -187,7 +188,7 @@ void Session::note(const std::string& line) {
   log_line(line);
   if (options.quiet || options.json || !terminal_) return;
   clear_bar();
-  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fprintf(stderr, "%s\n", printable(line).c_str());
 }
 
 /// A line of JSON whenever a step begins, and from then on at most ten a second.
@@ -195,7 +196,8 @@ void Session::tell_progress(const std::string& title, double share) {
   if (title == shown_ && seconds_since(last_drawn_) < 0.1) return;
   shown_ = title;
   last_drawn_ = std::chrono::steady_clock::now();
-  std::fprintf(stderr, "{\"step\": %s, \"share\": %s, \"seconds\": %s}\n", nlohmann::json(title).dump().c_str(),
+  std::fprintf(stderr, "{\"step\": %s, \"share\": %s, \"seconds\": %s}\n",
+               nlohmann::json(title).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str(),
                print_number(snapped(std::clamp(share, 0.0, 1.0), 0.001)).c_str(),
                in_tenths(seconds_since(begin_)).c_str());
 }
@@ -203,7 +205,7 @@ void Session::tell_progress(const std::string& title, double share) {
 void Session::show_progress(const std::string& name, double share) {
   if (options.quiet && !options.progress) return;
   std::unique_lock lock(mutex_);
-  const std::string title = stage_.empty() || name == stage_ ? name : stage_ + ": " + name;
+  const std::string title = printable(stage_.empty() || name == stage_ ? name : stage_ + ": " + name);
   if (host_) {
     lock.unlock();  // the host may take its time
     return host_->progress(title, share);
@@ -241,7 +243,7 @@ void Session::clear_bar() {
 
 void Session::log_line(const std::string& line) {
   const std::lock_guard lock(mutex_);
-  if (log_) log_ << in_tenths(seconds_since(begin_)) << " s  " << line << std::endl;
+  if (log_) log_ << in_tenths(seconds_since(begin_)) << " s  " << printable(line) << std::endl;
 }
 
 }  // namespace partscribe::cli
