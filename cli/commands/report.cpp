@@ -162,7 +162,8 @@ Result<Drawing> draw_page(const Material& material, bool faces, const std::vecto
 }
 
 /// A script that was edited in the browser, run beside the other scripts of its folder and judged like the file.
-Result<Judged> judge_edited(const Material& material, const Path& file, const std::string& script, Session& session) {
+Result<BenchAnswer> judge_edited(const Material& material, const Path& file, const std::string& script,
+                                 Session& session) {
   const auto aside = TemporaryDirectory::make();
   if (!aside) return aside.error();
   std::error_code ignored;
@@ -180,7 +181,7 @@ Result<Judged> judge_edited(const Material& material, const Path& file, const st
   fresh.verdict = std::move(*verdict);
   auto drawing = draw_page(fresh, false, {{file.filename().string(), script}}, session);
   if (!drawing) return drawing.error();
-  return Judged{std::move(drawing->page), name_of(fresh.verdict.verdict), verdict_sentence(fresh.verdict)};
+  return BenchAnswer{std::move(drawing->page), name_of(fresh.verdict.verdict), verdict_sentence(fresh.verdict)};
 }
 
 /// Until Ctrl-C, the page with the first script beside it.

@@ -11,7 +11,7 @@
 namespace partscribe::cli {
 
 /// What came of a script.
-struct Judged {
+struct BenchAnswer {
   std::string page;      ///< the report, a page by itself
   std::string outcome;   ///< "verified", as in verdict.json
   std::string sentence;  ///< the verdict in a sentence
@@ -21,8 +21,8 @@ struct Workbench {
   std::string name;    ///< of the part
   std::string file;    ///< of the script, without folder: "part.scad"
   std::string script;  ///< its text, as the file has it
-  Judged judged;       ///< what came of it
-  std::function<Result<Judged>(const std::string& script)> judge;
+  BenchAnswer judged;  ///< what came of it
+  std::function<Result<BenchAnswer>(const std::string& script)> judge;
 };
 
 /// Serves the bench on 127.0.0.1 until the session is cancelled; `started` is told its address, which holds a random

@@ -21,17 +21,17 @@ struct Served {
   std::thread thread;
 
   Served() {
-    Workbench bench{"pin",
-                    "part.scad",
-                    "// diameter [mm]\nshank_d = 12;\ncylinder(d = shank_d);\n",
-                    {"<p id='page'>good page</p>", "verified", "It fits."},
-                    [](const std::string& script) -> Result<Judged> {
-                      if (script.find("shank_d") == std::string::npos)
-                        return bad_input("expected a shank & found <none>");
-                      if (script.find("shank_d = 13;") == std::string::npos)
-                        return Judged{"<p id='page'>good page</p>", "verified", "It fits."};
-                      return Judged{"<p id='page'>bad page</p>", "out_of_tolerance", "The shank is 1 mm too thick."};
-                    }};
+    Workbench bench{
+        "pin",
+        "part.scad",
+        "// diameter [mm]\nshank_d = 12;\ncylinder(d = shank_d);\n",
+        {"<p id='page'>good page</p>", "verified", "It fits."},
+        [](const std::string& script) -> Result<BenchAnswer> {
+          if (script.find("shank_d") == std::string::npos) return bad_input("expected a shank & found <none>");
+          if (script.find("shank_d = 13;") == std::string::npos)
+            return BenchAnswer{"<p id='page'>good page</p>", "verified", "It fits."};
+          return BenchAnswer{"<p id='page'>bad page</p>", "out_of_tolerance", "The shank is 1 mm too thick."};
+        }};
     std::atomic<bool> up = false;
     thread = std::thread([this, bench, &up] {
       CHECK(serve_workbench(bench, 0, session, [&](const std::string& where) { address = where, up = true; }).ok());

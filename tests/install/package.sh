@@ -23,12 +23,14 @@ dpkg-deb --contents "$package" | awk '{ print $1, $2, $6 }' >"$folder/contents"
 awk '$2 != "root/root" || ($1 != "drwxr-xr-x" && $1 != ($3 ~ /\/bin\// ? "-rwxr-xr-x" : "-rw-r--r--"))' \
   "$folder/contents" >"$folder/wrong"
 [ ! -s "$folder/wrong" ] || fail "owner or mode: $(cat "$folder/wrong")"
-awk '/^-/ { print $3 }' "$folder/contents" | sed 's,/examples/.*,/examples/,' | sort -u >"$folder/files"
+awk '/^-/ { print $3 }' "$folder/contents" | sed 's,/docs/.*,/docs/,; s,/examples/.*,/examples/,' | LC_ALL=C sort -u >"$folder/files"
 cat >"$folder/expected" <<'EOF'
 ./usr/bin/partscribe
 ./usr/share/bash-completion/completions/partscribe
+./usr/share/doc/partscribe/README.md
 ./usr/share/doc/partscribe/changelog.gz
 ./usr/share/doc/partscribe/copyright
+./usr/share/doc/partscribe/docs/
 ./usr/share/doc/partscribe/examples/
 ./usr/share/fish/vendor_completions.d/partscribe.fish
 ./usr/share/man/man1/partscribe.1.gz

@@ -26,6 +26,7 @@ cat >"$folder/expected" <<'END'
 ./usr/lib/python3/dist-packages/partscribe/results.py
 ./usr/share/doc/python3-partscribe/changelog.gz
 ./usr/share/doc/python3-partscribe/copyright
+./usr/share/doc/python3-partscribe/examples/deviations.py
 END
 diff "$folder/expected" "$folder/files" || fail "the package holds other files than it should"
 dpkg-deb --ctrl-tarfile "$package" | tar -tv >"$folder/control"
