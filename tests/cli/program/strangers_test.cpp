@@ -133,8 +133,9 @@ TEST_CASE("strangers: scripts that never end, eat memory or talk without end are
   if (!can_confine()) return;
   const Desk desk;
   const std::vector<std::string> scripts = {
-      "function f(n) = n < 0 ? n : f(n + 1); cube(f(0));",
-      "function f(n) = n < 0 ? n : echo(str(n, \" WARNING\")) f(n + 1); cube(f(0));",
+      "x = [for (i = [0:99999]) for (j = [0:99999]) if (i < 0) i]; cube(len(x));",
+      "x = [for (i = [0:99999]) [for (j = [0:99999]) j]]; cube(len(x));",
+      "for (i = [0:9998]) for (j = [0:9998]) echo(\"WARNING\");",
   };
   for (const auto& script : scripts) {
     const auto output = desk.verdict(script, "2");
