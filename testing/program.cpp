@@ -10,7 +10,7 @@ ProcessOutput run_partscribe(const std::vector<std::string>& arguments, const Pa
   std::vector<std::string> words = {program().string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   Context context;
-  const auto output = run_process(words, {.seconds = 800}, context, working_directory);
+  const auto output = run_process(words, {.seconds = 800, .processes = 4096}, context, working_directory);
   REQUIRE(output.ok());
   return *output;
 }

@@ -37,11 +37,11 @@ struct Desk {
   }
   void put(const std::string& name, const std::string& text) const { REQUIRE(write_file(folder / name, text).ok()); }
 
-  /// The verdict on a script, in a folder of which it names what it likes.
+  /// The verdict, as JSON, on a script in a folder of which it names what it likes.
   ProcessOutput verdict(const std::string& script, const std::string& seconds = "20") const {
     put("part.scad", script);
     return run_partscribe({"verify", (folder / "part.scad").string(), (folder / "scan.xyz").string(), "--units", "mm",
-                           "--tolerance", "0.1", "--time-limit", seconds});
+                           "--tolerance", "0.1", "--time-limit", seconds, "--json"});
   }
 };
 
@@ -157,13 +157,16 @@ TEST_CASE("strangers: whatever runs in OpenSCAD's place sees no other file, writ
   REQUIRE(::listen(listening, 1) == 0);
   REQUIRE(::getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size) == 0);
   const std::string port = std::to_string(ntohs(address.sin_port));
-  const FakeOpenscad fake("for file in /etc/passwd '" + desk.secret.string() + "' '" +
-                          (desk.folder / ".block.off").string() + "' '" + (desk.folder / "beside.off").string() +
-                          "' \"$HOME\"/*; do cat \"$file\" > /dev/null && echo ERROR: read >&2; done\n" +
-                          "for folder in /etc /usr /dev / \"$HOME\" '" + desk.folder.string() +
-                          "'; do echo x > \"$folder/partscribe-wrote-this\" && echo ERROR: wrote >&2; done\n" +
-                          "bash -c 'echo x > /dev/tcp/127.0.0.1/" + port + "' && echo ERROR: reached >&2\n" +
-                          "echo WARNING: this was run >&2\n");
+  const FakeOpenscad fake(
+      "for file in /etc/passwd '" + desk.secret.string() + "' '" + (desk.folder / ".block.off").string() + "' '" +
+      (desk.folder / "beside.off").string() +
+      "' \"$HOME\"/*; do cat \"$file\" > /dev/null && echo ERROR: read >&2; done\n" +
+      "for folder in /etc /usr /dev / \"$HOME\"; do echo x > \"$folder/partscribe-wrote-this\" && "
+      "echo ERROR: wrote >&2; done\n" +
+      // Below /tmp, which is a scratch of its own there: that it arrives nowhere is looked at below.
+      "echo x > '" + (desk.folder / "partscribe-wrote-this").string() + "'\n" +
+      "bash -c 'echo x > /dev/tcp/127.0.0.1/" + port + "' && echo ERROR: reached >&2\n" +
+      "echo WARNING: this was run >&2\n");
   const auto output = desk.verdict("cube(1);");
   INFO(output.out << output.err);
   CHECK(output.exit_code == 1);
