@@ -16,6 +16,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <sstream>
 #include <string_view>
 
@@ -102,6 +105,36 @@ bool outgrown(const std::vector<Path>& folders, double most_mb) {
     }
   }
   return false;
+}
+
+/// How many processes run that `first` has started, itself among them: those below it, and those of its group.
+int family_of(pid_t first) {
+  struct Kin {
+    pid_t parent = 0, group = 0;
+  };
+  std::map<pid_t, Kin> all;
+  std::error_code failure;
+  for (std::filesystem::directory_iterator at("/proc", failure), end; !failure && at != end; at.increment(failure)) {
+    const pid_t process = static_cast<pid_t>(std::atoi(at->path().filename().c_str()));
+    if (process <= 0) continue;
+    std::ifstream file(at->path() / "stat");
+    std::string text((std::istreambuf_iterator<char>(file)), {});
+    std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 1)));  // behind its name
+    std::string state;
+    Kin kin;
+    if (fields >> state >> kin.parent >> kin.group) all[process] = kin;
+  }
+  int count = 0;
+  for (auto [process, kin] : all) {
+    bool ours = process == first || kin.group == first;
+    for (pid_t above = kin.parent; !ours && above > 1;) {
+      ours = above == first;
+      const auto next = all.find(above);
+      above = next == all.end() ? 0 : next->second.parent;
+    }
+    count += ours;
+  }
+  return count;
 }
 
 struct Pipe {
@@ -212,7 +245,7 @@ Result<ProcessOutput> run_watched(const std::vector<std::string>& arguments, con
       if (outgrown(watch.folders, limits.file_mb))
         excess = "wrote more than " + print_number(limits.file_mb) + " MB, or more than " + std::to_string(most_files) +
                  " files";
-      else if (::geteuid() == 0 && ::sysinfo(&system) == 0 && system.procs > processes)  // root has no other limit
+      else if (::geteuid() == 0 && family_of(child) > limits.processes)  // root has no other limit
         excess = "started more than " + std::to_string(limits.processes) + " processes";
       next_look = elapsed() + std::max(interval, 10 * (elapsed() - began));  // to look must not become the work
     }

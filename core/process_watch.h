@@ -17,7 +17,7 @@ struct ProcessWatch {
 
 /// As run_process. The program is also ended, with an error of the kind `stopped`, once the files in the folders take
 /// more than limits.file_mb together or are more than anybody needs; and, where this program runs as root, whom the
-/// system grants any number, once there are more processes than limits.processes allows.
+/// system grants any number, once it has more processes than limits.processes.
 Result<ProcessOutput> run_watched(const std::vector<std::string>& arguments, const ProcessLimits& limits,
                                   const ProcessWatch& watch, Context& context);
 
