@@ -62,10 +62,12 @@ std::string wrapped(const std::string& text) {
   return result;
 }
 
-/// How to write what somebody may have meant: a decimal comma, or a unit behind the number. Empty if nothing of the
+/// How to write what somebody may have meant: a decimal comma, or the unit behind the number. Empty if nothing of the
 /// kind is in range.
 std::string written_right(const std::string& text, double low, double high) {
   std::string number = text.substr(0, text.find_last_of("0123456789") + 1);  // npos + 1 is 0
+  const std::string unit = text.substr(std::min(text.find_first_not_of(' ', number.size()), text.size()));
+  if (!unit.empty() && unit != "mm" && unit != "deg" && unit != "°" && unit != "s") return {};
   const auto comma = number.find(',');
   if (comma != std::string::npos) number[comma] = '.';
   const auto value = parse_number(number);
@@ -219,15 +221,16 @@ void Arguments::choice(std::string& target, const std::string& name, const std::
 }
 
 void Arguments::choice(std::string& target, const std::string& name, const std::string& value_name,
-                       const std::vector<std::string>& words, const std::function<bool(const std::string&)>& known,
-                       const std::string& help) {
+                       const std::vector<std::string>& words, const Others& others, const std::string& help) {
   Declared declared{name, value_name, help, Declared::Takes::word, words};
-  declared.other_words = static_cast<bool>(known);
+  declared.other_words = !others.what.empty();
   const auto shown = noted(std::move(declared));
-  app_.add_option(name, target, shown)->type_name(value_name)->check([words, known](const std::string& text) {
-    if ((known && known(text)) || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+  app_.add_option(name, target, shown)->type_name(value_name)->check([words, others](const std::string& text) {
+    const bool known = !others.what.empty() && others.known(text);
+    if (known || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
     std::string all;
     for (const auto& word : words) all += (all.empty() ? "" : ", ") + word;
+    if (!others.what.empty()) all += ", or " + others.what;
     return "expected one of " + all + ", found '" + text + "'" + did_you_mean(text, words);
   });
 }

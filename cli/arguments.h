@@ -40,10 +40,13 @@ class Arguments {
   /// One of a few words.
   void choice(std::string& target, const std::string& name, const std::vector<std::string>& words,
               const std::string& help);
-  /// One of many words, or another that is `known`.
+  /// What an option takes besides its words.
+  struct Others {
+    std::string what;  ///< "a direction X,Y,Z"; empty: nothing
+    std::function<bool(const std::string&)> known;
+  };
   void choice(std::string& target, const std::string& name, const std::string& value_name,
-              const std::vector<std::string>& words, const std::function<bool(const std::string&)>& known,
-              const std::string& help);
+              const std::vector<std::string>& words, const Others& others, const std::string& help);
   void number(std::optional<double>& target, const std::string& name, const std::string& value_name, double low,
               double high, const std::string& help);
   void number(double& target, const std::string& name, const std::string& value_name, double low, double high,

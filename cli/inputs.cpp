@@ -96,7 +96,10 @@ Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session, ReadO
   return scan;
 }
 
-Result<CheckedModel> read_model(const Path& file) {
+Result<CheckedModel> read_model(const Path& given) {
+  const Path file = is_folder(given) ? given / "model.json" : given;
+  if (file != given && !is_there(file))
+    return bad_input(given.string() + ": expected a folder that build or fit has filled, found no model.json in it");
   const auto text = read_file(file);
   if (!text) return text.error();
   auto model = read_model_json(*text, file.string());

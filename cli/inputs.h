@@ -34,7 +34,8 @@ Result<Done> make_folder(const Path& folder);
 Result<Scan> read_scans(const std::vector<Path>& inputs, Session& session, ReadOptions options = {},
                         std::vector<RangeImage>* images = nullptr);
 
-Result<CheckedModel> read_model(const Path& file);
+/// Of a model.json, or of the folder that holds one.
+Result<CheckedModel> read_model(const Path& given);
 
 /// The tolerance used when none was given.
 struct ChosenTolerance {

@@ -17,7 +17,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 #include <string_view>
@@ -118,7 +117,8 @@ int family_of(pid_t first) {
     const pid_t process = static_cast<pid_t>(std::atoi(at->path().filename().c_str()));
     if (process <= 0) continue;
     std::ifstream file(at->path() / "stat");
-    std::string text((std::istreambuf_iterator<char>(file)), {});
+    std::string text;
+    std::getline(file, text, '\0');  // a process may end here, and iterators of a stream throw at what cannot be read
     std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 1)));  // behind its name
     std::string state;
     Kin kin;
@@ -150,12 +150,16 @@ struct Pipe {
 }  // namespace
 
 Path find_program(const std::string& name) {
-  if (name.find('/') != std::string::npos) return ::access(name.c_str(), X_OK) == 0 ? Path(name) : Path();
+  const auto runs = [](const Path& file) {
+    std::error_code hidden;
+    return ::access(file.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(file, hidden);
+  };
+  if (name.find('/') != std::string::npos) return runs(name) ? Path(name) : Path();
   const char* variable = std::getenv("PATH");
   std::istringstream folders(variable ? variable : "/usr/local/bin:/usr/bin:/bin");
   for (std::string folder; std::getline(folders, folder, ':');) {
     const Path candidate = Path(folder.empty() ? "." : folder) / name;
-    if (::access(candidate.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(candidate)) return candidate;
+    if (runs(candidate)) return candidate;
   }
   return {};
 }

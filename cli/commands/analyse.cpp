@@ -137,16 +137,15 @@ Result<int> run_analyse(const AnalyseArguments& given, Session& session) {
   if (!files) return files.error();
 
   if (auto ok = session.stage("read"); !ok) return ok.error();
-  const Path file = std::filesystem::is_directory(given.model) ? given.model / "model.json" : given.model;
-  const auto read = read_model(file);
+  const auto read = read_model(given.model);
   if (!read) return read.error();
-  const auto model = in_frame(*read, given.frame, file);
+  const auto model = in_frame(*read, given.frame, given.model);
   if (!model) return model.error();
   if (!given.target.empty())
     if (auto ok = check_solvable(*model, given.by); !ok) return ok.error();
   if (auto ok = session.stage("body"); !ok) return ok.error();
   const auto body = mass_properties(*model, session.context);
-  if (!body.ok()) return Error{file.string() + ": " + body.error().message, body.error().kind};
+  if (!body.ok()) return Error{given.model.string() + ": " + body.error().message, body.error().kind};
   Analysis analysis;
   analysis.name = (*model)->name, analysis.procedure = procedure_text(**model);
   analysis.density = *density, analysis.in_scan_frame = given.frame == "scan";

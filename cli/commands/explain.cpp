@@ -19,7 +19,7 @@ Prints for each parameter its value, the fitted number with one standard deviati
 taken and why; then the first hypothesis, the steps with their evidence, and the rivals with the reason they lost.)";
 
 Result<int> run_explain(const Path& given, Session& session) {
-  const auto model = read_model(std::filesystem::is_directory(given) ? given / "model.json" : given);
+  const auto model = read_model(given);
   if (!model) return model.error();
   session.output(session.options.json ? write_model_json(**model) : explanation(**model));
   return 0;

@@ -146,9 +146,11 @@ Command render_command() {
         a.paths(options->files, "files", "what to draw; behind it the scans that it is compared with");
         a.choice(
             options->view, "--view", "VIEW", view_words(),
-            [](const std::string& word) { return direction_in(word).has_value(); },
+            {"a direction X,Y,Z of some length",
+             [](const std::string& word) { return direction_in(word).has_value(); }},
             "from where: iso, front, right, back, left, top, bottom, or the direction to the eye as X,Y,Z (default: "
-            "from the front, right and above, or from where a one-sided scan was taken)");
+            "from the front, right and above, from another corner if that shows more of a plate, or from where a "
+            "one-sided scan was taken)");
         a.path(options->picture, "--picture", "FILE",
                "where it is written (default: named after the first file, with .png)", "-o");
         a.count(options->width, "--width", "PIXELS", 200, 8000, "of the picture (default 760)");

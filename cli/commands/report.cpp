@@ -85,7 +85,7 @@ Result<Material> recorded_material(const Path& given, Session& session) {
   material.folder = std::filesystem::is_directory(given) ? given
                     : given.has_parent_path()            ? given.parent_path()
                                                          : Path(".");
-  auto model = read_model(material.folder / "model.json");
+  auto model = read_model(material.folder);
   if (!model) return model.error();
   material.model = **model;
   material.name = material.model->name;
@@ -185,7 +185,7 @@ Result<BenchAnswer> judge_edited(const Material& material, const Path& file, con
 }
 
 /// Until Ctrl-C, the page with the first script beside it.
-Result<int> serve(const Material& material, std::string page, int port, Session& session) {
+Result<int> serve(const Material& material, std::string page, BenchPort& port, Session& session) {
   const auto file = std::find_if(material.artifacts.begin(), material.artifacts.end(), [](const Path& a) {
     return has_suffix(a, {".scad", ".scl"});
   });
@@ -200,11 +200,10 @@ Result<int> serve(const Material& material, std::string page, int port, Session&
                   {std::move(page), name_of(material.verdict.verdict), verdict_sentence(material.verdict)},
                   [&](const std::string& edited) { return judge_edited(material, *file, edited, session); }};
   session.finish_stage();
-  auto served = serve_workbench(std::move(bench), port, session, [&](const std::string& address) {
+  port.serve(std::move(bench), session, [&](const std::string& address) {
     session.print("Open " + address + "\nCtrl-C ends it; only this machine can reach it.\n");
     session.print_json("{\"address\": \"" + address + "\"}");
   });
-  if (!served) return served.error();
   return 0;
 }
 
@@ -212,6 +211,12 @@ Result<int> run_report(const ReportArguments& given, Session& session) {
   const Path& first = given.files.front();
   const bool recorded =
       given.files.size() == 1 && (std::filesystem::is_directory(first) || has_suffix(first, {".json"}));
+  std::optional<BenchPort> port;
+  if (given.serve) {
+    auto taken = BenchPort::take(given.port);
+    if (!taken) return taken.error();
+    port.emplace(std::move(*taken));
+  }
   if (auto ok = session.stage("read"); !ok) return ok.error();
   auto material = recorded ? recorded_material(first, session) : verified_material(given.files, session);
   if (!material) return material.error();
@@ -226,7 +231,7 @@ Result<int> run_report(const ReportArguments& given, Session& session) {
   if (auto ok = session.stage("report"); !ok) return ok.error();
   auto drawing = draw_page(*material, given.faces, read_scripts(material->artifacts), session);
   if (!drawing) return drawing.error();
-  if (given.serve) return serve(*material, std::move(drawing->page), given.port, session);
+  if (port) return serve(*material, std::move(drawing->page), *port, session);
   if (auto ok = make_folder(out); !ok) return ok.error();
   std::vector<Path> written;
   if (!given.pictures.empty()) {

@@ -29,7 +29,8 @@ std::string file_of(const std::string& backend) {
 void declare_procedure(FitArguments& arguments, Arguments& options) {
   std::string all;
   for (const auto& word : procedure_words()) all += (all.empty() ? "" : ", ") + word;
-  options.choice(arguments.procedure, "--procedure", "NAME", procedure_words(), is_procedure,
+  options.choice(arguments.procedure, "--procedure", "NAME", procedure_words(),
+                 {"the name of a rival as explain prints it", is_procedure},
                  "only this procedure: " + all + " (default: the best)");
 }
 

@@ -15,7 +15,7 @@ using Takes = Declared::Takes;
 
 Json property_schema(const Declared& d) {
   const Json text = {{"type", "string"}};
-  if (d.repeated) return {{"type", "array"}, {"items", text}, {"minItems", 1}, {"description", d.help}};
+  if (d.repeated) return {{"type", "array"}, {"items", text}, {"minItems", 1}};
   Json schema;
   switch (d.takes) {
     case Takes::nothing:
@@ -35,7 +35,6 @@ Json property_schema(const Declared& d) {
       schema = text;
       if (!d.words.empty()) schema[d.other_words ? "examples" : "enum"] = d.words;
   }
-  schema["description"] = d.help;
   return schema;
 }
 
@@ -80,10 +79,25 @@ std::string property_name(const Declared& declared) {
   return name;
 }
 
+std::string in_properties(std::string text, const std::vector<Declared>& declared) {
+  for (const auto& d : declared) {
+    if (!d.is_option()) continue;
+    const std::string property = '"' + property_name(d) + (d.takes == Takes::nothing ? "\": true" : "\"");
+    for (std::size_t at = 0; (at = text.find(d.name, at)) != std::string::npos;) {
+      const char next = at + d.name.size() < text.size() ? text[at + d.name.size()] : ' ';
+      const bool longer = next == '-' || (next >= 'a' && next <= 'z');  // another option, that begins like this one
+      if (!longer) text.replace(at, d.name.size(), property);
+      at += longer ? d.name.size() : property.size();
+    }
+  }
+  return text;
+}
+
 Json input_schema(const std::vector<Declared>& declared) {
   Json properties = Json::object(), required = Json::array();
   for (const auto& d : declared) {
     properties[property_name(d)] = property_schema(d);
+    properties[property_name(d)]["description"] = in_properties(d.help, declared);
     if (!d.is_option()) required.push_back(property_name(d));
   }
   return {{"type", "object"}, {"properties", properties}, {"required", required}, {"additionalProperties", false}};

@@ -15,6 +15,9 @@ namespace partscribe::cli {
 /// "--time-limit" is the property "time_limit"; operands keep their names.
 std::string property_name(const Declared& declared);
 
+/// A text that speaks of options, "give --force", in words that an agent can follow: give "force": true.
+std::string in_properties(std::string text, const std::vector<Declared>& declared);
+
 /// A JSON schema (draft 2020-12) of an object with one property for each option and operand.
 nlohmann::ordered_json input_schema(const std::vector<Declared>& declared);
 

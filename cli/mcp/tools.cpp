@@ -46,13 +46,13 @@ std::vector<Declared> arguments_of(const Command& command) {
 }
 
 /// What help says behind the examples, which are lines for a shell.
-std::string description_of(const Command& command) {
+std::string description_of(const Command& command, const std::vector<Declared>& declared) {
   const auto text = command.help.find("\n\n");
   std::string description = command.summary + ".";
   if (text != std::string::npos) description += " " + command.help.substr(text + 2);
   std::replace(description.begin(), description.end(), '\n', ' ');
   description[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(description[0])));
-  return description;
+  return in_properties(description, declared);
 }
 
 Json text_block(const std::string& text) { return {{"type", "text"}, {"text", text}}; }
@@ -128,15 +128,17 @@ Json short_model(const Json& model) {
 
 std::string tool_list() {
   Json list = Json::array();
-  for (const auto& tool : command_tools())
+  for (const auto& tool : command_tools()) {
+    const auto declared = arguments_of(tool.command);
     list.push_back({{"name", tool.command.name},
-                    {"description", description_of(tool.command)},
-                    {"inputSchema", input_schema(arguments_of(tool.command))},
+                    {"description", description_of(tool.command, declared)},
+                    {"inputSchema", input_schema(declared)},
                     {"annotations",
                      {{"readOnlyHint", !tool.writes},
                       {"destructiveHint", false},
                       {"idempotentHint", true},
                       {"openWorldHint", false}}}});
+  }
   return list.dump();
 }
 
@@ -145,7 +147,8 @@ std::string call_tool(const std::string& name, const std::string& arguments, con
   auto tools = command_tools();
   const auto tool = std::find_if(tools.begin(), tools.end(), [&](const auto& t) { return t.command.name == name; });
   if (tool == tools.end()) return failed_call("there is no tool '" + name + "'");
-  const auto given = command_words(Json::parse(arguments), arguments_of(tool->command), workshop.root);
+  const auto declared = arguments_of(tool->command);
+  const auto given = command_words(Json::parse(arguments), declared, workshop.root);
   if (!given) return failed_call(given.error().message);
   const auto scratch = TemporaryDirectory::make();
   if (!scratch) return failed_call(scratch.error().message);
@@ -164,7 +167,7 @@ std::string call_tool(const std::string& name, const std::string& arguments, con
     return failed_call(name + " did not end within " + std::to_string(static_cast<long>(workshop.limits.seconds)) +
                        " s");
   const Json said = Json::parse(output->out, nullptr, false);
-  if (!said.is_object()) return failed_call(complaint_in(*output));
+  if (!said.is_object()) return failed_call(in_properties(complaint_in(*output), declared));
   Json content = Json::array(), structured = said;
   structured["exit_code"] = output->exit_code;
   if (name == "build" || name == "verify") {

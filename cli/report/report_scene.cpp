@@ -13,6 +13,32 @@
 namespace partscribe::cli {
 namespace {
 
+/// The part of a surface that lies across each direction: the mean of n n^T over its area, or over its points.
+Mat3 facing_of(const TriangleMesh& mesh, const PointCloud& cloud) {
+  Mat3 sum = Mat3::Zero();
+  for (const auto& t : mesh.triangles) {
+    const Vec3 n = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    if (n.norm() > 0) sum += n * n.transpose() / n.norm();
+  }
+  if (mesh.triangles.empty())
+    for (const auto& n : cloud.normals) sum += n * n.transpose();
+  return sum.trace() > 0 ? Mat3(sum / sum.trace()) : sum;
+}
+
+/// Looks at a plate so that its large face is seen: from another corner if it shows little more than an edge from here.
+void turn_to_large_face(ReportView& view, const Mat3& facing) {
+  constexpr double plate = 0.5, edge = 0.4;
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(facing);
+  const Vec3 normal = axes.eigenvectors().col(2);
+  const auto seen = [&](const Vec3& to_eye) { return std::abs(normal.dot(to_eye.normalized())); };
+  if (axes.eigenvalues()[2] < plate || seen(view.to_eye) > edge) return;
+  const std::pair<const char*, Vec3> corners[] = {{"from the right, front and above", {1, -0.75, 0.7}},
+                                                  {"from the left, front and above", {-1, -0.75, 0.7}},
+                                                  {"from the front, left and above", {-0.75, -1, 0.7}}};
+  for (const auto& [words, to_eye] : corners)
+    if (seen(to_eye) > seen(view.to_eye)) view.words = words, view.to_eye = to_eye;
+}
+
 /// The mean of the normals: long for a surface that was seen from one side only.
 Vec3 mean_normal(const PointCloud& cloud) {
   Vec3 sum = Vec3::Zero();
@@ -34,7 +60,7 @@ double spacing_of(const PointCloud& cloud) {
   return median_in_place(distances);
 }
 
-std::vector<ReportView> views_of(const std::optional<Model>& model, const PointCloud& cloud) {
+std::vector<ReportView> views_of(const std::optional<Model>& model, const TriangleMesh& mesh, const PointCloud& cloud) {
   const Pose scan_from_part = model && model->as_scanned ? evaluate(model->scan_from_part, values_of(*model)) : Pose{};
   std::vector<ReportView> views = {{"overview", "from the front, right and above", {0.75, -1, 0.7}, {0, 0, 1}},
                                    {"front", "from the front", {0, -1, 0}, {0, 0, 1}},
@@ -43,14 +69,15 @@ std::vector<ReportView> views_of(const std::optional<Model>& model, const PointC
                                    {"left", "from the left", {-1, 0, 0}, {0, 0, 1}},
                                    {"top", "from above", {0, 0, 1}, {0, 1, 0}},
                                    {"bottom", "from below", {0, 0, -1}, {0, 1, 0}}};
-  for (auto& view : views)
-    view.to_eye = scan_from_part.rotation * view.to_eye, view.up = scan_from_part.rotation * view.up;
+  const Mat3& rotation = scan_from_part.rotation;
+  turn_to_large_face(views.front(), rotation.transpose() * facing_of(mesh, cloud) * rotation);
+  for (auto& view : views) view.to_eye = rotation * view.to_eye, view.up = rotation * view.up;
   // A scan from one side only is looked at from that side first.
   if (const Vec3 facing = mean_normal(cloud); facing.norm() > 0.5) {
     auto& first = views.front();
     first.words = "from the side of the scanner";
     first.to_eye = facing.normalized();
-    if (std::abs(first.to_eye.dot(first.up)) > 0.9) first.up = scan_from_part.rotation * Vec3(0, 1, 0);
+    if (std::abs(first.to_eye.dot(first.up)) > 0.9) first.up = rotation * Vec3(0, 1, 0);
   }
   return views;
 }
@@ -100,7 +127,7 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
   scene.artifact = drawn_artifact(verdict);
   scene.tolerance = verdict.tolerance;
   scene.spacing = spacing_of(cloud);
-  scene.views = views_of(model, cloud);
+  scene.views = views_of(model, scene.artifact ? scene.artifact->mesh : TriangleMesh{}, cloud);
   std::vector<const ArtifactVerdict*> others;
   for (const auto& artifact : verdict.artifacts)
     if (&artifact != scene.artifact && !artifact.mesh.empty()) others.push_back(&artifact);
@@ -122,7 +149,7 @@ ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud
   scene.cloud = &cloud;
   scene.artifact = geometry.mesh.empty() ? nullptr : &geometry;
   scene.spacing = spacing_of(cloud);
-  scene.views = views_of(model, cloud);
+  scene.views = views_of(model, geometry.mesh, cloud);
   if (scene.artifact) {
     SurfaceOptions options;
     options.max_error = 1e-3 * geometry.mesh.bounds().diagonal();

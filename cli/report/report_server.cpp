@@ -55,33 +55,47 @@ void answer_json(const nlohmann::json& json, httplib::Response& response) {
 
 }  // namespace
 
-Result<Done> serve_workbench(Workbench bench, int port, Session& session,
-                             const std::function<void(const std::string&)>& started) {
+struct BenchPort::Open {
   httplib::Server server;
-  server.set_payload_max_length(longest_script);
+  int number = -1;
+};
+
+BenchPort::BenchPort(std::unique_ptr<Open> open) : open_(std::move(open)) {}
+BenchPort::BenchPort(BenchPort&&) noexcept = default;
+BenchPort::~BenchPort() = default;
+
+Result<BenchPort> BenchPort::take(int port) {
+  auto open = std::make_unique<Open>();
   // By default the library shares a port with whoever asked for the same.
-  server.set_socket_options([](socket_t socket) {
+  open->server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
-  std::mutex judging;  // one script at a time
-  const std::string filed = bench.script;
-  const std::string base = "/" + random_word() + "/";
-  const int bound = port == 0                                ? server.bind_to_any_port("127.0.0.1")
-                    : server.bind_to_port("127.0.0.1", port) ? port
-                                                             : -1;
-  if (bound < 0)
+  open->number = port == 0                                      ? open->server.bind_to_any_port("127.0.0.1")
+                 : open->server.bind_to_port("127.0.0.1", port) ? port
+                                                                : -1;
+  if (open->number < 0)
     return usage_error(
         "port " + std::to_string(port) +
         " of this machine cannot be used: another program has it, or it is kept for the system (below 1024)");
-  const std::string host = "127.0.0.1:" + std::to_string(bound);
+  return BenchPort(std::move(open));
+}
+
+void BenchPort::serve(Workbench bench, Session& session, const std::function<void(const std::string&)>& started) {
+  httplib::Server& server = open_->server;
+  server.set_payload_max_length(longest_script);
+  std::mutex judging;  // one script at a time
+  const std::string filed = bench.script;
+  const std::string base = "/" + random_word() + "/";
+  const std::string host = "127.0.0.1:" + std::to_string(open_->number);
   server.set_default_headers({{"Cache-Control", "no-store"},
                               {"Referrer-Policy", "no-referrer"},
                               {"X-Content-Type-Options", "nosniff"},
                               {"X-Frame-Options", "SAMEORIGIN"}});
-  // A page elsewhere that has its own name resolved to this machine is none of ours.
+  // A page elsewhere that has its own name resolved to this machine is none of ours, nor is one that sends us a script.
   server.set_pre_routing_handler([&](const httplib::Request& request, httplib::Response& response) {
-    if (request.get_header_value("Host") == host) return httplib::Server::HandlerResponse::Unhandled;
+    const bool own_page = !request.has_header("Origin") || request.get_header_value("Origin") == "http://" + host;
+    if (own_page && request.get_header_value("Host") == host) return httplib::Server::HandlerResponse::Unhandled;
     response.status = 403;
     return httplib::Server::HandlerResponse::Handled;
   });
@@ -109,7 +123,6 @@ Result<Done> serve_workbench(Workbench bench, int port, Session& session,
   while (!session.context.cancelled) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   server.stop();
   listening.join();
-  return Done{};
 }
 
 }  // namespace partscribe::cli

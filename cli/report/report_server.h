@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "cli/session.h"
@@ -25,9 +26,22 @@ struct Workbench {
   std::function<Result<BenchAnswer>(const std::string& script)> judge;
 };
 
-/// Serves the bench on 127.0.0.1 until the session is cancelled; `started` is told its address, which holds a random
-/// word that nobody else knows. `port` 0: any free one. Errors: a usage error if the port is taken.
-Result<Done> serve_workbench(Workbench bench, int port, Session& session,
-                             const std::function<void(const std::string& address)>& started);
+/// A port of 127.0.0.1, kept from the moment it is taken.
+class BenchPort {
+ public:
+  /// `port` 0: any free one. Errors: a usage error if another program has it.
+  static Result<BenchPort> take(int port);
+  BenchPort(BenchPort&&) noexcept;
+  ~BenchPort();
+
+  /// Serves the bench until the session is cancelled; `started` is told its address, which holds a random word that
+  /// nobody else knows.
+  void serve(Workbench bench, Session& session, const std::function<void(const std::string& address)>& started);
+
+ private:
+  struct Open;
+  explicit BenchPort(std::unique_ptr<Open> open);
+  std::unique_ptr<Open> open_;
+};
 
 }  // namespace partscribe::cli

@@ -34,7 +34,7 @@ struct Served {
         }};
     std::atomic<bool> up = false;
     thread = std::thread([this, bench, &up] {
-      CHECK(serve_workbench(bench, 0, session, [&](const std::string& where) { address = where, up = true; }).ok());
+      BenchPort::take(0)->serve(bench, session, [&](const std::string& where) { address = where, up = true; });
     });
     while (!up) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -102,10 +102,11 @@ TEST_CASE("report server: without the random word, by another name or on a taken
   CHECK(code({host}) == "404");
   CHECK(code({host + std::string(32, '0') + "/"}) == "404");
   CHECK(code({"-H", "Host: elsewhere.example", served.address}) == "403");
+  CHECK(code({"-d", "shank_d = 12;", "-H", "Content-Type: text/plain", served.address + "verify"}) == "200");
+  CHECK(code({"-d", "shank_d = 12;", "-H", "Origin: http://elsewhere.example", served.address + "verify"}) == "403");
   CHECK(code({"-d", "shank_d = 12;", "-H", "Content-Type: text/plain", host + "verify"}) == "404");
   const int port = std::stoi(host.substr(host.rfind(':') + 1));
-  Session other{SharedOptions{}, "0"};
-  const auto twice = serve_workbench({}, port, other, [](const std::string&) {});
+  const auto twice = BenchPort::take(port);
   REQUIRE_FALSE(twice.ok());
   CHECK(twice.error().kind == ErrorKind::usage);
 }

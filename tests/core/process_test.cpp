@@ -6,12 +6,11 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <thread>
 
 #include "core/number.h"
 #include "core/sanitized.h"
+#include "testing/processes.h"
 
 namespace partscribe::testing {
 
@@ -39,17 +38,6 @@ bool ends(const std::string& pid) {
   for (int i = 0; i < 200; ++i) {
     if (!runs(pid)) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
-}
-
-/// Whether any process of the system was started so.
-bool runs_somewhere(const std::vector<std::string>& arguments) {
-  std::string wanted;
-  for (const auto& argument : arguments) wanted += argument + '\0';
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "cmdline", std::ios::binary);
-    if (std::string(std::istreambuf_iterator<char>(file), {}) == wanted) return true;
   }
   return false;
 }
@@ -165,7 +153,7 @@ TEST_CASE("process: a confined program that never ends is ended with all that it
   CHECK(output->timed_out);
   bool left = true;
   for (int i = 0; left && i < 200; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
-    left = runs_somewhere({"sleep", "301.25"}) || runs_somewhere({"sleep", "302.25"});
+    left = processes_with("301.25") + processes_with("302.25") > 0;
   CHECK_FALSE(left);
 }
 
@@ -226,9 +214,9 @@ TEST_CASE("process: a program that multiplies is ended with all that it started"
     CHECK(output->seconds < 6);
   else
     CHECK(output.error().message == "'sh' started more than 100 processes");
-  for (int i = 0; i < 200 && runs_somewhere({"sleep", "301.5"}); ++i)
+  for (int i = 0; i < 200 && processes_with("301.5") > 0; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  CHECK_FALSE(runs_somewhere({"sleep", "301.5"}));
+  CHECK(processes_with("301.5") == 0);
 }
 
 }  // namespace partscribe::testing

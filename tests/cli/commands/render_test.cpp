@@ -53,6 +53,17 @@ TEST_CASE("render: draws a script, a CAD file, a mesh and a scan, each in the si
   CHECK(rendered({"scan/scan.json"}, f).drawn > 3000);
 }
 
+TEST_CASE("render: a plate is turned until its large face is seen, wherever it faces") {
+  const TemporaryDirectory folder;
+  const Path f = folder.path();
+  for (const char* angle : {"0", "37", "90", "127"}) {  // at 127 degrees it is an edge from the front and right
+    INFO(angle);
+    REQUIRE(write_file(f / "plate.scad", std::string("rotate(") + angle + ") cube([40, 1, 40], center = true);").ok());
+    const auto above = rendered({"plate.scad"}, f);
+    CHECK(above.drawn > 8000);
+  }
+}
+
 TEST_CASE("render: with a scan behind an artifact the picture shows where they differ, and only then") {
   const TemporaryDirectory folder;
   const Path f = folder.path();

@@ -69,6 +69,11 @@ TEST_CASE("tool schema: what the schema does not allow is refused in a line that
   CHECK(words(7, root).starts_with("error: expected arguments as a JSON object"));
 }
 
+TEST_CASE("tool schema: a complaint that speaks of options speaks of arguments to an agent") {
+  CHECK(in_properties("x exists: give --strict, or --out for another; --to-day --time-limit", some_arguments()) ==
+        "x exists: give \"strict\": true, or \"out\" for another; --to-day \"time_limit\"");
+}
+
 TEST_CASE("tool schema: no path leads out of the root, by links neither") {
   const TemporaryDirectory folder;
   std::filesystem::create_directories(folder.path() / "root/inner");

@@ -124,7 +124,8 @@ TEST_CASE("command line: numbers with a decimal comma or a unit are refused with
     CHECK(output.exit_code == 2);
     CHECK(output.err.find(advice) != std::string::npos);
   }
-  CHECK(run_partscribe({"build", "x.ply", "--tolerance", "fine"}).err.find("write") == std::string::npos);
+  for (const char* other : {"fine", "1cm", "1x"})
+    CHECK(run_partscribe({"build", "x.ply", "--tolerance", other}).err.find("write") == std::string::npos);
 }
 
 TEST_CASE("command line: help explains the program and each command") {
@@ -220,6 +221,13 @@ TEST_CASE("command line: hostile inputs end with 3 and one line") {
   const auto model = run_partscribe({"explain", file("model.json", "{}")});
   CHECK(model.exit_code == 3);
   check_one_line(model.err);
+  const TemporaryDirectory empty;
+  for (const char* command : {"explain", "report"}) {
+    const auto none = run_partscribe({command, empty.path().string()});
+    CHECK(none.exit_code == 3);
+    check_one_line(none.err);
+    CHECK(none.err.find("expected a folder that build or fit has filled") != std::string::npos);
+  }
 }
 
 TEST_CASE("command line: nothing is overwritten without --force") {

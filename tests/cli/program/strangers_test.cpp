@@ -7,10 +7,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <thread>
 
+#include "testing/processes.h"
 #include "testing/program.h"
 
 namespace partscribe::testing {
@@ -78,17 +77,6 @@ class FakeOpenscad {
   TemporaryDirectory folder_;
   const std::string path_;
 };
-
-/// How many processes have the word among their arguments.
-int running(const std::string& word) {
-  int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "cmdline", std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    count += text.find(word) != std::string::npos;
-  }
-  return count;
-}
 
 }  // namespace
 
@@ -185,8 +173,9 @@ TEST_CASE("strangers: a program that multiplies is ended with all that it starte
   CHECK(output.exit_code == 4);
   CHECK(output.seconds < 20);
   CHECK(lines_with(output.out, "'openscad'").size() + lines_with(output.out, "openscad did not finish").size() == 1);
-  for (int i = 0; i < 100 && running("301.77") > 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  CHECK(running("301.77") == 0);
+  for (int i = 0; i < 100 && processes_with("301.77") > 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  CHECK(processes_with("301.77") == 0);
 }
 
 TEST_CASE("strangers: a scan that names other people's files, or what is none, is refused in one line") {
