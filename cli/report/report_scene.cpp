@@ -1,5 +1,6 @@
 #include "cli/report/report_scene.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -101,7 +101,7 @@ class Builder {
   explicit Builder(const Model& model) : model_(model), values_(values_of(model)) {}
 
   /// The part in its own frame.
-  Result<TopoDS_Shape> build(Context& context) {
+  Result<TopoDS_Shape> build_part(Context& context) {
     for (const Object& object : model_.objects) {
       if (context.cancelled) return Error{"stopped while building '" + object.name + "'", ErrorKind::stopped};
       TopoDS_Shape shape;
@@ -243,7 +243,7 @@ struct TessellatedBody {
 Result<TessellatedBody> built_and_checked(const Model& model, Context& context) {
   const Model simple = lowered(model, values_of(model));
   Builder builder(simple);
-  auto part = builder.build(context);
+  auto part = builder.build_part(context);
   if (!part.ok()) return part.error();
   const Values values = values_of(model);
   const Object& last = model.objects.back();
