@@ -7,6 +7,8 @@
 #include <cstring>
 #include <memory>
 
+#include "geometry/io/read_formats.h"
+
 namespace partscribe::geometry::formats {
 namespace {
 
@@ -95,7 +97,7 @@ Result<std::vector<ZippedFile>> unzip(std::string_view bytes, const std::string&
         unzGetCurrentFileInfo64(file.get(), &info, name, sizeof name - 1, nullptr, 0, nullptr, 0) != UNZ_OK)
       return bad_input(archive + ": expected a ZIP archive with a whole directory, found a damaged one");
     if (!wanted(name)) continue;
-    auto content = unpacked(file.get(), info, room, archive + ": " + name + ": ");
+    auto content = unpacked(file.get(), info, room, archive + ": " + shown(name) + ": ");
     if (!content) return content.error();
     room -= content->size();
     files.push_back({name, std::move(*content)});
