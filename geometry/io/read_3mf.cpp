@@ -104,8 +104,9 @@ class ModelReader {
               XML_STATUS_OK ||
           error_)
         continue;
-      return at_byte(name_, place(),
-                     "expected whole XML in " + shown(part_) + ", found " + XML_ErrorString(XML_GetErrorCode(parser_.get())));
+      return at_byte(
+          name_, place(),
+          "expected whole XML in " + shown(part_) + ", found " + XML_ErrorString(XML_GetErrorCode(parser_.get())));
     }
     if (!error_ && !model_) return bad_input(name_ + ": expected a <model> in " + shown(part_) + ", found none");
     return error_;
@@ -198,7 +199,8 @@ std::size_t credible_size(const Package& package) {
 std::optional<Error> place(const Package& package, const Component& item, const Affine& outer, int depth,
                            std::size_t most, std::size_t& visits, const std::string& name, TriangleMesh& mesh) {
   const auto found = package.objects.find(item.object);
-  if (found == package.objects.end()) return bad_input(name + ": expected an object " + shown(item.object) + ", found none");
+  if (found == package.objects.end())
+    return bad_input(name + ": expected an object " + shown(item.object) + ", found none");
   if (depth > deepest)
     return bad_input(name + ": expected components at most " + std::to_string(deepest) + " deep, found deeper ones");
   // Components without triangles could multiply without end too.
