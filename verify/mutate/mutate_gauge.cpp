@@ -92,7 +92,7 @@ bool Gauge::same(const Model& damaged) const {
 
 std::vector<PlaceOnPart> surface_points(const Model& model, std::size_t count, std::uint64_t seed) {
   const ModelDistance distance(model);
-  const Box3 box = bounds_of(model, distance);
+  const Box3 box = distance.bounds();
   const Vec3 center = box.center();
   const double radius = 0.51 * box.diagonal();
   const double least_step = 1e-3 * radius, sharp = 1e-9 * radius, h = 1e-6 * radius;
