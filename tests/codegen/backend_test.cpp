@@ -117,6 +117,10 @@ void conforms(const Model& model) {
   }
 }
 
+void conforms_soap(double e1, double e2, double taper) {
+  conforms(single("soap", Superellipsoid{20, 12, 8, e1, e2, taper, taper / 2}, 0.8));
+}
+
 }  // namespace
 
 TEST_CASE("goldens: every backend writes exactly the committed bytes from the committed model") {
@@ -170,15 +174,15 @@ TEST_CASE("backends: round bodies lie on the model as closely as they are commit
 }
 
 TEST_CASE("backends: superellipsoids at the edges of their domain") {
-  struct Case {
-    double e1, e2, taper;
-  };
-  int number = 0;
-  for (const Case& k :
-       {Case{0.1, 0.1, 0}, Case{0.1, 1, 0.5}, Case{1, 1, 0}, Case{1.6, 0.3, -0.4}, Case{2, 2, 0}, Case{1, 2, 0.9}}) {
-    conforms(
-        single("soap_" + std::to_string(++number), Superellipsoid{20, 12, 8, k.e1, k.e2, k.taper, k.taper / 2}, 0.8));
-  }
+  conforms_soap(0.1, 0.1, 0);
+  conforms_soap(2, 2, 0);
+  conforms_soap(1, 2, 0.9);
+}
+
+TEST_CASE("backends: superellipsoids at other edges and in the middle of their domain", "[.statistics]") {
+  conforms_soap(0.1, 1, 0.5);
+  conforms_soap(1, 1, 0);
+  conforms_soap(1.6, 0.3, -0.4);
 }
 
 TEST_CASE("backends: superellipsoids are bent a little and nearly into a ring, to either side") {

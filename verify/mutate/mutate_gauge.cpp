@@ -105,7 +105,7 @@ std::vector<PlaceOnPart> surface_points(const Model& model, std::size_t count, s
     const Vec3 side = direction.unitOrthogonal();
     const double angle = random.uniform(0, 2 * pi), offset = radius * std::sqrt(random.uniform());
     const Vec3 start = center + offset * (std::cos(angle) * side + std::sin(angle) * direction.cross(side));
-    auto along = [&](double t) { return distance(start + t * direction).distance; };
+    auto along = [&](double t) { return distance.bound(start + t * direction); };
     double t = -radius, d = along(t);
     while (t < radius && points.size() < count) {
       const double next = t + std::max(std::abs(d), least_step), d_next = along(next);
@@ -123,7 +123,7 @@ std::vector<PlaceOnPart> surface_points(const Model& model, std::size_t count, s
         const Vec3 p = start + root * direction;
         // Beside an open sheet the sign changes where there is no surface.
         const Vec3 g = gradient(distance, p, h);
-        if (std::abs(along(root)) < 10 * sharp && g.norm() > 0.5) points.push_back({p, g.normalized()});
+        if (std::abs(distance(p).distance) < 10 * sharp && g.norm() > 0.5) points.push_back({p, g.normalized()});
       }
       t = next, d = d_next;
     }
