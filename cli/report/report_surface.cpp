@@ -94,12 +94,22 @@ void drop_loose_ends(std::vector<std::array<std::uint32_t, 2>>& edges, std::size
   }
 }
 
-/// Creases and borders of `mesh`; indices of its vertices.
-std::vector<std::array<std::uint32_t, 2>> drawn_edges(const TriangleMesh& mesh) {
+/// How far a triangle reaches across its longest side.
+double width_of(const TriangleMesh& mesh, std::size_t t) {
+  const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+  const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  return longest > 0 ? (b - a).cross(c - a).norm() / longest : 0;
+}
+
+/// Creases and borders of `mesh`, whose vertices may be off by `error`; indices of its vertices.
+std::vector<std::array<std::uint32_t, 2>> drawn_edges(const TriangleMesh& mesh, double error) {
   std::vector<std::array<std::uint32_t, 2>> edges;
   const auto normals = triangle_normals(mesh);
+  // How a triangle leans that is narrower than its vertices are off says nothing.
+  const auto leans = [&](const EdgeUse& use) { return error == 0 || width_of(mesh, use.triangle) > 2 * error; };
   for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> around) {
-    if (around.size() != 2 || normals[around[0].triangle].dot(normals[around[1].triangle]) <= cos_smooth)
+    if (around.size() != 2 || (normals[around[0].triangle].dot(normals[around[1].triangle]) <= cos_smooth &&
+                               leans(around[0]) && leans(around[1])))
       edges.push_back({around[0].low(), around[0].high()});
   });
   drop_loose_ends(edges, mesh.vertices.size());
@@ -276,7 +286,7 @@ DeviationSurface deviation_surface(const ArtifactVerdict& artifact, const PointC
   }
   split_features(surface, of_triangle);
   // Lines keep vertices of their own: they must not bend with the cuts of one side.
-  const auto edges = drawn_edges(mesh);
+  const auto edges = drawn_edges(mesh, coarse.error);
   std::vector<std::uint32_t> end_of(mesh.vertices.size(), ~0u);
   for (const auto& edge : edges) {
     std::array<std::uint32_t, 2> ends{};

@@ -215,7 +215,7 @@ void take_shape(BrepReading& reading, const TopoDS_Shape& shape, double toleranc
   evaluation.mesh = std::move(check.mesh);
   evaluation.error = meshed.error;
   evaluation.solid = check.solid;
-  if (!check.solid && seam.width > 0)
+  if (!check.solid && seam.width > 0 && count(shape, TopAbs_FACE) > 1)
     evaluation.complaints.push_back("its faces do not meet: they are up to " + shown(seam.width, 0.0001) +
                                     " mm apart, near " + Words(tolerance).place(seam.place));
   for (auto& fault : check.faults) evaluation.complaints.push_back(std::move(fault));

@@ -9,6 +9,8 @@
 #include "cli/report/report_points.h"
 #include "core/random.h"
 #include "geometry/mesh/mesh_distance.h"
+#include "testing/program.h"
+#include "verify/evaluate/evaluate.h"
 
 namespace partscribe::testing {
 
@@ -75,6 +77,21 @@ TEST_CASE("report map: the coloured surface is the evaluated one, cut finer") {
   CHECK(volume(drawn) == Approx(1600));
   CHECK(topology(welded(drawn, 0)).closed());  // no cracks along creases and between features
   CHECK(surface.edges.size() == 12);
+}
+
+TEST_CASE("report map: a ball that was read as many narrow triangles shows no creases") {
+  const TemporaryDirectory folder;
+  const auto model = source_file("tests/golden/sphere/model.json").string();
+  REQUIRE(run_partscribe({"emit", model, "--to", "step", "--out", folder.path().string()}).exit_code == 0);
+  Context context;
+  auto evaluation = verify::evaluate_artifact(folder.path() / "part.step", {}, context);
+  REQUIRE(evaluation.ok());
+  ArtifactVerdict ball;
+  ball.mesh = std::move(evaluation->mesh);
+  const PointCloud none;
+  const auto scene = plain_scene(ball, none, {}, context);
+  CHECK(scene.surface.error > 0);
+  CHECK(scene.surface.edges.empty());
 }
 
 TEST_CASE("report map: every artifact that was judged has a map, the others with less detail") {
