@@ -1,7 +1,7 @@
 # Unity builds (preset `unity`): groups of files that are compiled as one, which is what a first build is fastest with.
 #
 # Two files that declare the same name at file level never share a group, so a name in an unnamed namespace stays the
-# business of its file. Files that use different namespaces may share one: no type has the name of another.
+# business of its file; nor do files that use different namespaces.
 
 # Characters of source in a group: two processors stay busy to the end, and a compiler needs less than 3 GB.
 set(PARTSCRIBE_UNITY_SIZE 200000 CACHE STRING "characters of source that a unity build compiles at once")
@@ -49,6 +49,7 @@ function(partscribe_unity target)
       continue()
     endif()
     partscribe_file_level_names(${source} names)
+    file(STRINGS ${source} using REGEX "^using namespace .*")
     file(SIZE ${source} size)
     math(EXPR total "${total} + ${size}")
     math(EXPR groups "${total} / ${PARTSCRIBE_UNITY_SIZE} + 1")
@@ -73,6 +74,7 @@ function(partscribe_unity target)
       math(EXPR count "${count} + 1")
       set(size_of_${best} 0)
       set(names_of_${best})
+      set(using_of_${best} "${using}")
     endif()
     math(EXPR size_of_${best} "${size_of_${best}} + ${size}")
     list(APPEND names_of_${best} ${names})

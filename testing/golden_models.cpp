@@ -604,7 +604,7 @@ Model saddle() {
   length(m, "height", 26, 26.01, 0.01, "of the block before its top was cut");
   length(m, "hole_d", 8, 8.003, 0.003, "diameter of the hole");
   step(m, "block", Box{p("length"), p("width"), p("height")}, "the block");
-  step(m, "top", wavy_top(), "what is cut from its top");
+  step(m, "top", wave(), "what is cut from its top");
   step(m, "hole", Hole{p("hole_d"), p("height")}, "through hole").frame = {
       p("length") / 2, p("width") / 2, p("height"), 0, 0, 0};
   finish(m, Difference{{"block", "top", "hole"}});

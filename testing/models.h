@@ -141,7 +141,7 @@ inline std::vector<Model> one_of_each() {
           model_with(Boss{{{pad}}, 9, 2}),
           model_with(Pocket{{{lid, bore}}, 7, false, 1, 0.1}),
           model_with(Boss{{{lid, bore}}, 9, 2, 0.1}),
-          model_with(wavy_top()),
+          model_with(wave()),
           repeated(LinearPattern{"hole", 3, 10, 4, 0}),
           repeated(CircularPattern{"hole", 5, 2 * pi / 5}),
           repeated(Mirror{"hole", "y", -5, true}),

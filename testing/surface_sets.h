@@ -47,7 +47,7 @@ inline SurfaceSet cowl() {
 
 /// A wave over (-2, -2) to (62, 42), 12 to 21 mm high, rational in the middle, that moves up by 20 and a little
 /// sideways.
-inline SweptSurface wavy_top() {
+inline SweptSurface wave() {
   SweptSurface s;
   s.surface = {"wave", 3, 2, {-2, -2, -2, -2, 30, 62, 62, 62, 62}, {-2, -2, -2, 20, 42, 42, 42}, {}, {}, {}};
   const double heights[5][4] = {

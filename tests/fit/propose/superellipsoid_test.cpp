@@ -75,7 +75,7 @@ std::vector<Solid> solids() {
           {"wedge", [](Random& r) { return on_wedge(r, 25, 8, 20, 45); }}};
 }
 
-std::vector<Vec3> points_on(const Solid& solid, int count, double noise, double outliers, std::uint64_t seed) {
+std::vector<Vec3> sampled(const Solid& solid, int count, double noise, double outliers, std::uint64_t seed) {
   Random random(seed);
   const Pose pose{rotation_of(Vec3(random.normal(), random.normal(), random.normal())), {100, -50, 20}};
   std::vector<Vec3> points;
@@ -98,7 +98,7 @@ TEST_CASE("superellipsoid: names seven kinds of solids from full data with 1 % n
   for (double outliers : {0.0, 0.2})
     for (std::uint64_t seed = 1; seed <= 3; ++seed)
       for (const Solid& solid : solids()) {
-        const SuperellipsoidFit fit = recover_superellipsoid(points_on(solid, 4000, 0.4, outliers, seed), context);
+        const SuperellipsoidFit fit = recover_superellipsoid(sampled(solid, 4000, 0.4, outliers, seed), context);
         const auto& h = fit.hypothesis;
         INFO(solid.expected << " seed " << seed << " outliers " << outliers << ": a " << h.a1 << " " << h.a2 << " "
                             << h.a3 << " e " << h.e1 << " " << h.e2 << " taper " << h.taper_x << " " << h.taper_y
@@ -110,7 +110,7 @@ TEST_CASE("superellipsoid: names seven kinds of solids from full data with 1 % n
 
 TEST_CASE("superellipsoid: sizes, exponents and place come back from a fifth of outliers") {
   Context context;
-  const SuperellipsoidFit fit = recover_superellipsoid(points_on(solids()[1], 4000, 0.2, 0.2, 7), context);
+  const SuperellipsoidFit fit = recover_superellipsoid(sampled(solids()[1], 4000, 0.2, 0.2, 7), context);
   std::array<double, 3> a = {fit.shape.a1, fit.shape.a2, fit.shape.a3};
   std::sort(a.begin(), a.end());
   CHECK(a[0] == Approx(15).margin(0.3));
@@ -154,7 +154,7 @@ TEST_CASE("superellipsoid: half a rounded block finds its axes by its normals") 
 
 TEST_CASE("superellipsoid: shuffling the points changes not one bit") {
   Context context;
-  std::vector<Vec3> points = points_on(solids()[3], 5000, 0.3, 0.05, 4);
+  std::vector<Vec3> points = sampled(solids()[3], 5000, 0.3, 0.05, 4);
   const SuperellipsoidFit first = recover_superellipsoid(points, context);
   Random random(9);
   for (std::size_t i = points.size(); i > 1; --i) std::swap(points[i - 1], points[random.below(i)]);
@@ -167,7 +167,7 @@ TEST_CASE("superellipsoid: shuffling the points changes not one bit") {
 
 TEST_CASE("superellipsoid: the goodness of fit does not change with the unit, the one in mm does") {
   Context context;
-  std::vector<Vec3> points = points_on(solids()[3], 2000, 0.3, 0, 4);
+  std::vector<Vec3> points = sampled(solids()[3], 2000, 0.3, 0, 4);
   const SuperellipsoidFit small = recover_superellipsoid(points, context);
   for (Vec3& p : points) p *= 8;
   const SuperellipsoidFit large = recover_superellipsoid(points, context);
@@ -241,7 +241,7 @@ TEST_CASE("superellipsoid: exponents and taper are those that equation (5) gives
   // Ball, ellipsoid, block, rod, disc, frustum, wedge, as in solids().
   std::vector<SuperellipsoidOf<double>> fitted;
   for (const Solid& solid : solids())
-    fitted.push_back(recover_superellipsoid(points_on(solid, 1500, 0.02, 0, 5), context).shape);
+    fitted.push_back(recover_superellipsoid(sampled(solid, 1500, 0.02, 0, 5), context).shape);
   for (std::size_t k = 0; k < fitted.size(); ++k) {
     const auto& s = fitted[k];
     INFO(k << ": e " << s.e1 << " " << s.e2 << ", taper " << s.taper_x << " " << s.taper_y);
@@ -267,7 +267,7 @@ TEST_CASE("superellipsoid: exponents stay between 0.1 and 2, whatever the body w
   Context context;
   // A cube asks for 0, a body with hollow sides for 3.
   const SuperellipsoidFit cube = recover_superellipsoid(
-      points_on({"", [](Random& r) { return on_wedge(r, 20, 20, 20, 40); }}, 1500, 0, 0, 3), context);
+      sampled({"", [](Random& r) { return on_wedge(r, 20, 20, 20, 40); }}, 1500, 0, 0, 3), context);
   CHECK(cube.shape.e1 == Approx(0.1).margin(1e-6));
   CHECK(cube.shape.e2 == Approx(0.1).margin(1e-6));
   const Solid hollow{"", [](Random& r) {
@@ -276,7 +276,7 @@ TEST_CASE("superellipsoid: exponents stay between 0.1 and 2, whatever the body w
                        for (int k = 0; k < 3; ++k) sum += std::pow(std::abs(u[k]), 2 / 3.0);
                        return Vec3(30 * u / std::pow(sum, 1.5));
                      }};
-  const SuperellipsoidFit star = recover_superellipsoid(points_on(hollow, 1500, 0, 0, 3), context);
+  const SuperellipsoidFit star = recover_superellipsoid(sampled(hollow, 1500, 0, 0, 3), context);
   INFO(star.shape.e1 << " " << star.shape.e2);
   for (const double e : {star.shape.e1, star.shape.e2}) {
     CHECK(e <= 2);
@@ -289,7 +289,7 @@ TEST_CASE("superellipsoid: the goodness of fit is the paper's, on data of unit s
   Context context;
   double before = 0;
   for (const double noise : {0.1, 0.4, 1.2}) {
-    const std::vector<Vec3> points = points_on(solids()[1], 1200, noise, 0, 8);  // so few that each is used
+    const std::vector<Vec3> points = sampled(solids()[1], 1200, noise, 0, 8);  // so few that each is used
     const SuperellipsoidFit fit = recover_superellipsoid(points, context);
     // The unit is the median distance from the middle of the box without a twentieth at either end.
     Vec3 middle;
@@ -329,7 +329,7 @@ TEST_CASE("superellipsoid: a ring is none") {
                      const double reach = 30 + 10 * std::cos(tube);
                      return Vec3(reach * std::cos(about), reach * std::sin(about), 10 * std::sin(tube));
                    }};
-  const SuperellipsoidFit fit = recover_superellipsoid(points_on(ring, 3000, 0.05, 0, 2), context);
+  const SuperellipsoidFit fit = recover_superellipsoid(sampled(ring, 3000, 0.05, 0, 2), context);
   INFO(fit.hypothesis.suggests << " gof " << fit.hypothesis.gof << " mm " << fit.hypothesis.gof_mm << " inliers "
                                << fit.inlier_share);
   CHECK(fit.hypothesis.suggests == "none");
@@ -363,7 +363,7 @@ TEST_CASE("superellipsoid: one range image of a pin tells a rod, with the expone
 TEST_CASE("superellipsoid: takes less than a second", "[.][speed]") {
   Context context;
   for (const Solid& solid : solids()) {
-    const auto points = points_on(solid, 60000, 0.3, 0.05, 1);
+    const auto points = sampled(solid, 60000, 0.3, 0.05, 1);
     const auto start = std::chrono::steady_clock::now();
     recover_superellipsoid(points, context);
     WARN(solid.expected << " " << std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()

@@ -9,14 +9,14 @@ using namespace partscribe::scan;
 
 namespace {
 
-struct ScannedBall {
+struct Ball {
   SimulatedScan scan;
   std::vector<RangeImage> images;
 };
 
 constexpr double radius = 20, sigma = 0.04;
 
-ScannedBall scanned_ball(Projection projection) {
+Ball scanned_ball(Projection projection) {
   Context context;
   SimulateOptions options;
   options.resolution = 96, options.sigma = sigma, options.outliers = 0.01, options.projection = projection;
@@ -28,7 +28,7 @@ ScannedBall scanned_ball(Projection projection) {
     const double t = middle - std::sqrt(radius * radius - sq_off);
     return SurfaceHit{t, (origin + t * direction) / radius};
   };
-  ScannedBall ball{simulate(surface, options, context), {}};
+  Ball ball{simulate(surface, options, context), {}};
   for (const auto& view : ball.scan.views) ball.images.push_back(view.image);
   return ball;
 }
@@ -38,7 +38,7 @@ double off(const Vec3& p) { return std::abs(p.norm() - radius); }
 }  // namespace
 
 TEST_CASE("filter: outliers are found and stay where they were") {
-  ScannedBall ball = scanned_ball(Projection::orthographic);
+  Ball ball = scanned_ball(Projection::orthographic);
   Context context;
   Scan scan = ball.scan.merged;
   const FilterSummary summary = filter_views(scan, ball.images, context);
@@ -56,7 +56,7 @@ TEST_CASE("filter: outliers are found and stay where they were") {
 }
 
 TEST_CASE("filter: outliers can be flagged alone, by the published profile as well, and no place moves") {
-  ScannedBall ball = scanned_ball(Projection::orthographic);
+  Ball ball = scanned_ball(Projection::orthographic);
   Context context;
   for (const RltsForm form : {RltsForm::combined, RltsForm::profile}) {
     Scan scan = ball.scan.merged;
@@ -78,7 +78,7 @@ TEST_CASE("filter: outliers can be flagged alone, by the published profile as we
 
 TEST_CASE("filter: values lie nearer to the surface, with normals that face out") {
   for (const Projection projection : {Projection::orthographic, Projection::pinhole}) {
-    ScannedBall ball = scanned_ball(projection);
+    Ball ball = scanned_ball(projection);
     Context context;
     Scan scan = ball.scan.merged;
     filter_views(scan, ball.images, context);
@@ -98,7 +98,7 @@ TEST_CASE("filter: values lie nearer to the surface, with normals that face out"
 }
 
 TEST_CASE("filter: what hides in the noise is part of a place's sigma, and no part of its noise") {
-  ScannedBall ball = scanned_ball(Projection::orthographic);
+  Ball ball = scanned_ball(Projection::orthographic);
   Context context;
   Scan place = ball.scan.merged, noise = ball.scan.merged;
   filter_views(place, ball.images, context), filter_views(noise, ball.images, context, FilterSigma::of_noise);

@@ -23,7 +23,7 @@ struct Folder {
   }
 };
 
-Scan scan_read(const std::vector<Path>& inputs, const ReadOptions& options = {}) {
+Scan scan_of(const std::vector<Path>& inputs, const ReadOptions& options = {}) {
   Context context;
   auto scan = read_scan(inputs, options, context);
   INFO((scan.ok() ? std::string() : scan.error().message));
@@ -81,7 +81,7 @@ const std::string turned = "[[0, -1, 0, 10], [1, 0, 0, 20], [0, 0, 1, 30], [0, 0
 TEST_CASE("read_scan: several files are several views in the order given, each with its sum") {
   Folder folder;
   const auto b = folder.put("b.xyz", "1 0 0\n2 0 0\n"), a = folder.put("a.xyz", "3 0 0\n");
-  const auto scan = scan_read({b, a});
+  const auto scan = scan_of({b, a});
   CHECK(scan.cloud.points == std::vector<Vec3>{{1, 0, 0}, {2, 0, 0}, {3, 0, 0}});
   CHECK(scan.cloud.view == std::vector<std::int32_t>{0, 0, 1});
   CHECK(scan.files == std::vector<std::string>{"b.xyz", "a.xyz"});
@@ -99,7 +99,7 @@ TEST_CASE("read_scan: columns that one file lacks are filled with unknowns") {
   cloud.normals = {{0, 0, 1}};
   cloud.rays = {{0, 0, -1}};
   cloud.view = {3};
-  const auto scan = scan_read({folder.put("plain.xyz", "5 5 5\n"), folder.put("full.ply", write_cloud_ply(cloud))});
+  const auto scan = scan_of({folder.put("plain.xyz", "5 5 5\n"), folder.put("full.ply", write_cloud_ply(cloud))});
   CHECK(scan.cloud.normals == std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}});
   CHECK(scan.cloud.rays == std::vector<Vec3>{{0, 0, 0}, {0, 0, -1}});
   CHECK(scan.cloud.view == std::vector<std::int32_t>{0, 4});
@@ -110,13 +110,13 @@ TEST_CASE("read_scan: the user's unit beats the sidecar's, which beats millimetr
   Folder folder;
   folder.put("p.xyz", "0.1 0.2 0.3\n0.2 0.4 0.6\n");
   const auto json = folder.put("scan.json", R"({"unit": "m", "views": [{"file": "p.xyz"}]})");
-  CHECK((scan_read({json}).cloud.points[0] - Vec3(100, 200, 300)).norm() < 1e-12);
-  CHECK(scan_read({json}).unit_scale == 1000);
+  CHECK((scan_of({json}).cloud.points[0] - Vec3(100, 200, 300)).norm() < 1e-12);
+  CHECK(scan_of({json}).unit_scale == 1000);
   ReadOptions inch;
   inch.unit = parse_unit("Inches");
   REQUIRE(inch.unit);
-  CHECK((scan_read({json}, inch).cloud.points[0] - 25.4 * Vec3(0.1, 0.2, 0.3)).norm() < 1e-12);
-  CHECK(scan_read({folder.directory.path() / "p.xyz"}).cloud.points[0] == Vec3(0.1, 0.2, 0.3));
+  CHECK((scan_of({json}, inch).cloud.points[0] - 25.4 * Vec3(0.1, 0.2, 0.3)).norm() < 1e-12);
+  CHECK(scan_of({folder.directory.path() / "p.xyz"}).cloud.points[0] == Vec3(0.1, 0.2, 0.3));
   CHECK(failure_of({folder.put("odd.json", R"({"unit": "ell", "views": [{"file": "p.xyz"}]})")}) ==
         "p.xyz: expected the unit um, mm, cm, m, inch or foot, found 'ell'");
 }
@@ -125,30 +125,30 @@ TEST_CASE("read_scan: a unit that cannot be right is questioned, one that the us
   Folder folder;
   const auto small = folder.put("small.xyz", "0 0 0\n0.1 0.05 0.02\n"),
              large = folder.put("large.xyz", "0 0 0\n20000 100 100\n");
-  CHECK(warns(scan_read({small}), "only 0.1 mm large; if its numbers are metres, say --units m"));
+  CHECK(warns(scan_of({small}), "only 0.1 mm large; if its numbers are metres, say --units m"));
   ReadOptions metres;
   metres.unit = parse_unit("m");
-  CHECK(scan_read({small}, metres).warnings.empty());
-  CHECK(warns(scan_read({large}), "20 m large"));
-  CHECK(scan_read({folder.put("usual.xyz", "0 0 0\n20 100 100\n")}).warnings.empty());
-  CHECK(warns(scan_read({folder.put("few.xyz", "0 0 0\n3.3 2.1 1.02\n")}), "only 3.3 mm large; inches? --units inch"));
-  CHECK(warns(scan_read({folder.put("quarters.stl", write_stl(block({12.25, 8.5, 0.75})))}),
+  CHECK(scan_of({small}, metres).warnings.empty());
+  CHECK(warns(scan_of({large}), "20 m large"));
+  CHECK(scan_of({folder.put("usual.xyz", "0 0 0\n20 100 100\n")}).warnings.empty());
+  CHECK(warns(scan_of({folder.put("few.xyz", "0 0 0\n3.3 2.1 1.02\n")}), "only 3.3 mm large; inches? --units inch"));
+  CHECK(warns(scan_of({folder.put("quarters.stl", write_stl(block({12.25, 8.5, 0.75})))}),
               "x 8.5 x 0.75 are round in inches and not in mm"));
-  CHECK(scan_read({folder.put("halves.stl", write_stl(block({12.5, 8.5, 30})))}).warnings.empty());
+  CHECK(scan_of({folder.put("halves.stl", write_stl(block({12.5, 8.5, 30})))}).warnings.empty());
   // 5 x 2 1/2 x 1 3/8: nobody makes 1.375 mm; 50 x 20 x 10 mm told in inches; and ordinary millimetres.
-  CHECK(warns(scan_read({folder.put("inch.stl", write_stl(block({5, 2.5, 1.375})))}), "inches? --units inch"));
+  CHECK(warns(scan_of({folder.put("inch.stl", write_stl(block({5, 2.5, 1.375})))}), "inches? --units inch"));
   auto told = write_mesh_ply(block(Vec3(50, 20, 10) / 25.4));
-  CHECK(scan_read({folder.put("stated.ply", told)}).warnings.empty());  // it says millimetres
+  CHECK(scan_of({folder.put("stated.ply", told)}).warnings.empty());  // it says millimetres
   told.replace(told.find("millimetres"), 11, "no unit    ");
-  CHECK(warns(scan_read({folder.put("told.ply", told)}), "inches? --units inch"));
-  CHECK(scan_read({folder.put("mm.stl", write_stl(block({5, 2.5, 1.35})))}).warnings.empty());
-  CHECK(scan_read({folder.put("odd.stl", write_stl(block({5.317, 2.41, 1.377})))}).warnings.empty());
+  CHECK(warns(scan_of({folder.put("told.ply", told)}), "inches? --units inch"));
+  CHECK(scan_of({folder.put("mm.stl", write_stl(block({5, 2.5, 1.35})))}).warnings.empty());
+  CHECK(scan_of({folder.put("odd.stl", write_stl(block({5.317, 2.41, 1.377})))}).warnings.empty());
 }
 
 TEST_CASE("read_scan: a coarse mesh is covered evenly by samples on its faces, after its vertices") {
   Folder folder;
   const Vec3 size(40, 30, 20);
-  const auto scan = scan_read({folder.put("block.stl", write_stl(block(size)))});
+  const auto scan = scan_of({folder.put("block.stl", write_stl(block(size)))});
   CHECK(scan.mesh.triangles.size() == 12);
   REQUIRE(scan.cloud.size() > 10'000);
   for (std::size_t i = 0; i < 8; ++i) CHECK(scan.cloud.points[i] == scan.mesh.vertices[i]);
@@ -164,7 +164,7 @@ TEST_CASE("read_scan: a coarse mesh is covered evenly by samples on its faces, a
   }
   for (int k = 0; k < 3; ++k)
     CHECK(on_face[std::size_t(k)] == Approx(2 * size[(k + 1) % 3] * size[(k + 2) % 3]).epsilon(0.01));
-  CHECK(scan_read({folder.directory.path() / "block.stl"}).cloud.points == scan.cloud.points);
+  CHECK(scan_of({folder.directory.path() / "block.stl"}).cloud.points == scan.cloud.points);
 }
 
 TEST_CASE("read_scan: a mesh as dense as a scan stays as it is, its normals point outward, unused points go") {
@@ -172,12 +172,12 @@ TEST_CASE("read_scan: a mesh as dense as a scan stays as it is, its normals poin
   auto mesh = ball(30, 120);
   const auto used = welded(mesh, 0).vertices.size();
   mesh.vertices.push_back(Vec3(500, 500, 500));
-  const auto scan = scan_read({folder.put("ball.ply", write_mesh_ply(mesh))});
+  const auto scan = scan_of({folder.put("ball.ply", write_mesh_ply(mesh))});
   CHECK(scan.cloud.size() == used);
   for (std::size_t i = 0; i < scan.cloud.size(); ++i) REQUIRE(scan.cloud.normals[i].dot(scan.cloud.points[i]) > 29);
   // Inside out, it is turned.
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-  const auto inverted = scan_read({folder.put("inside_out.ply", write_mesh_ply(mesh))});
+  const auto inverted = scan_of({folder.put("inside_out.ply", write_mesh_ply(mesh))});
   CHECK(warns(inverted, "face inward; they were turned"));
   CHECK(volume(inverted.mesh) > 0);
 }
@@ -188,9 +188,9 @@ TEST_CASE("read_scan: facets of the wrong sense are turned, and counted in one l
   mesh = welded(mesh, 0);
   const double whole = volume(mesh);
   const std::string count = std::to_string(mesh.triangles.size());
-  CHECK(scan_read({folder.put("right.ply", write_mesh_ply(mesh))}).warnings.empty());
+  CHECK(scan_of({folder.put("right.ply", write_mesh_ply(mesh))}).warnings.empty());
   for (const std::size_t t : {7, 200, 201}) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-  const auto mended = scan_read({folder.put("flipped.ply", write_mesh_ply(mesh))});
+  const auto mended = scan_of({folder.put("flipped.ply", write_mesh_ply(mesh))});
   CHECK(mended.warnings ==
         std::vector<std::string>{"flipped.ply: of " + count + " facets 3 face the wrong way and were turned"});
   CHECK(topology(mended.mesh).closed());
@@ -202,7 +202,7 @@ TEST_CASE("read_scan: facets of the wrong sense are turned, and counted in one l
   const auto middle = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
   mesh.triangles[30] = {t[0], middle, t[2]};
   mesh.triangles.push_back({middle, t[1], t[2]}), mesh.triangles.push_back({t[0], t[1], middle});
-  const auto both = scan_read({folder.put("both.ply", write_mesh_ply(mesh))});
+  const auto both = scan_of({folder.put("both.ply", write_mesh_ply(mesh))});
   const std::string more = std::to_string(mesh.triangles.size());
   CHECK(both.warnings == std::vector<std::string>{"both.ply: of " + more +
                                                   " facets 3 face the wrong way and were turned, 1 has no area"});
@@ -218,14 +218,14 @@ TEST_CASE("read_scan: poses of a scan.json move points, normals and rays; its gu
   folder.put("v.ply", write_cloud_ply(cloud));
   folder.put("scan.json", R"({"views": [{"ply": "v.ply", "camera_to_world": )" + turned +
                               R"(, "initial_guess": [[1,0,0,7],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
-  const auto scan = scan_read({folder.directory.path()});
+  const auto scan = scan_of({folder.directory.path()});
   CHECK(scan.cloud.points[0] == Vec3(8, 21, 33));
   CHECK(scan.cloud.normals[0] == Vec3(0, 1, 0));
   CHECK(scan.cloud.rays[0] == Vec3(-1, 0, 0));
   CHECK(scan.views[0].world_from_view.translation == Vec3(10, 20, 30));
   ReadOptions guess;
   guess.initial_guess = true;
-  CHECK(scan_read({folder.directory.path()}, guess).cloud.points[0] == Vec3(8, 2, 3));
+  CHECK(scan_of({folder.directory.path()}, guess).cloud.points[0] == Vec3(8, 2, 3));
 }
 
 TEST_CASE("read_scan: a height map grows towards its sensor, and no return is no point") {
@@ -234,7 +234,7 @@ TEST_CASE("read_scan: a height map grows towards its sensor, and no return is no
   folder.put("scan.json",
              R"({"unit": "mm", "projection": "orthographic", "images": [{"index": 0, "width": 3, "height": 2,
     "pixel_size": {"x": 0.5, "y": 0.25, "z": 0.1}, "origin": {"x": -4, "y": 1, "z": 2}}]})");
-  const auto scan = scan_read({folder.directory.path()});
+  const auto scan = scan_of({folder.directory.path()});
   REQUIRE(scan.cloud.size() == 2);
   CHECK((scan.cloud.points[0] - Vec3(-3.5, 1, 3)).norm() < 1e-12);
   CHECK((scan.cloud.points[1] - Vec3(-3, 1.25, 4)).norm() < 1e-12);
@@ -249,7 +249,7 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
   for (int i = 0; i < 20; ++i) cloud.points.emplace_back(i, i * i, 1), cloud.view.push_back(i % 2);
   const std::string bytes = write_cloud_ply(cloud), sum = sha256(bytes);
   const Path path = folder.put("cloud.ply", bytes);
-  CHECK(scan_read({path}).pose_covariance.matrix.size() == 0);
+  CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
   const auto poses = [](const std::string& of, const std::string& last) {
     std::string rows;
     for (int r = 0; r < 12; ++r) {
@@ -261,7 +261,7 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
     return R"({"center": [1, 2, 3], "cloud_sha256": ")" + of + R"(", "covariance_between_views": [)" + rows + "]}";
   };
   folder.put("poses.json", poses(sum, "13"));
-  const Scan scan = scan_read({path});
+  const Scan scan = scan_of({path});
   CHECK(scan.files == std::vector<std::string>{"cloud.ply", "poses.json"});
   CHECK(scan.pose_covariance.center == Vec3(1, 2, 3));
   REQUIRE(scan.pose_covariance.matrix.rows() == 12);
@@ -270,20 +270,20 @@ TEST_CASE("read_scan: poses.json beside a cloud says how sure its views are, if 
   CHECK(scan.pose_covariance.matrix(3, 7) == 3);
 
   folder.put("poses.json", poses(sha256("another cloud"), "13"));
-  CHECK(scan_read({path}).pose_covariance.matrix.size() == 0);
+  CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
   for (const std::string wrong : {"-1", "\"much\"", "1, 2"}) {
     folder.put("poses.json", poses(sum, wrong));
-    const Scan without = scan_read({path});
+    const Scan without = scan_of({path});
     CHECK(without.pose_covariance.matrix.size() == 0);
     REQUIRE(without.warnings.size() == 1);
     CHECK(without.warnings[0].find("poses.json: expected a center and the lower triangle") != std::string::npos);
   }
   folder.put("poses.json", poses(sum, std::string(1'000'000, '[') + std::string(1'000'000, ']')));
-  CHECK(scan_read({path}).pose_covariance.matrix.size() == 0);
+  CHECK(scan_of({path}).pose_covariance.matrix.size() == 0);
   ReadOptions inches;
   inches.unit = parse_unit("inch");
   folder.put("poses.json", poses(sum, "13"));
-  CHECK(scan_read({path}, inches).pose_covariance.matrix.size() == 0);
+  CHECK(scan_of({path}, inches).pose_covariance.matrix.size() == 0);
 }
 
 TEST_CASE("read_scan: an image with a sidecar, orthographic or pinhole") {
@@ -292,7 +292,7 @@ TEST_CASE("read_scan: an image with a sidecar, orthographic or pinhole") {
   folder.put("part.json",
              R"({"unit": "cm", "invalid_code": 9, "scale": 0.5, "offset": 10,
           "x0": 1, "y0": 2, "pitch_x": 0.1, "pitch_y": 0.2})");
-  const auto flat = scan_read({png});
+  const auto flat = scan_of({png});
   REQUIRE(flat.cloud.size() == 2);
   CHECK((flat.cloud.points[0] - Vec3(11, 20, 105)).norm() < 1e-12);  // z = 10 + 0.5 cm
   CHECK((flat.cloud.points[1] - Vec3(10, 22, 115)).norm() < 1e-12);
@@ -301,7 +301,7 @@ TEST_CASE("read_scan: an image with a sidecar, orthographic or pinhole") {
   folder.put("part.json",
              R"({"K": [[100, 0, 0], [0, 50, 1], [0, 0, 1]], "invalid": 9, "z0": 200, "q": 2, "camera_to_world": )" +
                  turned + "}");
-  const auto pinhole = scan_read({png});
+  const auto pinhole = scan_of({png});
   // Code 1 in column 1, row 0: (2, -4, 200) in the sensor's frame.
   CHECK((pinhole.cloud.points[0] - Vec3(14, 22, 230)).norm() < 1e-12);
   CHECK(pinhole.views[0].has_sensor);
@@ -318,7 +318,7 @@ TEST_CASE("read_scan: depths of numpy need a camera, and no codes") {
   const auto npy = folder.put("depth.npy", std::string("\x93NUMPY\1\0\x76\0", 10) + header + "\n" +
                                                std::string(reinterpret_cast<const char*>(depths.data()), 8));
   folder.put("depth.json", R"({"unit": "m", "fx": 100, "fy": 100, "cx": 0, "cy": 0})");
-  const auto scan = scan_read({npy});
+  const auto scan = scan_of({npy});
   REQUIRE(scan.cloud.size() == 2);
   CHECK((scan.cloud.points[0] - Vec3(0, 0, 500)).norm() < 0.01);
   CHECK((scan.cloud.points[1] - Vec3(2.5, 0, 250)).norm() < 0.01);
@@ -333,7 +333,7 @@ TEST_CASE("read_scan: a Stanford .conf joins its views") {
   const auto conf = folder.put(
       "part.conf",
       "camera 0 0 0 0 0 0 1\nbmesh a.xyz 10 20 30 0 0 0 1\nbmesh b.xyz 10 20 30 0 0 -0.70710678 0.70710678\n\n");
-  const auto scan = scan_read({conf});
+  const auto scan = scan_of({conf});
   CHECK((scan.cloud.points[0] - Vec3(11, 22, 33)).norm() < 1e-12);
   CHECK((scan.cloud.points[1] - Vec3(11, 22, 33)).norm() < 1e-6);
 }
