@@ -1,7 +1,8 @@
 # Unity builds (preset `unity`): groups of files that are compiled as one, which is what a first build is fastest with.
 #
 # Two files that declare the same name at file level never share a group, so a name in an unnamed namespace stays the
-# business of its file; nor do files that use different namespaces.
+# business of its file; nor do files that use different namespaces, where an overload of one may serve the other and
+# nobody is told.
 
 # Characters of source in a group: two processors stay busy to the end, and a compiler needs less than 3 GB.
 set(PARTSCRIBE_UNITY_SIZE 200000 CACHE STRING "characters of source that a unity build compiles at once")
