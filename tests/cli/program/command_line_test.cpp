@@ -223,7 +223,7 @@ TEST_CASE("command line: hostile inputs end with 3 and one line") {
   check_one_line(model.err);
   const TemporaryDirectory empty;
   for (const char* command : {"explain", "report"}) {
-    const auto none = run_partscribe({command, empty.path().string()});
+    const auto none = run_partscribe({command, empty.path().string(), "--quiet"});
     CHECK(none.exit_code == 3);
     check_one_line(none.err);
     CHECK(none.err.find("expected a folder that build or fit has filled") != std::string::npos);
