@@ -14,15 +14,19 @@
 namespace partscribe::cli {
 namespace {
 
-/// The part of a surface that lies across each direction: the mean of n n^T over its area, or over its points.
-Mat3 facing_of(const TriangleMesh& mesh, const PointCloud& cloud) {
+/// The part of a surface that lies across each direction: the mean of n n^T over the artifact's area, or without one
+/// over the points.
+Mat3 facing_of(const ArtifactVerdict* artifact, const PointCloud& cloud) {
   Mat3 sum = Mat3::Zero();
-  for (const auto& t : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
-    if (n.norm() > 0) sum += n * n.transpose() / n.norm();
-  }
-  if (mesh.triangles.empty())
+  if (artifact) {
+    const TriangleMesh& mesh = artifact->mesh;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const Vec3 n = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
+      if (n.norm() > 0) sum += n * n.transpose() / n.norm();
+    }
+  } else {
     for (const auto& n : cloud.normals) sum += n * n.transpose();
+  }
   return sum.trace() > 0 ? Mat3(sum / sum.trace()) : sum;
 }
 
@@ -61,7 +65,8 @@ double spacing_of(const PointCloud& cloud) {
   return median_in_place(distances);
 }
 
-std::vector<ReportView> views_of(const std::optional<Model>& model, const TriangleMesh& mesh, const PointCloud& cloud) {
+std::vector<ReportView> views_of(const std::optional<Model>& model, const ArtifactVerdict* artifact,
+                                 const PointCloud& cloud) {
   const Pose scan_from_part = model && model->as_scanned ? evaluate(model->scan_from_part, values_of(*model)) : Pose{};
   std::vector<ReportView> views = {{"overview", "from the front, right and above", {0.75, -1, 0.7}, {0, 0, 1}},
                                    {"front", "from the front", {0, -1, 0}, {0, 0, 1}},
@@ -71,7 +76,7 @@ std::vector<ReportView> views_of(const std::optional<Model>& model, const Triang
                                    {"top", "from above", {0, 0, 1}, {0, 1, 0}},
                                    {"bottom", "from below", {0, 0, -1}, {0, 1, 0}}};
   const Mat3& rotation = scan_from_part.rotation;
-  turn_to_large_face(views.front(), rotation.transpose() * facing_of(mesh, cloud) * rotation);
+  turn_to_large_face(views.front(), rotation.transpose() * facing_of(artifact, cloud) * rotation);
   for (auto& view : views) view.to_eye = rotation * view.to_eye, view.up = rotation * view.up;
   // A scan from one side only is looked at from that side first.
   if (const Vec3 facing = mean_normal(cloud); facing.norm() > 0.5) {
@@ -128,7 +133,7 @@ ReportScene report_scene(const std::optional<Model>& model, const Verdict& verdi
   scene.artifact = drawn_artifact(verdict);
   scene.tolerance = verdict.tolerance;
   scene.spacing = spacing_of(cloud);
-  scene.views = views_of(model, scene.artifact ? scene.artifact->mesh : TriangleMesh{}, cloud);
+  scene.views = views_of(model, scene.artifact, cloud);
   std::vector<const ArtifactVerdict*> others;
   for (const auto& artifact : verdict.artifacts)
     if (&artifact != scene.artifact && !artifact.mesh.empty()) others.push_back(&artifact);
@@ -150,7 +155,7 @@ ReportScene plain_scene(const ArtifactVerdict& geometry, const PointCloud& cloud
   scene.cloud = &cloud;
   scene.artifact = geometry.mesh.empty() ? nullptr : &geometry;
   scene.spacing = spacing_of(cloud);
-  scene.views = views_of(model, geometry.mesh, cloud);
+  scene.views = views_of(model, scene.artifact, cloud);
   if (scene.artifact) {
     SurfaceOptions options;
     options.max_error = 1e-3 * geometry.mesh.bounds().diagonal();
