@@ -45,6 +45,7 @@ class Arguments {
     std::string what;  ///< "a direction X,Y,Z"; empty: nothing
     std::function<bool(const std::string&)> known;
   };
+  /// One of many words, or one of the others.
   void choice(std::string& target, const std::string& name, const std::string& value_name,
               const std::vector<std::string>& words, const Others& others, const std::string& help);
   void number(std::optional<double>& target, const std::string& name, const std::string& value_name, double low,
