@@ -25,14 +25,12 @@ agent that wrote a script asks verify, and is told what is wrong, where, by how 
 picture; then it mends the script and asks again. Reports progress, can be cancelled, ends when its input does.)";
 
 constexpr const char* instructions =
-    "Partscribe judges CAD scripts against 3-D scans of real parts. To turn a scan into an editable OpenSCAD script, "
-    "call "
-    "build. After writing or editing a script, call verify with the script and the scan: its tasks say what is wrong, "
-    "where (mm, in the scan's frame), by how much and on which feature, and what the scan measures instead; mend that "
-    "and verify again until the verdict is 'verified'. measure says what faces, holes and walls a scan has; render "
-    "draws "
-    "anything; explain says why a model's dimensions are what they are. Paths are relative to the folder that is "
-    "served.";
+    "Partscribe judges CAD scripts against 3-D scans of real parts. To turn a scan into an editable OpenSCAD "
+    "script, call build. After writing or editing a script, call verify with the script and the scan: its tasks "
+    "say what is wrong, where (mm, in the scan's frame), by how much and on which feature, and what the scan "
+    "measures instead; mend that and verify again until the verdict is 'verified'. measure says what faces, holes "
+    "and walls a scan has; render draws anything; explain says why a model's dimensions are what they are. Paths "
+    "are relative to the folder that is served.";
 
 struct McpArguments {
   Path root = ".";

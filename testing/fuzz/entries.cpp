@@ -9,7 +9,7 @@ const std::vector<FuzzEntry>& fuzz_entries() {
       {"vtk", fuzz_vtk},     {"range", fuzz_range},     {"scan", fuzz_scan},         {"fiducials", fuzz_fiducials},
       {"model", fuzz_model}, {"emit", fuzz_emit},       {"template", fuzz_template}, {"scl", fuzz_scl},
       {"step", fuzz_step},   {"iges", fuzz_iges},       {"brep", fuzz_brep},         {"verdict", fuzz_verdict},
-      {"words", fuzz_words}, {"mcp", fuzz_mcp}};
+      {"words", fuzz_words}, {"mcp", fuzz_mcp},         {"scl_mesh", fuzz_scl_mesh}};
   return entries;
 }
 

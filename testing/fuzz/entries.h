@@ -24,7 +24,8 @@ void fuzz_fiducials(std::string_view bytes);  ///< reference points of views
 void fuzz_model(std::string_view bytes);      ///< model.json: read, checked, measured
 void fuzz_emit(std::string_view bytes);       ///< model.json: written as scripts
 void fuzz_template(std::string_view bytes);
-void fuzz_scl(std::string_view bytes);  ///< a bundle: a procedure and what it includes
+void fuzz_scl(std::string_view bytes);       ///< a bundle: a procedure and what it includes, executed
+void fuzz_scl_mesh(std::string_view bytes);  ///< and the triangles of what it makes
 void fuzz_step(std::string_view bytes);
 void fuzz_iges(std::string_view bytes);
 void fuzz_brep(std::string_view bytes);  ///< what the reader of STEP and IGES hands back

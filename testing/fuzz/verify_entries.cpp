@@ -16,18 +16,28 @@ void check_fault(const std::optional<std::string>& fault) {
   ensure(!fault || (!fault->empty() && fault->find('\n') == std::string::npos), "a fault is one line");
 }
 
-}  // namespace
-
-void fuzz_scl(std::string_view bytes) {
-  const Bundle bundle(bytes);
-  if (bundle.first().empty()) return;
-  int asked = 0;
+SclLimits limits() {
   SclLimits limits;
   limits.steps = 20'000, limits.values = 100'000, limits.objects = 300;
-  limits.stop = [&] { return ++asked > 3'000; };
-  const auto outcome = run_scl(bundle.first(), limits);
-  if (!outcome.ok() || !outcome->complaints.empty()) return;
-  const auto mesh = scl_mesh(outcome->objects, 0.05, limits.stop);
+  limits.stop = [asked = 0]() mutable { return ++asked > 3'000; };
+  return limits;
+}
+
+/// What the procedure makes that comes first in a bundle; nothing if it is refused.
+std::vector<SclGeometryPtr> objects_of(std::string_view bytes) {
+  const Bundle bundle(bytes);
+  if (bundle.first().empty()) return {};
+  auto outcome = run_scl(bundle.first(), limits());
+  if (!outcome.ok() || !outcome->complaints.empty()) return {};
+  return std::move(outcome->objects);
+}
+
+}  // namespace
+
+void fuzz_scl(std::string_view bytes) { (void)objects_of(bytes); }
+
+void fuzz_scl_mesh(std::string_view bytes) {
+  const auto mesh = scl_mesh(objects_of(bytes), 1, limits().stop);
   if (!mesh.ok()) return;
   for (const auto& t : mesh->mesh.triangles)
     for (const auto corner : t) ensure(corner < mesh->mesh.vertices.size(), "corners exist");
