@@ -348,6 +348,16 @@ bool output_was_lost() {
   return ::poll(&output, 1, 0) < 1 || !(output.revents & POLLERR);
 }
 
+/// Lines are added to a log, and must not be to what the command reads.
+bool log_is_read(const CLI::App& command, const Path& log) {
+  std::error_code missing;
+  for (const auto* option : command.get_options())
+    if (!log.empty() && option->get_positional())
+      for (const auto& given : option->results())
+        if (std::filesystem::equivalent(given, log, missing)) return true;
+  return false;
+}
+
 int run_words(int argc, const char* const* argv, const std::vector<Command>& commands, const std::string& version) {
   CLI::App app(program_help, "partscribe");
   app.set_version_flag(
@@ -398,7 +408,10 @@ int run_words(int argc, const char* const* argv, const std::vector<Command>& com
     return fail(usage_error(with_help(what.empty() ? one_line(error.what()) : what, given)));
   }
   for (const auto& command : commands) {
-    if (!app.get_subcommand(command.name)->parsed()) continue;
+    const auto* parsed = app.get_subcommand(command.name);
+    if (!parsed->parsed()) continue;
+    if (log_is_read(*parsed, shared.log))
+      return fail(usage_error("--log " + shared.log.string() + " is read by this command; give another name"));
     try {
       Session session(shared, version);
       if (auto started = session.start(); !started) return fail(started.error());

@@ -25,11 +25,6 @@ bool is_there(const Path& path) {
   return std::filesystem::exists(path, hidden);
 }
 
-bool is_folder(const Path& path) {
-  std::error_code hidden;
-  return std::filesystem::is_directory(path, hidden);
-}
-
 /// The least round number that is not below `value`.
 double rounded_up(double value) {
   const double decade = power_of_ten_below(value);
@@ -39,6 +34,16 @@ double rounded_up(double value) {
 }
 
 }  // namespace
+
+bool is_file(const Path& path) {
+  std::error_code hidden;
+  return std::filesystem::is_regular_file(path, hidden);
+}
+
+bool is_folder(const Path& path) {
+  std::error_code hidden;
+  return std::filesystem::is_directory(path, hidden);
+}
 
 Path output_folder(const SharedOptions& options, const Path& input, const Path& named_after) {
   if (!options.out.empty()) return options.out;
@@ -52,7 +57,7 @@ Result<Done> check_same_part(const SharedOptions& options, const Path& folder, c
   if (!model || (*model)->provenance.sources.empty()) return Done{};
   const auto& sources = (*model)->provenance.sources;
   for (const auto& input : inputs) {
-    const std::string file = std::filesystem::is_directory(input) ? "scan.json" : input.filename().string();
+    const std::string file = is_folder(input) ? "scan.json" : input.filename().string();
     if (std::any_of(sources.begin(), sources.end(), [&](const auto& source) { return source.file == file; }))
       return Done{};
   }
@@ -71,7 +76,11 @@ Result<Done> check_overwriting(const Path& folder, const std::vector<std::string
   return Done{};
 }
 
-Result<Done> check_overwriting(const Path& file, bool force) {
+Result<Done> check_overwriting(const Path& file, bool force, const std::vector<Path>& inputs) {
+  std::error_code missing;
+  for (const auto& input : inputs)
+    if (std::filesystem::equivalent(file, input, missing))
+      return usage_error(file.string() + " is read by this command and cannot be written as well; give another name");
   const Path folder = file.parent_path();
   if (!folder.empty() && !is_folder(folder))
     return usage_error(file.string() + ": there is no folder " + folder.string() + "; make it first");

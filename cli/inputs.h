@@ -13,6 +13,10 @@
 
 namespace partscribe::cli {
 
+/// What may not be looked at, or whose name cannot be one, is neither.
+bool is_file(const Path& path);
+bool is_folder(const Path& path);
+
 /// --out, or the folder of a file that an earlier stage wrote, or `<name>-partscribe` in the current folder, named
 /// after the second file.
 Path output_folder(const SharedOptions& options, const Path& input, const Path& named_after);
@@ -24,8 +28,8 @@ Result<Done> check_same_part(const SharedOptions& options, const Path& folder, c
 /// A usage error if the folder holds one of `files` and --force was not given; asked before the long work.
 Result<Done> check_overwriting(const Path& folder, const std::vector<std::string>& files, bool force);
 
-/// The same for a single file named by the user.
-Result<Done> check_overwriting(const Path& file, bool force);
+/// The same for a single file named by the user. One of `inputs` is not overwritten, not even by force.
+Result<Done> check_overwriting(const Path& file, bool force, const std::vector<Path>& inputs);
 
 /// Made only when there is something to put in, so that a bad input leaves no empty folder.
 Result<Done> make_folder(const Path& folder);

@@ -20,6 +20,7 @@ namespace partscribe::verify {
 namespace {
 
 constexpr std::size_t fewest_points = 30;
+constexpr double least_seen = 0.01;  // share of the surface that a pass needs
 
 /// Outcomes from best to worst.
 int badness(Outcome outcome) {
@@ -256,6 +257,10 @@ Result<Verdict> verify_artifacts(const std::vector<Path>& artifacts, const Scan&
                         (view_reach * source.disagreement > options.tolerance
                              ? ", since its views lie " + shown(source.disagreement, 0.0001) + " mm apart"
                              : "")};
+    } else if (result.verdict == Outcome::verified &&
+               result.model_to_data.supported < least_seen * result.model_to_data.area) {
+      result.verdict = Outcome::cannot_decide;
+      result.reasons.push_back("this scan cannot decide: it shows less than a hundredth of the artifact's surface");
     } else if (source.points.size() < fewest_points && result.verdict == Outcome::verified) {
       result.verdict = Outcome::cannot_decide;
       result.reasons.push_back("this scan cannot decide: it has only " + std::to_string(source.points.size()) +

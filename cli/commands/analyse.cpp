@@ -68,7 +68,7 @@ Result<AnalyseFiles> files_for(const AnalyseArguments& given, const Session& ses
       return usage_error(files.model.string() + " exists already; give --force to overwrite it or another --out");
   }
   for (const auto& file : all)
-    if (auto ok = check_overwriting(file, session.options.force); !ok) return ok.error();
+    if (auto ok = check_overwriting(file, session.options.force, {given.model}); !ok) return ok.error();
   if (!files.model.empty()) all.push_back(files.model);
   for (auto& file : all) file = std::filesystem::absolute(file).lexically_normal();
   std::sort(all.begin(), all.end());

@@ -19,7 +19,7 @@ Result<Operands> told_apart(const std::vector<Path>& files, const std::string& c
                        (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more of its kind" : "") +
                        "; add the scan file");
   for (const auto& artifact : operands.artifacts)
-    if (!std::filesystem::is_regular_file(artifact))
+    if (!is_file(artifact))
       return bad_input(artifact.string() + ": expected a script, a CAD file or a mesh, found no such file");
   return operands;
 }
@@ -31,7 +31,7 @@ Result<std::optional<Model>> model_of(const Path& artifact, const Path& named) {
     return std::optional<Model>(**model);
   }
   const Path beside = artifact.parent_path() / "model.json";
-  if (!std::filesystem::is_regular_file(beside)) return std::optional<Model>();
+  if (!is_file(beside)) return std::optional<Model>();
   auto model = read_model(beside);
   return model ? std::optional<Model>(**model) : std::optional<Model>();
 }

@@ -61,6 +61,8 @@ void serve(Server& server, const Context& context) {
 }
 
 Result<int> run_mcp(const McpArguments& given, Session& session) {
+  if (const auto& o = session.options; o.tolerance || !o.units.empty() || !o.out.empty() || o.force)
+    return usage_error("mcp takes no --tolerance, --units, --out or --force: they are arguments of each call");
   std::error_code failure;
   Workshop workshop;
   workshop.root = std::filesystem::canonical(given.root, failure);

@@ -90,7 +90,7 @@ Result<int> work(const MeasureArguments& given, const Path& folder, Session& ses
 Result<int> run_measure(const MeasureArguments& given, Session& session) {
   for (const auto& file : {given.json, given.csv})
     if (!file.empty())
-      if (auto ok = check_overwriting(file, session.options.force); !ok) return ok.error();
+      if (auto ok = check_overwriting(file, session.options.force, given.scans); !ok) return ok.error();
   const Path folder = output_folder(session.options, given.scans.front(), given.scans.front());
   if (auto ok = check_same_part(session.options, folder, given.scans); !ok) return ok.error();
   if (auto ok =

@@ -73,7 +73,7 @@ Result<Done> compare(const std::vector<Path>& files, Subject& subject, Session& 
 
 /// What a script or CAD file describes.
 Result<Done> evaluate(const Path& artifact, Subject& subject, Session& session) {
-  if (!std::filesystem::is_regular_file(artifact))
+  if (!is_file(artifact))
     return bad_input(artifact.string() + ": expected a script or CAD file to draw, found no such file");
   EvaluateOptions options;
   if (session.options.tolerance) options.tolerance = *session.options.tolerance;
@@ -113,7 +113,10 @@ Result<int> run_render(const RenderArguments& given, Session& session) {
       given.picture.empty() ? session.options.out / (given.files.front().stem().string() + ".png") : given.picture;
   if (picture.extension() != ".png")
     return usage_error("the picture is a PNG file: expected a name that ends in .png, found " + picture.string());
-  if (auto ok = check_overwriting(picture, session.options.force); !ok) return ok.error();
+  auto free = given.picture.empty()
+                  ? check_overwriting(session.options.out, {picture.filename().string()}, session.options.force)
+                  : check_overwriting(picture, session.options.force, given.files);
+  if (!free) return free.error();
   if (auto ok = session.stage("read"); !ok) return ok.error();
   Subject subject;
   const Path& first = given.files.front();

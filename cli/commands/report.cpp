@@ -21,7 +21,7 @@ namespace {
 constexpr const char* report_help =
     R"(Examples
   partscribe report bracket-partscribe --force              report.html again, after an edit
-  partscribe report bracket-partscribe --pictures figures   the page, and its pictures as PNG files
+  partscribe report bracket-partscribe --force --pictures figures   the page anew, and its pictures as PNG files
   partscribe report edited.scad bracket.ply --out review    verify my script and report what came out
   partscribe report bracket-partscribe --faces --force      with what 'partscribe measure' says of the scan
   partscribe report bracket-partscribe --serve              edit the script in the browser and verify it there
@@ -58,7 +58,7 @@ bool has_suffix(const Path& file, const std::vector<std::string>& suffixes) {
 Result<Done> evaluate_for_pictures(Material& material, Session& session) {
   for (auto& recorded : material.verdict.artifacts) {
     const Path file = material.folder / Path(recorded.file).filename();
-    if (!std::filesystem::is_regular_file(file)) continue;
+    if (!is_file(file)) continue;
     VerifyOptions options;
     options.tolerance = material.verdict.tolerance;
     if (material.model) options.outlier_rate = std::max(options.outlier_rate, outlier_rate_of(*material.model));
@@ -82,9 +82,7 @@ Result<Done> evaluate_for_pictures(Material& material, Session& session) {
 
 Result<Material> recorded_material(const Path& given, Session& session) {
   Material material;
-  material.folder = std::filesystem::is_directory(given) ? given
-                    : given.has_parent_path()            ? given.parent_path()
-                                                         : Path(".");
+  material.folder = is_folder(given) ? given : given.has_parent_path() ? given.parent_path() : Path(".");
   auto model = read_model(material.folder);
   if (!model) return model.error();
   material.model = **model;
@@ -209,8 +207,7 @@ Result<int> serve(const Material& material, std::string page, BenchPort& port, S
 
 Result<int> run_report(const ReportArguments& given, Session& session) {
   const Path& first = given.files.front();
-  const bool recorded =
-      given.files.size() == 1 && (std::filesystem::is_directory(first) || has_suffix(first, {".json"}));
+  const bool recorded = given.files.size() == 1 && (is_folder(first) || has_suffix(first, {".json"}));
   std::optional<BenchPort> port;
   if (given.serve) {
     auto taken = BenchPort::take(given.port);

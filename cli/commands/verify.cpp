@@ -60,9 +60,11 @@ std::string judged_by_itself(const Operands& operands) {
 Result<int> run_verify(const VerifyArguments& given, Session& session) {
   const auto operands = told_apart(given.files, "verify");
   if (!operands) return operands.error();
+  auto read = given.files;
+  read.push_back(given.model);
   for (const auto& file : {given.json, given.junit, given.csv})
     if (!file.empty())
-      if (auto ok = check_overwriting(file, session.options.force); !ok) return ok.error();
+      if (auto ok = check_overwriting(file, session.options.force, read); !ok) return ok.error();
   if (!given.pictures.empty())
     if (auto ok = check_overwriting(given.pictures, {"scan.png"}, session.options.force); !ok) return ok.error();
   const auto model = model_of(operands->artifacts.front(), given.model);

@@ -155,6 +155,8 @@ void Server::receive(const std::string& line) {
   if (!message) return send(error_line(nullptr, no_json, "expected one JSON message in a line"));
   const Json &id = member(*message, "id"), &method = member(*message, "method"), &params = member(*message, "params");
   const bool wants_answer = id.is_string() || id.is_number();
+  if (!wants_answer && message->is_object() && message->contains("id"))
+    return send(error_line(nullptr, no_request, "expected an id that is a text or a number"));
   if (!method.is_string()) {
     // An answer to a question that was not asked is ignored, as all answers are.
     if (member(*message, "result").is_null() && member(*message, "error").is_null())

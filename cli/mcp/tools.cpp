@@ -21,27 +21,31 @@ using Json = nlohmann::ordered_json;
 /// A command, and what a call of it says besides its arguments.
 struct CommandTool {
   Command command;
-  bool writes;             ///< files into the root, unless it is told otherwise
+  std::vector<std::string> writes;  ///< options of what it writes into the root; none: it only reads
   std::string asks = {};   ///< the option by which it is asked for pictures; empty: it writes some anyway, or none
   std::string place = {};  ///< of these pictures in the scratch folder
 };
 
 std::vector<CommandTool> command_tools() {
-  return {{build_command(), true, "--pictures=", "pictures"},
-          {verify_command(), false, "--pictures=", "pictures"},
-          {explain_command(), false},
-          {measure_command(), true},
-          {render_command(), false, "--picture=", "picture.png"}};
+  return {{build_command(), {"--out", "--force"}, "--pictures=", "pictures"},
+          {verify_command(), {}, "--pictures=", "pictures"},
+          {explain_command(), {}},
+          {measure_command(), {"--out", "--csv", "--force"}},
+          {render_command(), {"--picture", "--force"}, "--picture=", "picture.png"}};
 }
 
 /// What an agent may say: the command's own arguments and those of the shared ones that concern its work. How it speaks
-/// and where its pictures go is the server's.
-std::vector<Declared> arguments_of(const Command& command) {
-  std::vector<Declared> declared = declared_by(command);
+/// is the server's, and what a call that only reads would write is in its answer.
+std::vector<Declared> arguments_of(const CommandTool& tool) {
+  const auto is_one_of = [](const std::vector<std::string>& names) {
+    return [names](const Declared& d) { return std::find(names.begin(), names.end(), d.name) != names.end(); };
+  };
+  std::vector<Declared> declared = declared_by(tool.command);
   for (const auto& d : shared_options())
-    for (const char* concerns : {"--tolerance", "--units", "--out", "--force", "--threads"})
-      if (d.name == concerns) declared.push_back(d);
-  std::erase_if(declared, [](const Declared& d) { return d.name == "--json-file" || d.name == "--pictures"; });
+    if (is_one_of({"--tolerance", "--units", "--out", "--force", "--threads"})(d)) declared.push_back(d);
+  const auto output = is_one_of({"--out", "--force", "--picture", "--pictures", "--csv", "--junit", "--json-file"});
+  const auto written = is_one_of(tool.writes);
+  std::erase_if(declared, [&](const Declared& d) { return output(d) && !written(d); });
   return declared;
 }
 
@@ -69,6 +73,11 @@ struct Places {
     return bytes ? std::optional(std::move(*bytes)) : std::nullopt;
   }
 };
+
+std::vector<std::string> within_root(std::vector<std::string> files, const Path& root) {
+  std::erase_if(files, [&](const std::string& file) { return !lies_within(root / file, root); });
+  return files;
+}
 
 /// Nothing if there is no such picture.
 void add_picture(const Path& file, const Places& places, Json& content) {
@@ -129,12 +138,12 @@ Json short_model(const Json& model) {
 std::string tool_list() {
   Json list = Json::array();
   for (const auto& tool : command_tools()) {
-    const auto declared = arguments_of(tool.command);
+    const auto declared = arguments_of(tool);
     list.push_back({{"name", tool.command.name},
                     {"description", description_of(tool.command, declared)},
                     {"inputSchema", input_schema(declared)},
                     {"annotations",
-                     {{"readOnlyHint", !tool.writes},
+                     {{"readOnlyHint", tool.writes.empty()},
                       {"destructiveHint", false},
                       {"idempotentHint", true},
                       {"openWorldHint", false}}}});
@@ -147,7 +156,7 @@ std::string call_tool(const std::string& name, const std::string& arguments, con
   auto tools = command_tools();
   const auto tool = std::find_if(tools.begin(), tools.end(), [&](const auto& t) { return t.command.name == name; });
   if (tool == tools.end()) return failed_call("there is no tool '" + name + "'");
-  const auto declared = arguments_of(tool->command);
+  const auto declared = arguments_of(*tool);
   const auto given = command_words(Json::parse(arguments), declared, workshop.root);
   if (!given) return failed_call(given.error().message);
   const auto scratch = TemporaryDirectory::make();
@@ -169,6 +178,8 @@ std::string call_tool(const std::string& name, const std::string& arguments, con
   const Json said = Json::parse(output->out, nullptr, false);
   if (!said.is_object()) return failed_call(in_properties(complaint_in(*output), declared));
   Json content = Json::array(), structured = said;
+  if (structured.contains("files"))  // pictures in the scratch folder are gone with the call
+    structured["files"] = within_root(said.value("files", std::vector<std::string>()), places.root);
   structured["exit_code"] = output->exit_code;
   if (name == "build" || name == "verify") {
     add_verdict(said, places, pictures, content, structured);

@@ -104,9 +104,12 @@ void draw(ReportScene& scene, Context& context) {
 }  // namespace
 
 const ArtifactVerdict* drawn_artifact(const Verdict& verdict) {
+  const ArtifactVerdict* drawn = nullptr;
   for (const auto& artifact : verdict.artifacts)
-    if (!artifact.mesh.empty()) return &artifact;
-  return nullptr;
+    if (!artifact.mesh.empty() &&
+        (!drawn || (artifact.verdict == verdict.verdict && drawn->verdict != verdict.verdict)))
+      drawn = &artifact;
+  return drawn;
 }
 
 std::vector<float> deviations_of(const PointCloud& cloud, const ArtifactVerdict* artifact) {

@@ -49,7 +49,8 @@ std::optional<Vec3> direction_in(const std::string& text);
 /// From where one of view_words() says, or from where a direction in the scan's frame points.
 ReportView view_named(const std::string& word, const ReportScene& scene);
 
-/// The artifact whose geometry is drawn: the first that has a mesh; null if none ran.
+/// The artifact whose geometry is drawn: the first with a mesh of those that decide the verdict, else of all; null if
+/// none ran.
 const ArtifactVerdict* drawn_artifact(const Verdict& verdict);
 
 /// Signed local deviations of all points of the cloud; NaN for points that were set aside by a filter or found to be

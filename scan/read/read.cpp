@@ -19,6 +19,9 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+/// mm; what is larger is damage, and squares of it are no numbers.
+constexpr double farthest = 1e15;
+
 /// Three significant digits are enough for a warning.
 std::string rough(double value) {
   const double size = std::abs(value);
@@ -144,6 +147,11 @@ Result<Scan> joined(Pieces&& source, const ReadOptions& options, std::vector<Ran
     piece = {};
   }
   if (cloud.empty()) return bad_input(scan.files.front() + ": expected points, found not one return in all images");
+  const Box3 box = cloud.bounds();
+  const double reach = std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
+  if (!(reach < farthest))
+    return bad_input(scan.files.front() + ": expected coordinates below " + print_number(farthest) +
+                     " mm, found larger ones, or a unit or pose that makes them so");
   if (several_units) scan.warnings.push_back("the files state different units; each was converted by its own");
   if (!options.unit) warn_of_unit(scan, known, scan.warnings);
   return scan;

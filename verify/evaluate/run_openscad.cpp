@@ -23,6 +23,9 @@ std::string without_folders(std::string line, const std::string& name) {
   return line.erase(begin + 1, end - begin);  // npos + 1 is 0
 }
 
+/// What OpenSCAD says of its own memory, not of the script.
+constexpr const char* its_own_warning = "WARNING: GeometryEvaluator: Node didn't fit into cache";
+
 /// Lines in which OpenSCAD complains about the script `name`; at most twenty, for a loop can repeat one a million
 /// times.
 std::vector<std::string> complaints_in(const std::string& text, const std::string& name) {
@@ -31,8 +34,9 @@ std::vector<std::string> complaints_in(const std::string& text, const std::strin
   for (std::string line; std::getline(lines, line);) {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
     const bool complains = line.find("WARNING") != std::string::npos || line.find("ERROR") != std::string::npos;
-    if (!complains) continue;
+    if (!complains || line.starts_with(its_own_warning)) continue;
     line = without_folders(std::move(line), name);
+    if (line.find("Can't open") != std::string::npos) line += " (a script reads files of its own folder and below)";
     if (std::find(found.begin(), found.end(), line) == found.end()) found.push_back(line);
     if (found.size() == 20) break;
   }
@@ -95,9 +99,15 @@ Result<Evaluation> run_script(const Path& path, const std::vector<Path>& files, 
   reach.readable.push_back(script);
   reach.readable.insert(reach.readable.end(), files.begin(), files.end());
   // Absolute paths: 2021.01 resolves relative output names differently per format. Binary STL: ASCII keeps 6 digits.
-  const auto run = run_confined({"openscad", "-o", stl.string(), "--export-format", "binstl", "--hardwarnings",
-                                 "--check-parameters=true", "--check-parameter-ranges=true", script.string()},
-                                {options.seconds, options.memory_mb, most_file_mb}, reach, context);
+  const auto execute = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"openscad", "-o", stl.string(), "--export-format", "binstl"};
+    words.insert(words.end(), more.begin(), more.end());
+    words.insert(words.end(), {"--check-parameters=true", "--check-parameter-ranges=true", script.string()});
+    return run_confined(words, {options.seconds, options.memory_mb, most_file_mb}, reach, context);
+  };
+  auto run = execute({"--hardwarnings"});
+  // It ends with the first warning, also where that is none of the script's.
+  if (run.ok() && run->exit_code != 0 && run->err.find(its_own_warning) != std::string::npos) run = execute({});
   if (!run.ok()) return run.error();
   evaluation.seconds = run->seconds;
   if (run->timed_out)

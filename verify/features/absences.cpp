@@ -128,7 +128,6 @@ const MeshFeature* Absences::feature_of(std::int32_t row) const {
 
 /// Walls of holes, bosses and countersinks that the scan shows and the artifact lacks.
 void Absences::find_missing() {
-  const Words words(tolerance_);
   std::vector<Vec3> places;
   std::vector<double> reach;
   std::vector<std::uint32_t> index;
@@ -158,7 +157,6 @@ void Absences::find_missing() {
       if (!found) found = wall_of(PrimitiveKind::cone, points, normals, close, tolerance_, on);
       if (!found) break;
       Absence a = *found;
-      a.hollow = spots_[rest.front()].deviation < 0;
       Finding& f = a.finding;
       f.kind = Finding::Kind::missing_material;
       double weight = 0, nearest = 1e300;
@@ -178,28 +176,73 @@ void Absences::find_missing() {
       }
       f.points = static_cast<std::size_t>(weight);
       f.feature = name_of_row(most_of(rows));
-      const double low = radius_at(a.axis, a.low), high = radius_at(a.axis, a.high);
-      f.extent = std::hypot(2 * std::max(low, high), a.high - a.low);
-      const bool cone = a.axis.kind == PrimitiveKind::cone;
-      const std::string what = cone ? "conical" : "cylindrical";
-      // A boss has an end; without one it is the wall of a hole that the artifact has too wide.
-      const bool open = !a.hollow && std::none_of(others.begin(), others.end(), [&](std::uint32_t i) {
+      // Where nobody knows from which side it was seen: a boss has an end, and what lies outside the artifact without
+      // one is the wall of a hole that the artifact has too wide.
+      const bool outside = spots_[rest.front()].deviation > 0;
+      const double side = seen_from_axis(a.axis, rest, close);
+      const bool ended = std::any_of(others.begin(), others.end(), [&](std::uint32_t i) {
         return spots_[i].foreign && holds(a, c_.source.points[spots_[i].point], -0.3 * a.axis.radius);
       });
-      if (open) a.hollow = true;
-      a.open = open;
-      f.reason = "the scan shows a " + what + " wall, the artifact has none";
-      f.text = (open ? "missing material about a " : "missing ") + noun_of(a) + ": the scan shows a " + what +
-               " wall of " +
-               (cone ? shown(degrees(2 * a.axis.half_angle), 0.1) + " degrees, diameter " + words.mm(2 * low) + " to " +
-                           words.mm(2 * high)
-                     : "diameter " + words.mm(2 * a.axis.radius)) +
-               " about " + words.place(a.center) + " along " + axis_text(a.axis.axis) + ", the artifact has none";
+      a.hollow = side != 0 ? side > 0 : !outside || !ended;
+      a.open = a.hollow && outside;
       missing_.push_back(std::move(a));
       if (others.size() == rest.size()) break;
       rest = std::move(others);
     }
   }
+  join_pieces(2 * (close + c_.source.spacing));
+  for (auto& a : missing_) tell_missing(a);
+}
+
+/// Positive where the wall was seen from its axis, as that of a hole is; negative from outside; 0 where nobody knows.
+double Absences::seen_from_axis(const Primitive& wall, const std::vector<std::uint32_t>& spots, double close) const {
+  const bool known = c_.source.closed_surface && !c_.source.normals.empty();
+  if (!known && c_.source.rays.empty()) return 0;
+  double side = 0;
+  for (const auto i : spots) {
+    const auto p = spots_[i].point;
+    const Vec3& point = c_.source.points[p];
+    if (std::abs(distance(wall, point)) > close) continue;
+    side += (known ? c_.source.normals[p] : Vec3(-c_.source.rays[p])).dot(surface_normal(wall, point));
+  }
+  return -side;
+}
+
+/// A wall that a face of the artifact cuts in two, or that lies partly outside of it, is one.
+void Absences::join_pieces(double gap) {
+  for (std::size_t i = 0; i < missing_.size(); ++i)
+    for (std::size_t k = missing_.size(); --k > i;) {
+      Absence &a = missing_[i], &b = missing_[k];
+      if (!equal(a, b) || a.axis.kind != PrimitiveKind::cylinder) continue;
+      const Vec3& axis = a.axis.axis;
+      const Vec3 apart = b.center - a.center;
+      const double along = apart.dot(axis), half = 0.5 * (b.high - b.low);
+      const double middle = (a.center - a.axis.point).dot(axis) + along;  // of b, from a's point
+      if ((apart - along * axis).norm() > gap || middle - half > a.high + gap || middle + half < a.low - gap) continue;
+      a.low = std::min(a.low, middle - half), a.high = std::max(a.high, middle + half);
+      a.center = a.axis.point + 0.5 * (a.low + a.high) * axis;
+      a.open = a.open && b.open;
+      if (b.finding.points > a.finding.points) a.finding.feature = b.finding.feature, a.finding.place = b.finding.place;
+      a.finding.area += b.finding.area, a.finding.points += b.finding.points;
+      a.finding.deviation = std::max(a.finding.deviation, b.finding.deviation);
+      missing_.erase(missing_.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+}
+
+void Absences::tell_missing(Absence& a) const {
+  const Words words(tolerance_);
+  const double low = radius_at(a.axis, a.low), high = radius_at(a.axis, a.high);
+  const bool cone = a.axis.kind == PrimitiveKind::cone;
+  const std::string what = cone ? "conical" : "cylindrical";
+  Finding& f = a.finding;
+  f.extent = std::hypot(2 * std::max(low, high), a.high - a.low);
+  f.reason = "the scan shows a " + what + " wall, the artifact has none";
+  f.text = (a.open ? "missing material about a " : "missing ") + noun_of(a) + ": the scan shows a " + what +
+           " wall of " +
+           (cone ? shown(degrees(2 * a.axis.half_angle), 0.1) + " degrees, diameter " + words.mm(2 * low) + " to " +
+                       words.mm(2 * high)
+                 : "diameter " + words.mm(2 * a.axis.radius)) +
+           " about " + words.place(a.center) + " along " + axis_text(a.axis.axis) + ", the artifact has none";
 }
 
 /// Holes, bosses and countersinks of the artifact that the scan shows nothing of, or an unbroken face across.

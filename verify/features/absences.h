@@ -54,6 +54,9 @@ class Absences {
   std::vector<Finding> findings_;
 
   void find_missing();
+  double seen_from_axis(const Primitive& wall, const std::vector<std::uint32_t>& spots, double close) const;
+  void join_pieces(double gap);
+  void tell_missing(Absence& a) const;
   void find_extra();
   void join_moved();
   void count_equal();

@@ -84,6 +84,8 @@ TEST_CASE("mcp server: what is no request gets the error that JSON-RPC has for i
   CHECK(code("[]") == -32600);
   CHECK(code("7") == -32600);
   CHECK(code(R"({"id": 1})") == -32600);
+  CHECK(code(R"({"id": null, "method": "ping"})") == -32600);
+  CHECK(code(R"({"id": {}, "method": "ping"})") == -32600);
   CHECK(code(std::string(longest_message + 1, ' ') + "x") == -32600);
   CHECK(code(R"({"id": 1, "method": "resources/list"})") == -32601);
   CHECK(code(R"({"id": 1, "method": "tools/call"})") == -32602);

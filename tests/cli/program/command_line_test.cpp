@@ -249,6 +249,44 @@ TEST_CASE("command line: nothing is overwritten without --force") {
   CHECK(bytes_of(folder.path() / "part.scad") == first);
 }
 
+TEST_CASE("command line: what a command reads it does not write, not even with --force") {
+  const TemporaryDirectory folder;
+  const Path f = folder.path();
+  const std::string part = tetrahedron_off(), scan = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  REQUIRE(write_file(f / "part.off", part).ok());
+  REQUIRE(write_file(f / "scan.xyz", scan).ok());
+  const std::vector<std::vector<std::string>> commands = {
+      {"verify", "part.off", "scan.xyz", "--force", "--csv", "part.off"},
+      {"verify", "part.off", "scan.xyz", "--force", "--json-file", "./scan.xyz"},
+      {"measure", "part.off", "--force", "--csv", "part.off"},
+      {"render", "part.off", "--log", "part.off"}};
+  for (const auto& command : commands) {
+    const auto output = run_partscribe(command, f);
+    INFO(command.front() << " " << command.back());
+    CHECK(output.exit_code == 2);
+    check_one_line(output.err);
+    CHECK(output.err.find("is read by this command") != std::string::npos);
+  }
+  CHECK(bytes_of(f / "part.off") == part);
+  CHECK(bytes_of(f / "scan.xyz") == scan);
+}
+
+TEST_CASE("command line: names that lead nowhere are refused by every command in one line") {
+  const TemporaryDirectory folder;
+  const Path f = folder.path();
+  std::filesystem::create_symlink("loop.step", f / "loop.step");
+  REQUIRE(write_file(f / "scan.xyz", "0 0 0\n1 0 0\n").ok());
+  for (const std::string& file : {std::string("loop.step"), std::string(300, 'a') + ".scad"})
+    for (const std::string command : {"verify", "render", "report"}) {
+      std::vector<std::string> words = {command, file};
+      if (command != "render") words.push_back("scan.xyz");
+      const auto output = run_partscribe(words, f);
+      INFO(command << " " << file);
+      CHECK(output.exit_code == 3);
+      CHECK(output.err.find("internal error") == std::string::npos);
+    }
+}
+
 TEST_CASE("command line: build refuses an occupied folder before the long work") {
   const TemporaryDirectory folder;
   REQUIRE(write_file(folder.path() / "part.off", tetrahedron_off()).ok());

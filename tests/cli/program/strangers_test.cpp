@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "geometry/io/read_geometry.h"
 #include "testing/processes.h"
 #include "testing/program.h"
 
@@ -162,6 +163,22 @@ TEST_CASE("strangers: whatever runs in OpenSCAD's place sees no other file, writ
   CHECK(lines_with(output.out, "ERROR").empty());
   CHECK_FALSE(std::filesystem::exists(desk.folder / "partscribe-wrote-this"));
   ::close(listening);
+}
+
+TEST_CASE("strangers: what OpenSCAD says of its own memory is no fault of a script") {
+  if (!can_confine()) return;
+  const Desk desk;
+  const FakeOpenscad fake(
+      "case \"$*\" in *--hardwarnings*) echo \"WARNING: GeometryEvaluator: Node didn't fit into cache.\" >&2; exit 1;; "
+      "esac\necho \"WARNING: GeometryEvaluator: Node didn't fit into cache.\" >&2\ncat '" +
+      (desk.folder / "block.stl").string() + "' > $stl\n");
+  Context context;
+  const auto block = geometry::read_geometry(desk.secret, context);
+  REQUIRE(block.ok());
+  desk.put("block.stl", geometry::write_stl(block->mesh));
+  const auto output = desk.verdict("import(\"block.stl\");");
+  INFO(output.out << output.err);
+  CHECK(output.exit_code == 0);
 }
 
 TEST_CASE("strangers: a program that multiplies is ended with all that it started") {

@@ -367,6 +367,8 @@ TEST_CASE("read_scan: bad inputs are refused in one line that names file and pla
       {view(R"("png": "r.png", "invalid_code": 70000)"), "invalid_code: expected a code from 0 to 65535"},
       {view(R"("png": "none.png", "z0": 1, "q": 1, "fx": 1, "fy": 1, "cx": 0, "cy": 0)"),
        "expected points, found not one return in all images"},
+      {view(R"("png": "r.png", "z0": 1e300, "q": 1, "fx": 1, "fy": 1, "cx": 0, "cy": 0)"),
+       "expected coordinates below"},
   };
   for (const auto& [text, message] : bad) {
     CAPTURE(text.substr(0, 200));

@@ -71,6 +71,23 @@ bool begins(const std::string& text, const std::string& start) { return text.rfi
 
 }  // namespace
 
+TEST_CASE("first finding: a hole that an artifact without it cuts in two is one, and a hole") {
+  const TriangleMesh plate = holed_plate(20, 10, 3, 2, -4);
+  const Box3 space = plate.bounds();
+  const TriangleMesh lower = box(space.low, space.high - Vec3(0, 0, 4));
+  Scan mesh;
+  mesh.mesh = plate, mesh.cloud.points = plate.vertices, mesh.views.push_back({});
+  for (const auto& scan : {mesh, scanned(plate, 60000, sigma)}) {
+    const auto verdict = verdict_on(lower, scan, options());
+    const auto found = faults(verdict);
+    INFO(all(found));
+    REQUIRE(!found.empty());
+    CHECK(begins(found[0], "missing hole: the scan shows a cylindrical wall of diameter 6"));
+    CHECK(all(found).find("in the scan") == std::string::npos);
+    CHECK(all(found).find("boss") == std::string::npos);
+  }
+}
+
 TEST_CASE("first finding: equal holes are counted on both sides, and those that the scan lacks are named") {
   const std::vector<StripHole> seven(7, StripHole{1.5});
   auto five = seven;

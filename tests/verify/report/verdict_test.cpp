@@ -212,6 +212,16 @@ TEST_CASE("verdict: below the noise the scan cannot decide") {
   CHECK(verdict_on(truth, scan, at(1.5 * verdict.smallest_honest_tolerance)).verdict == Outcome::verified);
 }
 
+TEST_CASE("verdict: a scan that shows next to nothing of the artifact cannot decide") {
+  Scan dot = scanned(box({0, 0, 0}, {0.01, 0.01, 0.01}), 2000, 0);
+  auto aligned = at(T);
+  aligned.align = AlignBy::best_fit;
+  const auto verdict = verdict_on(pin(), dot, aligned);
+  INFO(all_reasons(verdict));
+  CHECK(verdict.verdict == Outcome::cannot_decide);
+  CHECK(all_reasons(verdict).find("less than a hundredth") != std::string::npos);
+}
+
 TEST_CASE("verdict: an open, torn or inside-out artifact is refused") {
   const auto truth = sphere(20, 60);
   const auto scan = scanned(truth, 30000, sigma);
