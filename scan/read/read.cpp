@@ -22,10 +22,10 @@ std::string lower_case(std::string text) {
 /// mm; what is larger is damage, and squares of it are no numbers.
 constexpr double farthest = 1e15;
 
-/// Three significant digits are enough for a warning.
+/// Three significant digits are enough for a warning; of a number so small that it has none left, none.
 std::string rough(double value) {
-  const double size = std::abs(value);
-  return print_number(size > 0 ? snapped(value, power_of_ten_below(size) / 100) : 0);
+  const double step = value == 0 ? 0 : power_of_ten_below(std::abs(value)) / 100;
+  return print_number(step > 1e-300 ? snapped(value, step) : 0);
 }
 
 bool near_multiple(double value, double step, double tolerance) {
