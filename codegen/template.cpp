@@ -5,6 +5,9 @@
 namespace partscribe::codegen {
 namespace {
 
+// What a template may ask for; sections of one list within each other multiply.
+constexpr std::size_t deepest = 64, most_steps = 30'000'000, most_bytes = 512u << 20;
+
 bool blank(std::string_view text) { return text.find_first_not_of(" \t") == std::string_view::npos; }
 
 std::string_view trimmed(std::string_view text) {
@@ -117,6 +120,8 @@ class Renderer {
     for (std::size_t i = 0; i < tokens_.size(); ++i) {
       const Token& t = tokens_[i];
       if (t.kind == Token::Kind::open || t.kind == Token::Kind::open_if_empty) open.push_back(i);
+      if (open.size() > deepest)
+        return fault(t, "expected at most " + std::to_string(deepest) + " sections within each other");
       if (t.kind != Token::Kind::close) continue;
       if (open.empty()) return fault(t, "expected no {{/" + t.text + "}} here, no section is open");
       const Token& opened = tokens_[open.back()];
@@ -134,9 +139,12 @@ class Renderer {
     return Done{};
   }
 
-  Result<Done> render(std::size_t begin, std::size_t end, Scopes& scopes, std::string& out) const {
+  Result<Done> render(std::size_t begin, std::size_t end, Scopes& scopes, std::string& out) {
     for (std::size_t i = begin; i < end; ++i) {
       const Token& t = tokens_[i];
+      if (++steps_ > most_steps || out.size() > most_bytes)
+        return fault(t,
+                     "expected a text of at most 512 MB made in 30 million steps, found more: its sections multiply");
       switch (t.kind) {
         case Token::Kind::text:
           out += t.text;
@@ -174,7 +182,7 @@ class Renderer {
 
  private:
   Result<Done> section(const Token& t, const TemplateValue& value, std::size_t begin, std::size_t end, Scopes& scopes,
-                       std::string& out) const {
+                       std::string& out) {
     const auto* text = std::get_if<std::string>(&value.value);
     const auto* list = std::get_if<TemplateList>(&value.value);
     const bool if_empty = t.kind == Token::Kind::open_if_empty;
@@ -202,6 +210,7 @@ class Renderer {
 
   std::vector<Token> tokens_;
   std::vector<std::size_t> closing_;
+  std::size_t steps_ = 0;
   const std::string& where_;
 };
 

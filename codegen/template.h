@@ -7,7 +7,8 @@
 ///   {{! remark}}              nothing
 /// A line that holds nothing but section tags and remarks leaves no trace. A {{name}} that stands first on its line
 /// hands its indentation on to all lines of its text; where such a text is empty and alone, the line is left out.
-/// Unknown keys, wrong kinds and unbalanced sections are errors that name the template's file and line.
+/// Unknown keys, wrong kinds, unbalanced sections and sections that multiply beyond measure are errors that name the
+/// template's file and line.
 #pragma once
 
 #include <map>

@@ -52,6 +52,21 @@ TEST_CASE("template: bad templates are refused with file and line") {
   CHECK(rendered("{{l}}\n", {{"l", TemplateList{}}}) == "error: test.txt:1: 'l' is a list or record, expected a text");
 }
 
+TEST_CASE("template: sections that multiply, or stand in one another without end, are refused") {
+  const auto nested = [](int times) {
+    std::string text = "{{name}}";
+    for (int i = 0; i < times; ++i) text = "{{#list}}" + text + "{{/list}}";
+    return text;
+  };
+  const auto result = [&](int times, const std::string& name) {
+    return rendered(nested(times), {{"name", name}, {"list", template_lines({"a", "b", "c"})}});
+  };
+  CHECK(result(3, "x") == std::string(27, 'x'));
+  CHECK(result(40, "").find("its sections multiply") != std::string::npos);
+  CHECK(result(9, std::string(1 << 16, 'x')).find("its sections multiply") != std::string::npos);
+  CHECK(result(10'000, "x") == "error: test.txt:1: expected at most 64 sections within each other");
+}
+
 TEST_CASE("template packs: a folder replaces single templates and nothing else") {
   TemporaryDirectory folder;
   auto builtin = load_template_pack("openscad", {});
