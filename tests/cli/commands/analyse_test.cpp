@@ -235,7 +235,7 @@ TEST_CASE("analyse: bad_usage: every wish that cannot be met ends with 2 and one
       {{"--target", "volume=7000mm3", "--by", "bore_radius"}, "no value of bore_radius gives 7000 mm^3"},
       {{"--urdf", "part.stl"}, "its mesh goes into the .stl of the same name"},
       {{"--urdf", "missing/part.urdf"}, "there is no folder missing"},
-      {{"--urdf", "model.json"}, "exists already"},
+      {{"--urdf", "model.json"}, "is read by this command"},
       {{"--urdf", "a.xml", "--mjcf", "a.xml"}, "two options name the same file"},
       {{"--urdf", "a.json", "--json-file", "./a.json"}, "two options name the same file"},
       {{"--frame", "world"}, "expected one of scan, part"},
