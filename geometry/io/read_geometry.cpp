@@ -6,6 +6,7 @@
 
 #include "geometry/io/read_formats.h"
 #include "geometry/points/keep_points.h"
+#include "geometry/points/place.h"
 #include "geometry/points/repeated_places.h"
 
 namespace partscribe::geometry {
@@ -80,13 +81,6 @@ Parser parser_for(std::string_view bytes, const std::string& name) {
   if (suffix == ".xyz" || suffix == ".asc" || suffix == ".pts" || suffix == ".txt" || suffix == ".csv")
     return parse_xyz;
   return looks_like_obj(bytes) ? parse_obj : parse_xyz;
-}
-
-/// Farther out nobody can compute squares of distances of 1e-6 mm; such numbers are damage, not places.
-constexpr double farthest = 1e15;
-
-bool is_place(const Vec3& p) {
-  return std::abs(p.x()) < farthest && std::abs(p.y()) < farthest && std::abs(p.z()) < farthest;
 }
 
 /// Drops the other points and the triangles on them.

@@ -7,6 +7,7 @@
 #include "core/number.h"
 #include "geometry/io/read_geometry.h"
 #include "geometry/mesh/mesh_facets.h"
+#include "geometry/points/place.h"
 #include "scan/read/range_file.h"
 #include "scan/read/sources.h"
 
@@ -18,9 +19,6 @@ std::string lower_case(std::string text) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return text;
 }
-
-/// mm; what is larger is damage, and squares of it are no numbers.
-constexpr double farthest = 1e15;
 
 /// Three significant digits are enough for a warning; of a number so small that it has none left, none.
 std::string rough(double value) {
@@ -147,10 +145,8 @@ Result<Scan> joined(Pieces&& source, const ReadOptions& options, std::vector<Ran
     piece = {};
   }
   if (cloud.empty()) return bad_input(scan.files.front() + ": expected points, found not one return in all images");
-  const Box3 box = cloud.bounds();
-  const double reach = std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
-  if (!(reach < farthest))
-    return bad_input(scan.files.front() + ": expected coordinates below " + print_number(farthest) +
+  if (!std::all_of(cloud.points.begin(), cloud.points.end(), is_place))
+    return bad_input(scan.files.front() + ": expected coordinates below " + print_number(farthest_place) +
                      " mm, found larger ones, or a unit or pose that makes them so");
   if (several_units) scan.warnings.push_back("the files state different units; each was converted by its own");
   if (!options.unit) warn_of_unit(scan, known, scan.warnings);
