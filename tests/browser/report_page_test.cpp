@@ -320,7 +320,7 @@ TEST_CASE("browser: a dark screen gets dark colours that can be read, the button
 }
 
 TEST_CASE(
-    "browser: every artifact has its map; another one is seen from where the first was, findings lead back to the "
+    "browser: every artifact has its map, another one is seen from where the first was, findings lead back to the "
     "first") {
   NEEDS_CHROMIUM
   const Page page;

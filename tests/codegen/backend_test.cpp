@@ -361,7 +361,7 @@ TEST_CASE("backends: an open sheet is covered, and OpenSCAD gets a closed solid 
   CHECK(volume(solid.mesh) == Approx(2 * area(front)).epsilon(0.03));
 }
 
-TEST_CASE("backends: an open surface is covered as far as its border, in each backend; OpenSCAD makes it a solid") {
+TEST_CASE("backends: an open surface is covered as far as its border, in each backend, OpenSCAD makes it a solid") {
   const Model& model = golden("cowl");
   const auto surfaces = trimmed_surfaces(cowl().patches);
   const SurfaceTriangles fine = triangulated(surfaces, 0.002);

@@ -245,7 +245,7 @@ TEST_CASE("half spaces: no points, or points without normals, give no proposal")
 }
 
 TEST_CASE(
-    "wedges: among outliers a block whose side was not seen may be a wedge; one whose slope was seen has its numbers") {
+    "wedges: among outliers a block whose side was not seen may be a wedge, one whose slope was seen has its numbers") {
   Context context;
   const auto wedges_of = [&](const FitInput& input) {
     std::vector<Candidate> wedges = propose_polyhedra(input, context);

@@ -481,7 +481,7 @@ TEST_CASE("generalized delaunay: samples that no triangle fits on are named") {
   CHECK(none.uncovered == specks);
 }
 
-TEST_CASE("generalized delaunay: the same input gives the same bytes; mirrored or moved it gives the same triangles") {
+TEST_CASE("generalized delaunay: the same input gives the same bytes, mirrored or moved it gives the same triangles") {
   const auto bay = [](double x, double y) { return Vec2(x - 9, y - 4).norm() < 5 ? nowhere : bumps(x, y); };
   const SampleLattice lattice = noisy(lattice_of(bay, 70, 60, 0.5), 0.02, 9);
   const GeneralizedDelaunay one = triangulated(lattice, 0.15), two = triangulated(lattice, 0.15);

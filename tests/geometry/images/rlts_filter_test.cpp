@@ -327,7 +327,7 @@ TEST_CASE("rlts filter: bit errors beyond the noise are found and named, low bit
   CHECK(kept_share(s, f) > 0.99);
 }
 
-TEST_CASE("rlts filter: rejected pixels are flagged and left as they are; missing ones stay missing") {
+TEST_CASE("rlts filter: rejected pixels are flagged and left as they are, missing ones stay missing") {
   auto s = range_scene({.bit_error = 0.02}, [](double x, double y) {
     return std::fmod(x * 7 + y * 3, 11) < 1 ? std::numeric_limits<double>::quiet_NaN() : 30 + 0.1 * x;
   });

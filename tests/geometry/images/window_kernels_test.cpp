@@ -27,7 +27,7 @@ Line line_of(std::array<float, 5> z, float sigma) {
 
 }  // namespace
 
-TEST_CASE("trimmed lines: two wild samples of five change nothing, wherever they are; three do") {
+TEST_CASE("trimmed lines: two wild samples of five change nothing, wherever they are, three do") {
   Random random(3);
   for (int a = 0; a < 5; ++a)
     for (int b = a + 1; b < 5; ++b) {

@@ -114,7 +114,7 @@ TEST_CASE("read STL: ascii with several solids and binary give the same welded b
   check_block(parsed(binary, "without_suffix"));
 }
 
-TEST_CASE("read STL: a count that was never filled in is counted; bytes at the end are ignored aloud") {
+TEST_CASE("read STL: a count that was never filled in is counted, bytes at the end are ignored aloud") {
   auto bytes = write_stl(block());
   std::memset(bytes.data() + 80, 0, 4);
   const auto counted = parsed(bytes, "a.stl");
@@ -279,7 +279,7 @@ TEST_CASE("read 3MF: stored and deflated archives, the unit, components and buil
         1e-12);  // (2,3,0) -> (-6,4,0) + (10,20,30) = (4,24,30), mirrored in x
 }
 
-TEST_CASE("read 3MF: prefixed names, entities and comments are XML; damage is named") {
+TEST_CASE("read 3MF: prefixed names, entities and comments are XML, damage is named") {
   const std::string body = "<!-- <x:object id=\"7\"> --><x:model xmlns:x=\"core\" unit=\"&#105;nch\"><x:resources>" +
                            block_xml("1") + "</x:resources><x:build><x:item objectid=\"1\"/></x:build></x:model>";
   check_block(parsed(zip({{"3D/part.model", body}}, true), "a.3mf"));
@@ -289,7 +289,7 @@ TEST_CASE("read 3MF: prefixed names, entities and comments are XML; damage is na
     return raw.ok() ? std::string() : raw.error().message;
   };
   CHECK(fault(zip({{"3D/part.model", body.substr(0, body.size() - 9)}}, true))
-            .find("expected whole XML in 3d/part.model, found ") != std::string::npos);
+            .find("expected whole XML in '3d/part.model', found ") != std::string::npos);
   CHECK(fault(zip({{"readme.txt", "x"}}, true)).find("expected a 3-D model") != std::string::npos);
   auto damaged = zip({{"3D/part.model", body}}, false);
   damaged[damaged.find("vertex x") + 7] = 'y';

@@ -204,7 +204,7 @@ std::string packed(const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("read PCD: ascii, binary and binary_compressed hold the same points; organised ones know their pixels") {
+TEST_CASE("read PCD: ascii, binary and binary_compressed hold the same points, organised ones know their pixels") {
   auto p = far_points;
   p.resize(60);
   for (std::size_t i = 20; i < 40; ++i) p[i].z() = 0;  // something to compress

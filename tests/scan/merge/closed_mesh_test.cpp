@@ -125,7 +125,7 @@ TEST_CASE("closed mesh: the hole of a ring is beyond it, and it says so") {
   CHECK((found.within < 1 || found.crossings > 0));
 }
 
-TEST_CASE("closed mesh: the same for any number of threads; bad_points say what was expected") {
+TEST_CASE("closed mesh: the same for any number of threads, bad_points say what was expected") {
   const auto points = hilly_ball(3000);
   const ClosedMesh one = closed_around(points, {}, 1), three = closed_around(points, {}, 3);
   CHECK(one.mesh.vertices == three.mesh.vertices);

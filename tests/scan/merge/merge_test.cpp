@@ -169,7 +169,7 @@ TEST_CASE("merge: of a thin wall a side of few samples stays beside one of many"
                       [](const Vec3& n) { return n.z() < 0; }) == 100);
 }
 
-TEST_CASE("merge: the same for any number of threads; bad input gives nothing") {
+TEST_CASE("merge: the same for any number of threads, bad input gives nothing") {
   const PointCloud cloud = plane_twice();
   Context one, four;
   one.threads = 1, four.threads = 4;

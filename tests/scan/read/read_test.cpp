@@ -209,7 +209,7 @@ TEST_CASE("read_scan: facets of the wrong sense are turned, and counted in one l
   CHECK(topology(both.mesh).closed());
 }
 
-TEST_CASE("read_scan: poses of a scan.json move points, normals and rays; its guesses only when asked for") {
+TEST_CASE("read_scan: poses of a scan.json move points, normals and rays, its guesses only when asked for") {
   Folder folder;
   PointCloud cloud;
   cloud.points = {{1, 2, 3}};

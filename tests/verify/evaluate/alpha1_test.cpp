@@ -315,7 +315,7 @@ Body : shellOfSurfaces( Skin );
   CHECK(half == Approx(whole / 2).epsilon(2e-3));
 }
 
-TEST_CASE("alpha1: a surface within a border has the area inside of it; borders have to close, and shells to fit") {
+TEST_CASE("alpha1: a surface within a border has the area inside of it, borders have to close, and shells to fit") {
   // 40 x 30, flat; u and v run from 0 to 1.
   const std::string sheet = R"(
 Net : seqCollect {

@@ -323,7 +323,7 @@ TEST_CASE("run occt: an open set of faces is no solid") {
 }
 
 TEST_CASE(
-    "run occt: faces that miss one another are sewn up to a share of the tolerance; beyond it width and place are "
+    "run occt: faces that miss one another are sewn up to a share of the tolerance, beyond it width and place are "
     "named") {
   Bench bench;
   IGESControl_Controller::Init();

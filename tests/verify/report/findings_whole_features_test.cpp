@@ -213,7 +213,7 @@ TEST_CASE("first finding: whole features come before patches, however large") {
   for (const auto& text : found) CHECK(text.find("over 0 mm^2") == std::string::npos);
 }
 
-TEST_CASE("outliers: as many as are announced are set aside, and counted; a crowd among them is none") {
+TEST_CASE("outliers: as many as are announced are set aside, and counted, a crowd among them is none") {
   const auto rod = turned({{0, 0}, {5, 0}, {5, 20}, {0, 20}}, 128);
   auto scan = scanned(rod, 3000, sigma);
   Random random(4);
